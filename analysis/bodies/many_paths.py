@@ -43,7 +43,7 @@ WINDOWS = 4  # in a row for rest
 CHATTER = 6.0  # shortest steps of the fastest wheel: how far a pose at rest may go to and fro; farther, it circles
 CROSSINGS = 8.0  # of the array at the fastest wheel's speed: the last time unless one is given
 
-OnStep = Callable[[int, int], None]
+OnStep = Callable[[int, int, str], None]  # paths that have ended, paths in all, and up to when all are followed
 
 
 class BodyEnd(StrEnum):
@@ -69,6 +69,7 @@ class BodyEnds:
         times: at which each path ends (m,).
         reasons: places in :data:`ENDS`, (m,).
         over: numbers, as in the scene, of the two wheels (m, 2) over whose line the body tips; 0 for none.
+        turning: rates of theta (m,), means over the last windows of steps; not a number where none was seen.
         until: the last time.
     """
 
@@ -77,6 +78,7 @@ class BodyEnds:
     times: Floats
     reasons: Numbers
     over: Numbers
+    turning: Floats
     until: float
 
     def by(self, reason: BodyEnd) -> Mask:
@@ -95,6 +97,7 @@ class _State:
         self.over = np.full((count, 2), NOBODY)
         self.means, self.anchors = starts.copy(), np.full((count, 3), np.nan)
         self.extents = np.zeros((count, 3))  # of the poses in the last window
+        self.turning = np.full(count, np.nan)  # mean rates of theta
         self.quiet = np.zeros(count, int)  # windows in a row with the shortest steps
 
     @property
@@ -142,7 +145,7 @@ class ManyPaths:
         Args:
             starts: poses.
             until: last time; :meth:`last_time` unless given.
-            report: told from time to time how many of all paths have ended.
+            report: told from time to time how many of all paths have ended, and up to when all are followed.
         """
         last = self.last_time() if until is None else until
         longest = min(STEP * self.spacing / (self._fastest or 1.0), last / WINDOW)
@@ -151,8 +154,11 @@ class ManyPaths:
             self._window(state, field, last)
             self._judge(state, longest)
             if report is not None:
-                report(len(starts) - len(state.going), len(starts))
-        return BodyEnds(starts, state.poses, state.times, state.reasons, self._numbers[state.over], last)
+                going = state.going
+                reached = float(state.times[going].min()) if len(going) else last
+                report(len(starts) - len(going), len(starts), f"t = {reached:.3g} of {last:.3g}")
+        over = self._numbers[state.over]
+        return BodyEnds(starts, state.poses, state.times, state.reasons, over, state.turning, last)
 
     def _motions(self, count: int) -> Motions:
         """How bodies move that stand, on a number of paths."""
@@ -197,9 +203,10 @@ class ManyPaths:
         paths = state.going
         shortest = longest / 2**HALVINGS
         spans = WINDOW * state.steps[paths]
-        drift = self._distance(state.means[paths] - state.anchors[paths]) / spans / (self._fastest or 1.0)
-        count = np.maximum(state.quiet[paths], 1)
-        drift /= count
+        spans *= np.maximum(state.quiet[paths], 1)
+        rates = (state.means[paths] - state.anchors[paths]) / spans[:, None]
+        state.turning[paths] = rates[:, 2]
+        drift = self._distance(rates) / (self._fastest or 1.0)
         short = state.steps[paths] <= shortest * 1.001
         waits = short & (drift < SLOW)
         full = waits & (state.quiet[paths] >= WINDOWS)

@@ -141,7 +141,8 @@ def _coming_near(scene: Scene, ends: Ends, unit: str) -> Iterator[Fact]:
     yield Fact("within", Quantity(Fraction(within)))
     yield Fact("after", Quantity(Fraction(after)))
     kept = "" if scene.body is None else ", while the same wheels carry it"
-    yield said(f"within {ends_within}{unit}, from anywhere within {within}{unit}, in at most {after} s{kept}")
+    start = f"from anywhere within {within}{unit} of it, in at most {after} s{kept}"
+    yield said(f"within {ends_within}{unit} of the point, {start}")
     yield _swing(ends, unit)
     if any(ends.at):
         yield said(f"it ends within {at_most(ends.about)}{unit} of {_point(scene, ends)}")

@@ -74,9 +74,7 @@ def robust_facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     for key, value in zip(KEYS, numbers, strict=True):
         yield Fact(key, Quantity(value), words[key])
     yield Fact("factor", Quantity(found.factor), _factor_words(found))
-    yield Fact(
-        "binding", found.binding, "" if found.binding is None else f"the tolerance of {WORDS[found.binding]} binds"
-    )
+    yield Fact("binding", found.binding, "" if found.binding is None else _binding_words(found.binding))
 
 
 def _words_of_ends(scene: Scene, found: Robust, unit: str) -> dict[str, str]:
@@ -106,6 +104,12 @@ def _words_of_equilibria(scene: Scene, found: Robust, unit: str) -> dict[str, st
         "equilibrium": f"{near}; {attracts}",
         "drift": f"there a body turns at no more than {angle_at_most(found.drift, scene.units)}/s",
     }
+
+
+def _binding_words(name: str) -> str:
+    """By what the certificate is bound, which need not be what moves ends most."""
+    what = f"the tolerance of {WORDS[name]} binds: without it that certified multiple grows most"
+    return f"{what} (which one moves ends most, simulate --tables samples)"
 
 
 def _factor_words(found: Robust) -> str:

@@ -142,9 +142,11 @@ class PieceForces:
         total: Any = 0.0
         rows, loads = self.rows.middle[:, 0], self.loads.middle[:, 0, :, 0]
         for side, force in enumerate(forces):
-            moved = directions @ rows[..., side].swapaxes(-1, -2)
-            total = total + force.middle * moved - force.reach * np.abs(moved)
-        return np.asarray((total @ loads[..., None])[..., 0])
+            own = rows[..., side]
+            moved = directions @ own.swapaxes(-1, -2)
+            middle, reach = ((entry[:, 0] * loads)[..., None] for entry in (force.middle, force.reach))
+            total = total + directions @ (own.swapaxes(-1, -2) @ middle) - np.abs(moved, out=moved) @ reach
+        return np.asarray(total[..., 0])
 
     def _moved(self, twists: Triple) -> Pair:
         """Slips of each wheel by twists alone, without its speed."""

@@ -315,9 +315,7 @@ def _above(ball: arb) -> Fraction:
 # ---- how much larger the tolerances may be -----------------------------------------------------
 
 
-def largest_factor(
-    holds: Callable[[Tolerance], bool], box: Tolerance, known: Fraction = Fraction(0), halvings: int = HALVINGS
-) -> Fraction:
+def largest_factor(holds: Callable[[Tolerance], bool], box: Tolerance) -> Fraction:
     """Nearly the largest multiple of a box for which a statement is proved; 0 where none is.
 
     A statement about a box holds for every box inside it, so that any multiple found serves all smaller ones.
@@ -325,8 +323,6 @@ def largest_factor(
     Args:
         holds: whether the statement is proved for a box.
         box: the tolerances.
-        known: a multiple for which it is.
-        halvings: of the interval in which the largest one lies.
     """
     most = _largest_multiple(box)
 
@@ -334,7 +330,7 @@ def largest_factor(
         tell(f"arrays within {float_text(factor, 3)} times the tolerances")
         return factor <= most and holds(box.times(factor))
 
-    low, high = known, 2 * known or Fraction(1)
+    low, high = Fraction(0), Fraction(1)
     for _ in range(DOUBLINGS):
         if proved(high):
             low, high = high, 2 * high
@@ -344,7 +340,7 @@ def largest_factor(
             return Fraction(0)  # nor is any larger one
         else:
             high /= 2
-    for _ in range(halvings if low else 0):
+    for _ in range(HALVINGS if low else 0):
         middle = (low + high) / 2
         low, high = (middle, high) if proved(middle) else (low, middle)
     return low
@@ -362,11 +358,36 @@ def _largest_multiple(box: Tolerance) -> Fraction:
 
 
 def binding_entry(holds: Callable[[Tolerance], bool], box: Tolerance, factor: Fraction) -> str | None:
-    """The entry without which the factor grows most; None where none matters."""
-    grown = {}
-    for k, name in enumerate(box.names):
-        with part_of(k, len(box.names), f"tolerances, without that of {name}"):
-            grown[name] = largest_factor(holds, box.without(name), factor, COARSE)
-    if not grown or max(grown.values()) <= factor:
-        return None
-    return max(grown, key=lambda name: grown[name])
+    """The entry without which the factor grows most; None where none matters.
+
+    Boxes without one entry are compared at one multiple after the other, and only those are followed that may still
+    serve for the largest.
+    """
+    left = box.names
+
+    def proved(multiple: Fraction) -> bool:
+        """Whether some of those left serve for a multiple; then only these are left."""
+        nonlocal left
+        serving = []
+        for k, name in enumerate(left):
+            with part_of(k, len(left), f"tolerances, without that of {name}"):
+                other = box.without(name)
+                if multiple <= _largest_multiple(other) and holds(other.times(multiple)):
+                    serving.append(name)
+        left = tuple(serving) or left
+        return bool(serving)
+
+    low = factor
+    if not factor:
+        if not proved(SMALLEST):
+            return None
+        low = SMALLEST
+    high = 2 * low
+    while (low == factor or len(left) > 1) and proved(high):
+        low, high = high, 2 * high
+    for _ in range(COARSE):
+        if low > factor and len(left) == 1:
+            break
+        middle = (low + high) / 2
+        low, high = (middle, high) if proved(middle) else (low, middle)
+    return left[0] if low > factor else None

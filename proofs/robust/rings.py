@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from typing import Generic, TypeVar
 
@@ -92,18 +93,28 @@ class RingProof(ABC, Generic[Bound]):
     def comes_nearer(self, box: Tolerance, most: Fraction) -> bool:
         """Whether on some ring within ``most`` of the point bodies come nearer."""
         with ctx.workprec(PRECISION):
-            bound = self.over(box)
-            return bound is not None and self._first_ring(bound, most) is not None
+            return self._outermost(box, most) is not None
 
     def disc(self, box: Tolerance, most: Fraction) -> EndDisc | None:
         """The disc in which bodies end that start in one of a radius up to ``most``; None where none is found."""
         with ctx.workprec(PRECISION):
+            first = self._outermost(box, most)
+            if first is None:
+                return None
+            bound, start, rate = first
+            return _fastest(list(self._inward(bound, start, rate)), start)
+
+    def _outermost(self, box: Tolerance, most: Fraction) -> tuple[Bound, Fraction, arb] | None:
+        """What is known of a box, with its first ring; asked for the scene's own box twice, and found once."""
+        if (box, most) not in self._found:
             bound = self.over(box)
             first = None if bound is None else self._first_ring(bound, most)
-            if bound is None or first is None:
-                return None
-            start, rate = first
-            return _fastest(list(self._inward(bound, start, rate)), start)
+            self._found[box, most] = None if bound is None or first is None else (bound, *first)
+        return self._found[box, most]
+
+    @cached_property
+    def _found(self) -> dict[tuple[Tolerance, Fraction], tuple[Bound, Fraction, arb] | None]:
+        return {}
 
     def _first_ring(self, bound: Bound, most: Fraction) -> tuple[Fraction, arb] | None:
         """The outer radius of the first ring on which bodies come nearer, and their rate there."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from nonsmooth.reports.output.choices import LawName, RegionSearch
 from nonsmooth.reports.output.files import output_path, write_whole
-from nonsmooth.reports.output.progress import end_progress, progress, steps
+from nonsmooth.reports.output.progress import notice, progress, steps
 from nonsmooth.reports.output.refusals import RefusedError, bad_input, refusals_named
 from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
@@ -295,7 +294,7 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
             result, certificate = result.certified()
     if result.contradictions:
         for path in filter(None, (options.certificate, options.law)):
-            _notice(path, "not written: what the check says contradicts itself")
+            notice(path, "not written: what the check says contradicts itself")
         return result
     if options.certificate is not None and certificate is not None:
         _write_certificate(certificate, result, options.certificate)
@@ -319,13 +318,7 @@ def _write_certificate(certificate: dict[str, Any], result: CheckResult, file: s
     for name in CLAUSES:
         if stated.get(name, "undecided") != said[name]:
             why = "follows no law by directions of c" if name == "feedback" else "leaves it open"
-            _notice(file, f"{name} stands as undecided: the checker {why}")
-
-
-def _notice(file: str, text: str) -> None:
-    """Say something about a file on standard error."""
-    end_progress()
-    print(f"{Path(file)}: {text}", file=sys.stderr)
+            notice(file, f"{name} stands as undecided: the checker {why}")
 
 
 # ---- plain systems, and many scenes --------------------------------------------------------------
@@ -351,7 +344,7 @@ def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
         result = result.with_region(str(search))
         if is_asked and result.evidence.reach.basin is None and result.evidence.reach.reshaped is None:
             what = "triangles are" if in_plane else "larger region is"
-            _notice(system.origin, f"--region {search}: no {what} certified beyond the rest")
+            notice(system.origin, f"--region {search}: no {what} certified beyond the rest")
     if options.certificate is not None:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.system_certificates import certificate_text, left_out
@@ -360,7 +353,7 @@ def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
             certificate = result.certificate()
         write_whole(Path(options.certificate), certificate_text(certificate).encode())
         for line in left_out(certificate):
-            _notice(options.certificate, f"left out: {line}")
+            notice(options.certificate, f"left out: {line}")
     return result
 
 

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 from rich.console import Group, RenderableType
 from rich.text import Text
@@ -26,7 +26,7 @@ from nonsmooth.reports.output.progress import progress, steps
 from nonsmooth.reports.output.terminal import header_table, verdict_text
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.contact_set import ContactSet, contact_set, tipped, wheels_text
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.number_text import numbers_text, short_text
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -504,7 +504,7 @@ def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
             verdict, why = region_words(result)
             views.append(answers_table([("region", verdict, why)]))
         if result.failures is not None:
-            views.append(failures_view(result.failures))
+            views.append(failures_view(result, result.failures))
     if continuum is not None:
         from nonsmooth.reports.checks.continuum import continuum_view
 
@@ -604,15 +604,45 @@ def worst(statuses: set[int]) -> int:
 # ---- one wheel failed ----------------------------------------------------------------------------
 
 
-def failures_view(failures: Sequence[Failure]) -> RenderableType:
-    """Wheel by wheel, and the worst by name."""
-    from nonsmooth.proofs.answers.failures import worst_failure
+RANKED = "by what is proved: position before heading before pose; simulate --fail any ranks by where paths end"
 
-    table = header_table("wheel", "failure", "position", "heading", "pose", "why")
-    for failure in failures:
-        answers = map(verdict_text, (failure.position, failure.heading, failure.pose))
-        table.add_row(Text(str(failure.wheel)), Text(failure.kind), *answers, Text(failure.why))
-    worst = worst_failure(tuple(failures))
+
+def failures_view(result: CheckResult, failures: Sequence[Failure]) -> RenderableType:
+    """Which wheels fail with which answers, the worst first, and why; wheel by wheel where evidence is shown."""
     head = Text("with any one wheel stopped (its friction stays) or lifted:")
-    said = f"the worst: {worst.name}: position {worst.position}, heading {worst.heading}, pose {worst.pose}"
-    return Group(head, table, Text(said, "bold"))
+    alike = _grouped(failures, lambda failure: failure.badness)
+    worst = alike[0][0]
+    answers = f"position {worst.position}, heading {worst.heading}, pose {worst.pose}"
+    said = Text(f"the worst: {_names(alike[0])}: {answers}", "bold").append(f" ({RANKED})", "not bold")
+    if result.shows_evidence:
+        every = header_table("wheel", "failure", "position", "heading", "pose", "why")
+        for failure in failures:
+            every.add_row(Text(str(failure.wheel)), Text(failure.kind), *_verdicts(failure), Text(failure.why))
+        return Group(head, every, said)
+    table = header_table("position", "heading", "pose", "failed")
+    whole = (result.position, result.heading, result.pose)
+    table.add_row(*(verdict_text(answer.verdict) for answer in whole), Text("none"))
+    for group in alike:
+        table.add_row(*_verdicts(group[0]), Text(_names(group)))
+    reasons = _grouped([failure for failure in failures if failure.why], lambda failure: failure.why)
+    return Group(head, table, said, *(Text(f"{_names(group)}: {group[0].why}") for group in reasons))
+
+
+def _verdicts(failure: Failure) -> Iterator[Text]:
+    return map(verdict_text, (failure.position, failure.heading, failure.pose))
+
+
+def _grouped(failures: Sequence[Failure], key: Callable[[Failure], Any]) -> list[list[Failure]]:
+    """Failures that are alike, the worst first; of those that are equally bad in the order of wheels."""
+    groups: dict[Any, list[Failure]] = {}
+    for failure in sorted(failures, key=lambda failure: failure.badness, reverse=True):
+        groups.setdefault(key(failure), []).append(failure)
+    return list(groups.values())
+
+
+def _names(group: Sequence[Failure]) -> str:
+    """``wheels 1-5 stopped, 7 lifted``."""
+    kinds = dict.fromkeys(failure.kind for failure in group)
+    numbers = [tuple(failure.wheel for failure in group if failure.kind is kind) for kind in kinds]
+    said = ", ".join(f"{numbers_text(own)} {kind}" for own, kind in zip(numbers, kinds, strict=True))
+    return f"wheel{'s' * (len(group) > 1)} {said}"

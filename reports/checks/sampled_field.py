@@ -68,8 +68,9 @@ class FieldResult(Result):
         return [Paragraph((self.headline,)), findings(self.said)]
 
     def summary(self) -> str:
-        """How many samples."""
-        return f"{len(self.field.points)} sampled points"
+        """What is drawn, and of how many samples."""
+        head = f"rule {self.field.scene.contact.rule} has no cells, so --show cells and rates draw one picture"
+        return f"{head}: streamlines over V*, {len(self.field.points)} sampled points"
 
     @property
     def said(self) -> list[tuple[str, str]]:

@@ -1,7 +1,7 @@
 """``derive --brief``: two pages about an array for somebody who decides and has no time for the derivation.
 
-The answers with their accuracy, the array from above, what binds, the law to program if one is certified, and what was
-not decided.  Everything is taken from the same check as the whole report; nothing is said twice in other words.
+The answers with their accuracy, the array from above, where and when bodies end, what binds, the law to program if one
+is certified, and what was not decided.  Everything is taken from the same check as the whole report.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from nonsmooth.proofs.answers.answer import UNDECIDED, Answer, Pose
 from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, of_length
 from nonsmooth.proofs.findings.verdicts import Theorem4
-from nonsmooth.reports.checks.answers import stated_answers
+from nonsmooth.reports.checks.answers import GOES, destinations_head, destinations_table, stated_answers
 from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.output.document import (
     Block,
@@ -28,13 +28,13 @@ from nonsmooth.reports.output.document import (
 from nonsmooth.reports.output.prose import paragraph, with_formulas
 from nonsmooth.reports.sections.answers import answers_table
 from nonsmooth.reports.sections.opening import array_figure
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import one_line
 
 
 def brief_document(subject: ArraySubject) -> Document:
     """Two pages."""
-    sections = (_answers(subject), _binding(subject), _law(subject), _open(subject))
+    sections = (_answers(subject), _ends(subject), _binding(subject), _law(subject), _open(subject))
     return Document(f"In brief: {one_line(subject.scene.name)}", sections)
 
 
@@ -51,6 +51,39 @@ def _answers(subject: ArraySubject) -> Section:
     stated = stated_answers(subject.result, subject.answers)
     notes = Bullets(((f"Contact {stated.rule}.",), *((f"Note: {note}.",) for note in stated.notes)))
     return Section("Answers", (intro, answers_table(stated.answers), notes, array_figure(subject)))
+
+
+def _ends(subject: ArraySubject) -> Section:
+    """Where and when bodies end: what is proved of it, what is simulated, and where sampled starts go."""
+    answers, scene, unit = subject.answers, subject.scene, of_length(subject.scene)
+    second = f" {scene.units.time}".rstrip()
+    found = answers.answers[0].numbers
+    start = "the point" if found.get("within") is None else f"anywhere within {at_least(found['within'])}{unit} of it"
+    items = []
+    if found.get("at") is not None and found.get("after") is not None:
+        within = found.get("ends_within")
+        place = (
+            f"about {place_text([float(entry) for entry in found['at']], DIGITS)}" if within != 0 else "at the point"
+        )
+        near = f", within {at_most(within)}{unit} of the checked point" if within else ""
+        after = f"after at most {at_most(found['after'])}{second}"
+        items.append(f"Without inertia: {place}{near}, {after}, from {start} (proved).")
+    elif found.get("seconds_per_distance") is not None:
+        per = at_most(found["seconds_per_distance"])
+        items.append(
+            f"Without inertia: at the point, after at most {per}{second} for each 1{unit} of distance (proved)."
+        )
+    else:
+        items.append("Without inertia: where and when is not proved.")
+    settles = None if answers.inertia is None else answers.inertia.numbers.get("settles_after")
+    if settles is not None:
+        accuracy, after = (float_text(float(number), DIGITS) for number in (scene.accuracy, settles))
+        items.append(f"With inertia: within {accuracy}{unit} of where it ends after {after}{second} (simulated).")
+    blocks: list[Block] = [Bullets(tuple((item,) for item in items))]
+    if answers.destinations is not None:
+        blocks.append(Paragraph((f"{destinations_head(scene, answers.destinations.starts).capitalize()}:",)))
+        blocks.append(destinations_table(answers.destinations, GOES))
+    return Section("Where and when bodies end", tuple(blocks))
 
 
 def _binding(subject: ArraySubject) -> Section:

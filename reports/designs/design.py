@@ -13,7 +13,7 @@ from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.entries import as_json
 from nonsmooth.reports.output.facts import Record, fact_record
 from nonsmooth.reports.output.files import output_path
-from nonsmooth.reports.output.progress import progress
+from nonsmooth.reports.output.progress import notice, progress
 from nonsmooth.reports.output.refusals import option_named
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
@@ -25,6 +25,7 @@ from nonsmooth.symbolic.scene_error import one_line
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.reports.designs.objective import Evaluation
     from nonsmooth.reports.designs.search import Design, Fewest, Wish
     from nonsmooth.symbolic.scene import Scene, Wheel
@@ -118,17 +119,23 @@ class DesignResult(Result, Generic[Held]):
     def improved(self) -> bool | None:
         """Whether the best candidate does better than the given array; None where that is not known.
 
-        It does where it alone meets the requirements, and where both do and more of what is maximized is known of it,
-        by more than what bounds of a certificate may differ by without a reason (:data:`ROUNDING`).
+        It does where it alone meets the requirements, where it has fewer wheels and wheels were chosen, and where both
+        do and more of what is maximized is known of it, by more than what bounds of a certificate may differ by without
+        a reason (:data:`ROUNDING`).
         """
         given, best = self.design.base, self.design.best
-        if not self.is_found:
+        if not self.is_found or best is given:
             return False
-        if given.unmet or given.why_not:
+        if given.unmet or given.why_not or self.design.fewest is not None:
             return True
         if best.value is None or given.value is None:
             return None if best.value is None else True
         return best.value - given.value > ROUNDING * abs(given.value)
+
+    @property
+    def is_another(self) -> bool:
+        """Whether another array than the given one is shown: a better one, or the nearest to what is required."""
+        return self.design.best is not self.design.base and (self.improved is not False or not self.is_found)
 
     @property
     def unmet(self) -> tuple[str, ...]:
@@ -178,18 +185,16 @@ class DesignResult(Result, Generic[Held]):
             return f"({_text(a)}, {_text(b)})"
         return f"{_text(math.degrees(math.atan2(b, a)))} deg"
 
-    def _improvement(self) -> str:
+    def _change(self) -> str:
         """Whether anything is better than it was, and by how much."""
         what, given, best = WHAT[self.wish.maximize], self.given_value, self.value
         if self.improved is None:
             return f"whether that is better than the given array is not known: nothing is known of {what}"
-        if not self.is_found:
-            return "nothing is improved: no array that was checked meets the requirements"
-        if not self.improved:
-            return "nothing is improved: the given array is as good as the best that was found"
         if self.design.base.unmet or self.design.base.why_not:
             missing = ", ".join(self.design.base.unmet) or self.design.base.why_not
             return f"improved: the given array lacks {missing}"
+        if self.design.fewest is not None:
+            return f"fewer wheels: {self.design.fewest.count}"
         if given is None or best is None:
             return f"improved: {what} is not known of the given array"
         # as many digits as tell them apart: 0.5 -> 0.5003, not 0.5 -> 0.5
@@ -201,35 +206,48 @@ class DesignResult(Result, Generic[Held]):
         words = "improved, but hardly" if share < HARDLY else "improved"
         return f"{words}: {change} ({float_text(100 * share, 3)} % more)"
 
+    def _without_feedback(self) -> str:
+        """What a design makes of the open loop, which feedback hides, and how to keep what was not required."""
+        pairs = list(zip(self.design.base.answers, self.design.best.answers, strict=False))
+        changes = ", ".join(_from_to(before, after) for before, after in pairs[:2])
+        worse = [before.name for before, after in pairs if after.exit_status and not before.exit_status]
+        kept = f"; --require {','.join((*self.wish.required, *worse))} keeps what got worse" if worse else ""
+        return f"without feedback: {changes}{kept}"
+
     def blocks(self) -> Sequence[Block]:
-        """The outcome, both arrays side by side, and the wheels that were found."""
+        """The outcome, both arrays side by side, and the wheels that were found; of no improvement the given array."""
         design = self.design
+        arrays = {"the given array": design.base} | ({"the best found": design.best} if self.is_another else {})
         rows = [
-            (before.name, str(before.verdict), f"{after.verdict}: {after.sentence}")
-            for before, after in zip(design.base.answers, design.best.answers, strict=False)
+            (answers[0].name, *(f"{answer.verdict}: {answer.sentence}" for answer in answers))
+            for answers in zip(*(found.answers for found in arrays.values()), strict=False)
         ]
-        rows.append((WHAT[self.wish.maximize], _text(self.given_value), _text(self.value)))
+        rows.append((WHAT[self.wish.maximize], *(_text(found.value) for found in arrays.values())))
+        said = [self.summary()]
+        if self.is_another and design.base.answers and design.best.answers:
+            said.append(self._without_feedback())
         refused = [f"the best is refused: {design.best.why_not}"] if design.best.why_not else []
         end = "every candidate is exact and its answers are proved; that none is better is not"
         return [
-            Paragraph((self.summary(),)),
-            table(("question", "the given array", "the best found"), rows, (1.0, 1.0, 3.0)),
+            *(Paragraph((line,)) for line in said),
+            table(("question", *arrays), rows, (1.0, *(2.0 for _ in arrays))),
             *(Paragraph((line,)) for line in refused),
-            Paragraph((self._improvement(),)),
-            table(*self.table(), (1.0, 2.0, 1.0, 1.0)),
+            *([table(*self.table(), (1.0, 2.0, 1.0, 1.0))] if self.is_another else []),
             Paragraph((end if design.fewest is None else _fewest_words(design.fewest),)),
         ]
 
     def summary(self) -> str:
-        """What was found, in a line."""
+        """What was found, in a line: first whether anything is better."""
         design, name = self.design, one_line(self.design.scene.name)
         if design.impossible:
             return f"{name}: no speeds meet the requirements: {design.impossible}"
-        asked = ", ".join(self.wish.required)
-        if design.is_found:
-            return f"{name}: found an array with {asked} among {design.checks} checked"
-        missing = ", ".join(design.best.unmet)
-        return f"{name}: none of {design.checks} arrays meets all of {asked}; the nearest lacks {missing}"
+        asked, checked = ", ".join(self.wish.required), f"{design.checks} array{'s' * (design.checks != 1)}"
+        if not design.is_found:
+            missing = ", ".join(design.best.unmet)
+            return f"{name}: none of {checked} meets all of {asked}; the nearest lacks {missing}"
+        if self.improved is False:
+            return f"{name}: nothing is improved: of {checked} checked none is better than the given one"
+        return f"{name}: {self._change()}; found with {asked} among {checked} checked"
 
     def _said(self) -> Iterator[tuple[str, str]]:
         for answer in self.design.best.answers:
@@ -270,10 +288,15 @@ class DesignStudy(SceneStudy[DesignOptions]):
             freedom = read_freedom(scene.scene, options.free, options.move, options.symmetry)
         with progress("checked") as told:
             result: DesignResult[Any] = DesignResult(find_named(*scene, freedom, wish, told), wish)
-        if result.is_found and options.output is not None:
-            result.save(options.output)
-        if result.is_found and options.report is not None:
-            _write_report(result.design.document, scene.folder, options)
+        files = [file for file in (options.output, options.report) if file is not None]
+        if result.is_found and result.improved is False:
+            for file in files:
+                notice(file, "not written: the given array would stand in it unchanged")
+        elif result.is_found:
+            if options.output is not None:
+                result.save(options.output)
+            if options.report is not None:
+                _write_report(result.design.document, scene.folder, options)
         return result
 
 
@@ -308,6 +331,14 @@ def _fewest_words(fewest: Fewest) -> str:
     if fewest.undecided:
         return f"{which} is known to suffice; {fewest.undecided} choices are undecided, all others are refuted"
     return f"{which} suffices: all were checked and refuted"
+
+
+def _from_to(before: Answer, after: Answer) -> str:
+    """``position comes home, as before (certified within 0.5 -> 0.031)``."""
+    said = f"{before.name} {before.verdict}"
+    said += f" -> {after.verdict}" if after.verdict != before.verdict else ", as before"
+    within = [_text(float(answer.numbers["within"])) for answer in (before, after) if answer.numbers.get("within")]
+    return f"{said} (certified within {within[0]} -> {within[1]})" if len(set(within)) > 1 else said
 
 
 def _text(value: float | None) -> str:

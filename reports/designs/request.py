@@ -150,7 +150,7 @@ def find_fewest(base: Mapping[str, Any], folder: Path, scene: Scene, order: int,
             best = found, document, candidate
     count = None if best is None else len(best[2].wheels)
     fewest = Fewest(count, undecided, checks < wish.checks or best is not None, len(orbits[0]))
-    if best is None:
+    if best is None or count == len(scene.wheels):  # nothing smaller than the scene itself
         return Design(dict(base), scene, own, own, checks, fewest=fewest)
     return Design(best[1], best[2], best[0], own, checks, fewest=fewest)
 
@@ -177,6 +177,8 @@ def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Fre
         design = find_fewest(base, folder, scene, freedom.order, wish, told)
     else:
         design = find_design(base, folder, scene, freedom, wish, told)
+    if design.best is design.base:  # the given array keeps its name
+        return design
     how = f"designed from {scene.name}: {', '.join(wish.required)} required, {wish.maximize} maximized"
     rest = {key: value for key, value in design.document.items() if key not in ("name", "description")}
     return replace(design, document={"name": f"{scene.name}-designed", "description": how, **rest})

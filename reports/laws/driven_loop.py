@@ -30,7 +30,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.laws.feedback_loop import GAIN, RISE_SLACK
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 
@@ -91,6 +91,12 @@ class DrivenLoop:
         """Lines about the law, for a path from any start."""
         region = self.region_text or "near c*; how near is not known"
         lines = [f"feedback: {self.title}, k = {self.gain:g}", f"{self.formula}; certified for an exact pose: {region}"]
+        unit = f" {self.scene.units.length}".rstrip()
+        lines.append(
+            f"in words: of the motions xi_l the one that points most along the error g is driven, against it (a radian "
+            f'counts as {float_text(self.length, 4)}{unit}); where "tie" is zero two of them do so alike, and at a '
+            '"direction" the motions change with that of c'
+        )
         if self.errors is not None:
             lines.append("the pose is late and off as [feedback] says, at every sample by the worst of 27 errors")
         return lines

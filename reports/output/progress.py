@@ -93,6 +93,12 @@ def end_progress() -> None:
         _StepLine.current.stop()
 
 
+def notice(file: str, text: str) -> None:
+    """Say something about a file on standard error."""
+    end_progress()
+    print(f"{file}: {text}", file=sys.stderr)
+
+
 def _terminal() -> TextIO | None:
     """Standard error, where somebody watches it on a terminal that can clear a line."""
     watched = sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"

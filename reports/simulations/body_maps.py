@@ -45,7 +45,7 @@ from nonsmooth.reports.simulations.maps import (
     parts_record,
     within_accuracy,
 )
-from nonsmooth.reports.simulations.path_ends import degrees_text, heading_text
+from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, fastest_rim, heading_text, size_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record
 from nonsmooth.symbolic.body import Body
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 SCHEMA = "nonsmooth-body-map/1"
 OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
 PLACE_RESTS = "its place rests"  # of a body that covers all wheels
-TURNS_ON = f"{PLACE_RESTS}: the body covers all wheels, and turns there as they turn it"
+TURNS_ON = f"{PLACE_RESTS}: the body covers all wheels, and turns there as they turn it; headings are those at t"
 ELSEWHERE = "elsewhere"
 LINES = 4  # over which bodies tip, that are named
 SHOWN = 12  # destinations listed on a terminal
@@ -169,7 +169,24 @@ class BodyMapResult(MapResult):
     @property
     def shares(self) -> list[tuple[str, str]]:
         """Share and words of every destination."""
-        return [(percent_text(one.share), self.in_words(one.text)) for one in self.destinations]
+        return [(percent_text(one.share), self._in_full(one)) for one in self.destinations]
+
+    def _in_full(self, one: PathEnd) -> str:
+        """An end in words, and when it is seen; of a body that turns on its heading by then, and how fast it turns."""
+        found, units, said = self.found, self.scene.units, self.in_words(one.text)
+        second = f" {units.time}".rstrip()
+        if one.reason is not BodyEnd.TIME:
+            said += f", by t = {_range_text(found.times[one.starts])}{second}"
+            if one.reason is not BodyEnd.REST or self.scene.body is not None:
+                return said
+        else:
+            said += f", at heading {_range_text(np.degrees(found.poses[one.starts, 2]))} deg"
+        turning = found.turning[one.starts]
+        slow = SLOWLY * fastest_rim(self.scene) / size_of(self.scene)
+        if np.isnan(turning).any() or (np.abs(turning) <= slow).all():
+            return said
+        per = f"/{units.time}" if units.time else " per unit of time"
+        return f"{said}, turning at {_range_text(np.degrees(turning))} deg{per}"
 
     def in_words(self, end: str) -> str:
         """An end; of a body that covers all wheels its place rests, and the body may turn on there."""
@@ -235,7 +252,9 @@ class BodyMapResult(MapResult):
         rows.insert(0, home_row(self.scene, self.home))
         rows += self._tipping()
         unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
-        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}{second}"))
+        ended = self.found.times[~self.found.by(BodyEnd.TIME)]
+        latest = f"t = {ended.max():.6g}{second}" if len(ended) else "none ends"
+        rows.append((f"latest end{massless(self.scene)}", latest))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
         head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"
         square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
@@ -287,6 +306,12 @@ class BodyMapResult(MapResult):
         return f"{self.options.grid} x {self.options.grid} starts"
 
 
+def _range_text(values: Floats) -> str:
+    """``0.9 to 1.9``; one number where both read the same."""
+    low, high = (float_text(float(value), 3) for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
+
+
 def _record(one: PathEnd) -> dict[str, Any]:
     pose = None if one.pose is None else list(one.pose)
     headings = None if one.headings is None else list(one.headings)
@@ -296,8 +321,9 @@ def _record(one: PathEnd) -> dict[str, Any]:
 def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
     x, y, theta = pose
     over = [int(wheel) for wheel in found.over[k] if wheel]
-    reason = ENDS[found.reasons[k]].value
-    return {"x": x, "y": y, "theta": theta, "t": float(found.times[k]), "reason": reason, "tips_over": over or None}
+    reason, turning = ENDS[found.reasons[k]].value, float(found.turning[k])
+    when = {"t": float(found.times[k]), "turning": turning if np.isfinite(turning) else None}
+    return {"x": x, "y": y, "theta": theta, **when, "reason": reason, "tips_over": over or None}
 
 
 # ---- the picture -----------------------------------------------------------------------------------

@@ -48,6 +48,7 @@ COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C8")  # of the worst failur
 COLUMNS = 4  # of the legend
 OTHERS, OTHER_COLOR = "other failures", "0.45"
 BRANCHES = "not unique"
+RANKED = "by starts that no longer come home, then by how far an end moves; check --fail 1 ranks by what is proved"
 WORDS: dict[StrEnum, str] = {  # each failure is one line
     EndMotion.AT_REST: "rests",
     EndMotion.CREEPS: "creeps",
@@ -280,7 +281,7 @@ class FailedPathsResult(Result):
         if farthest != worst:
             unit = f" {self.scene.units.length}".rstrip()
             said += f"; {farthest} moves an end farthest, by {_text(self.farthest(farthest))}{unit}"
-        return [Paragraph((f"the worst: {worst}: {said}",)), *(open_ones if left else [])]
+        return [Paragraph((f"the worst: {worst}: {said} ({RANKED})",)), *(open_ones if left else [])]
 
     def summary(self) -> str:
         """How many paths."""

@@ -8,14 +8,14 @@ A heading h *returns* from an arc of starts where all bodies of three neighbouri
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, turned_heading
+from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, OnStep, turned_heading
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.progress import progress
@@ -231,7 +231,7 @@ def from_headings(
     place: tuple[float, float],
     count: int,
     until: float | None = None,
-    report: Callable[[int, int], None] | None = None,
+    report: OnStep | None = None,
 ) -> HeadingsResult:
     """Follow a body with an outline from so many headings in a full turn, the checked one among them.
 
@@ -240,7 +240,7 @@ def from_headings(
         place: of all starts.
         count: of headings.
         until: the last time; a few crossings of the array unless given.
-        report: told from time to time how many of all paths have ended.
+        report: told from time to time how many of all paths have ended, and up to when all are followed.
 
     Raises:
         SceneError: for a table of loads where loads decide.

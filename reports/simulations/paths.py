@@ -12,6 +12,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -28,9 +29,10 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import has_dynamics
+from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.findings.verdicts import Feedback
@@ -354,15 +356,31 @@ class ArrayPath(PathResult):
         return end.record(), own + end.words()
 
     def beside(self) -> Sequence[str]:
-        """What becomes of a body with inertia."""
+        """What becomes of a body with inertia; of a law that is still at work that the clock stopped there."""
         if self.heavy is None:
-            return ()
+            return self._clock()
         if isinstance(self.heavy, str):
             return (f"with inertia: not followed: {self.heavy}",)
         last = f"{float_text(self.heavy.until, 3)} {self.scene.units.time}".rstrip()
         rests = "its place rests at " if self.heavy.kind is Settling.AT_REST else ""
         followed = f"with inertia (simulated, from rest until {rests}t = {last})"
         return (f"{followed}: {settled_words(self.scene, self.heavy)}",)
+
+    def _clock(self) -> Sequence[str]:
+        """That a path under a law ends with the time, and whether before its error is certified to halve."""
+        end = self.trajectory.end
+        is_over = end.reason is EndReason.TIME and ArrayPathEnd(self.scene, self.trajectory).ending.since is None
+        if self.loop is None or not is_over:
+            return ()
+        second = f" {self.scene.units.time}".rstrip()
+        said = f"that is where the clock stopped, at t = {float_text(float(end.t), 4)}{second}, not where the law leads"
+        kappa = self.loop.feedback.certified_kappa if self.loop.is_certified else None
+        if kappa is None or self.scene.loop_errors is not None or self.scene.speed_limits:
+            return (said,)
+        half = half_life(kappa * Fraction(self.loop.gain))
+        shorter = float(end.t) < float(half)
+        time = f"the certified time in which the error halves near the point, {half}{second} (--until)"
+        return (f"{said}; that is sooner than {time}" if shorter else said,)
 
     def facts(self) -> Record:
         """The record of the trajectory, with the law and the speeds of the wheels."""

@@ -142,11 +142,11 @@ class SampledTablesResult(Result):
     def _binds(self) -> str:
         """Which tolerance binds, and how much farther it moves the end than the next."""
         ordered = sorted(self.alone, key=lambda one: -one.moved(SHARE))
-        said = f"{WORDS[self.binding]} binds"
+        said = f"the tolerance of {WORDS[self.binding]} binds"
         if len(ordered) > 1 and ordered[1].moved(SHARE) > 0 and math.isfinite(ordered[0].moved(SHARE)):
             times = float_text(ordered[0].moved(SHARE) / ordered[1].moved(SHARE), 2)
             said += f": alone it moves the end {times} times as far as {WORDS[ordered[1].names[0]]} alone"
-        return said + " (sampled)"
+        return f"{said} (sampled ends; what binds the certified bound, and may be another, check says)"
 
     def draw(self, ax: Axes) -> None:
         """The places of rest about the checked point, and the circle within which 95 % end."""

@@ -129,7 +129,10 @@ def test_a_body_tips_over_the_line_with_the_widest_gap() -> None:
 def test_ends_agree_with_paths_by_events(count: int, tmp_path: Path) -> None:
     scene = carton(tmp_path)
     starts = np.column_stack([random_poses(count, 1.6)[:, :2], np.full(count, 0.3)])
-    found = ManyPaths(scene, smooth_rule_of(scene)).follow(starts)
+    told: list[str] = []
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(starts, report=lambda done, total, up_to: told.append(up_to))
+    assert len(set(told)) > 2  # it moves while no path has ended
+    assert told[-1] == f"t = {found.until:.3g} of {found.until:.3g}"
     path = BodyPath(smooth_rule_of(scene).contacts(scene), scene)
     for k, start in enumerate(starts):
         end = path.follow(tuple(start), 60.0).end

@@ -48,7 +48,8 @@ def test_the_answers_are_those_of_the_whole_report(four_wheel: ArraySubject) -> 
     short = brief_document(four_wheel)
     assert table_of(short.sections[0]).rows == table_of(answers_section(four_wheel)).rows
     assert len(short.figures) == 1
-    assert [section.title for section in short.sections] == ["Answers", "What binds", "Law", "Not decided"]
+    titles = ["Answers", "Where and when bodies end", "What binds", "Law", "Not decided"]
+    assert [section.title for section in short.sections] == titles
 
 
 def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: ArraySubject) -> None:
@@ -58,6 +59,18 @@ def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: Array
     assert "nonsmooth derive four-wheel -o report.html" in words(document, "Not decided")
     undecided = ArraySubject(load_scene("saddle", rule="ellipse"), Invocation("saddle"), ("answers",))
     assert "position: " in words(brief_document(undecided), "Not decided")
+
+
+def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject) -> None:
+    ends = "Where and when bodies end"
+    assert "at the point, after at most 0.5, from anywhere within 0.5 of it (proved)" in words(
+        brief_document(four_wheel), ends
+    )
+    beside = ArraySubject(load_scene("off-center", rule="ellipse"), Invocation("off-center"), ("answers",))
+    document, position = brief_document(beside), beside.answers.answers[0].numbers
+    assert f"after at most {float(position['after']):.4g}" in words(document, ends)
+    (section,) = [section for section in document.sections if section.title == ends]
+    assert "the body ..." in str(table_of(section).header)
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed (`make tools` tries)")

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 from collections import Counter
-from math import hypot
+from math import degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -162,6 +162,20 @@ def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
     assert array.with_(rule="nearest").map(2).to_dict()["rule"] == "nearest"
     with pytest.raises(SceneError, match="leading"):
         array.map(3, kinematics="leading")
+
+
+def test_ends_say_by_when_and_how_fast_bodies_turn_on(invoke: Invoke) -> None:
+    """The rate is that of a check; a body that still moves has a heading and no end, one that stands still no rate."""
+    spiral = ("spiral-30", "--rule", "ellipse")
+    (end, *_) = invoke("simulate", *spiral, "--grid", "2", "--json").record["ends"]
+    rate = invoke("check", *spiral, "--json").record["answers"]["heading"]["largest_rate"]
+    assert abs(end["turning"]) == pytest.approx(float(rate), rel=1e-3)
+    shown = " ".join(invoke("simulate", *spiral, "--grid", "2").out.replace("│", " ").split())
+    assert f"by t = {end['t']:.3g}, turning at {degrees(end['turning']):.3g} deg per unit of time" in shown
+    moving = " ".join(invoke("simulate", *spiral, "--grid", "2", "--until", "1").out.replace("│", " ").split())
+    assert "still moving at the last time, at heading -" in moving
+    assert "latest end none ends" in moving
+    assert "turning" not in invoke("simulate", "four-wheel", "--rule", "ellipse", "--grid", "3").out
 
 
 def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:

@@ -214,19 +214,21 @@ def test_the_fewest_wheels_are_too_few_without_any_one(invoke: Invoke, tmp_path:
 def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left_out = ",".join(name for name in PART_NAMES if name not in ("answers", "array"))
     monkeypatch.setattr("nonsmooth.reports.designs.design.MEASUREMENTS", left_out)
-    outcome = invoke("design", "rectangle", "--maximize", "margin", "--checks", "2", "--report", "won.md")
+    outcome = invoke("design", "saddle", "--maximize", "margin", "--checks", "12", "--report", "won.md")
     assert outcome.status == 0
-    assert "misjudge the position" in " ".join(outcome.out.split())
+    assert "misjudge" in outcome.out
     report = (tmp_path / "won.md").read_text(encoding="utf-8")
-    assert report.startswith("# Derivation report: rectangle-designed")
-    assert "`nonsmooth partition rectangle-designed.toml --show array" in report  # no path of this machine
+    assert report.startswith("# Derivation report: saddle-designed")
+    assert "`nonsmooth partition saddle-designed.toml --show array" in report  # no path of this machine
 
 
-def test_a_design_says_whether_it_improved_anything(invoke: Invoke) -> None:
-    """Of one check there is the given array alone; a saddle lacks what is required until it is turned."""
+def test_a_design_says_first_whether_it_improved_anything(invoke: Invoke, tmp_path: Path) -> None:
+    """Of one check there is the given array alone, which no file calls designed; a saddle lacks what is required."""
     record = invoke("design", "rectangle", "--checks", "1", "--json").record
     assert (record["improved"], record["best"]["value"]) == (False, record["given"]["value"])
-    assert "nothing is improved" in invoke("design", "rectangle", "--checks", "1").out
+    same = invoke("design", "rectangle", "--checks", "1", "-o", "same.toml", "--report", "same.md")
+    assert same.out.startswith("rectangle: nothing is improved: ")
+    assert (same.err.count("not written: "), list(tmp_path.glob("same.*"))) == (2, [])
     shown = invoke("design", "saddle", "--checks", "12").out
     assert "improved: the given array lacks position" in shown
 
@@ -249,10 +251,21 @@ def test_how_much_is_improved_is_said_by_both_values(
     def evaluated(value: float | None) -> SimpleNamespace:
         return SimpleNamespace(value=value, unmet=(), why_not="")
 
-    found = SimpleNamespace(is_found=True, base=evaluated(given), best=evaluated(best))
-    result: DesignResult[None] = DesignResult(cast("Any", found), cast("Any", SimpleNamespace(maximize="basin")))
+    found = SimpleNamespace(is_found=True, base=evaluated(given), best=evaluated(best), fewest=None)
+    found = SimpleNamespace(**vars(found), impossible="", checks=2, scene=SimpleNamespace(name="table"))
+    wish = SimpleNamespace(maximize="basin", required=("position",))
+    result: DesignResult[None] = DesignResult(cast("Any", found), cast("Any", wish))
     assert result.improved is improved
-    assert result._improvement().startswith(words)
+    assert result.summary().startswith(f"table: {words}")
+
+
+def test_a_gain_of_feedback_does_not_hide_what_it_costs_without(invoke: Invoke) -> None:
+    """Turned wheels hold the pose better and bring nothing home, which was not required."""
+    shown = invoke("design", "rectangle", "--require", "pose", "--maximize", "gain", "--checks", "12").out
+    assert "without feedback: position comes home -> " in shown
+    assert "--require pose,position keeps what got worse" in " ".join(shown.split())
+    kept = invoke("design", "rectangle", "--maximize", "gain", "--checks", "6").out
+    assert "position comes home, as before (certified within 0.5 -> 0.03" in " ".join(kept.split())
 
 
 def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> None:
@@ -262,7 +275,9 @@ def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> No
     check = invoke("check", "table.toml", "--json").record
     after = check["answers"]["position"]["inertia"]["settles_after"]
     assert record["given"]["value"] == pytest.approx(1 / after)
-    assert " deg" in invoke("design", "table.toml", "--maximize", "settling", "--checks", "1").out
+    array = ns.load(tmp_path / "table.toml")
+    assert isinstance(array, ns.Array)
+    assert " deg" in str(array.design(maximize="settling", checks=1).table())
     assert "maximize: required [units]" in invoke("design", "four-wheel", "--maximize", "settling").err
 
 

@@ -13,7 +13,12 @@ if TYPE_CHECKING:
 def test_check_lists_failures_and_names_the_worst(invoke: Invoke) -> None:
     done = invoke("check", "four-wheel", "--fail", "1")
     assert done.status == 0
-    assert "the worst: wheel 1 lifted: position tips" in done.out
+    out = " ".join(done.out.split("with any one wheel")[1].split())
+    assert "the worst: wheels 1-4 lifted: position tips, heading undecided, pose undecided (by what is proved: " in out
+    assert out.count("stays near") == 1  # one line for all that answer alike
+    assert "wheels 1-4 stopped: a law may need the wheel that is stopped" in out
+    shown = invoke("check", "four-wheel", "--fail", "1", "--evidence").out.split("with any one wheel")[1]
+    assert shown.count("stays near") == 4
     record = invoke("check", "four-wheel", "--fail", "1", "--json").record
     assert len(record["failures"]) == 8
     assert [failure["wheel"] for failure in record["failures"] if failure["worst"]] == [1]

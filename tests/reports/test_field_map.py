@@ -67,7 +67,9 @@ def test_a_carried_body_does_not_approach() -> None:
 def test_pictures_records_and_views(rule: str, invoke: Invoke) -> None:
     out = " ".join(invoke("partition", "four-wheel", "--rule", rule).out.split())
     assert f"rule {rule} has no cells; its field at 41 x 41 points, sampled" in out
-    assert invoke("partition", "four-wheel", "--rule", rule, "-o", "f.svg").out == "f.svg: 1681 sampled points\n"
+    drawn = f"f.svg: rule {rule} has no cells, so --show cells and rates draw one picture: streamlines over V*, 1681 "
+    for shown in ("cells", "rates"):
+        assert invoke("partition", "four-wheel", "--rule", rule, "--show", shown, "-o", "f.svg").out.startswith(drawn)
     record = invoke("partition", "four-wheel", "--rule", rule, "--json").record
     again = array("four-wheel", rule).field()
     assert again.save("again.svg").read_bytes() == Path("f.svg").read_bytes()

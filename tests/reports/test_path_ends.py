@@ -141,7 +141,7 @@ def ends_at(headings: list[float], reasons: list[BodyEnd]) -> HeadingsResult:
     starts = np.column_stack([np.zeros((count, 2)), 2 * math.pi * (np.arange(count) - count // 2) / count])
     poses = np.column_stack([np.zeros((count, 2)), np.radians(headings)])
     kinds = np.array([ENDS.index(reason) for reason in reasons])
-    ends = BodyEnds(starts, poses, np.ones(count), kinds, np.zeros((count, 2), int), 1.0)
+    ends = BodyEnds(starts, poses, np.ones(count), kinds, np.zeros((count, 2), int), np.zeros(count), 1.0)
     return HeadingsResult(load_scene("carton-on-6x6"), (0.0, 0.0), ends)
 
 
@@ -192,3 +192,20 @@ def test_a_start_beside_all_wheels_is_refused_with_the_line_it_tips_over(invoke:
     refused = invoke("simulate", str(scene), "--from", "500,0,0")
     assert refused.status == 2
     assert "the body tips there over the line through wheels 2 and 4" in sentence(refused.err)
+
+
+def test_a_path_under_a_law_says_that_the_clock_stopped_it(invoke: Invoke) -> None:
+    """And, where no body is at rest by then, whether that is before the error is certified to halve."""
+    start = ("--from", "0.2,0.1,0.1", "--feedback", "--until")
+    kappa = invoke("check", "four-wheel", "--json").record["answers"]["pose"]["rate"]
+    short, longer, whole = (
+        " ".join(invoke("simulate", "four-wheel", *start, until).out.split()) for until in ("2", "5", "20")
+    )
+    stopped = "that is where the clock stopped, at t = "
+    assert f"{stopped}2, not where the law leads; that is sooner than the certified time" in short
+    assert f"near the point, {math.log(2) / float(kappa):.4g} " in short
+    assert stopped in longer
+    assert "sooner than" not in longer
+    assert stopped not in whole
+    words = invoke("simulate", "four-wheel", "--rule", "box", *start, "1").out
+    assert 'where "tie" is zero two of them do so alike' in " ".join(words.split())

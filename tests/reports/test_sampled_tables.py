@@ -120,6 +120,7 @@ def test_the_command_says_what_binds(table: Path, invoke: Invoke) -> None:
     shown = " ".join(invoke("simulate", str(table), "--tables", "10", "--seed", "3").out.split())
     assert f"95 % of 10 tables end within {record['within']:.3g} mm (sampled, seed 3)" in shown
     assert "certified: not asked for (--certified)" in shown
+    assert "(sampled ends; what binds the certified bound, and may be another, check says)" in shown
     near = sum(math.hypot(x, y) <= record["accuracy"] for x, y in record["rows"])  # of the checked point (0, 0)
     assert record["near"] == near
     assert f"{near} of 10 within the accuracy, {record['accuracy']:.3g} mm" in shown

@@ -430,7 +430,8 @@ def test_a_measured_table_passes_what_is_required(
     assert position["swings_out_to"] >= position["within"]
     assert ("swings out" in position["reason"]) == (position["swings_out_to"] > position["within"])
     assert len(position["at"]) == 2
-    assert "mm, in at most" in position["reason"]
+    assert " mm of the point, from anywhere within " in position["reason"]
+    assert " mm of it, in at most " in position["reason"]
 
 
 def test_a_tighter_accuracy_asks_for_more(tmp_path: Path) -> None:

@@ -15,10 +15,11 @@ import pytest
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.proofs.robust.decide import Robust, decide_robust
+from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.tolerances import Tolerance
 from tests.thorough import few, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -189,3 +190,28 @@ def test_what_is_not_followed_is_undecided(tmp_path: Path) -> None:
         assert found.verdict is Certainty.UNDECIDED
         assert found.reason
     assert decide_robust(load_scene("four-wheel")) is None
+
+
+@pytest.mark.parametrize(
+    "weights", [(1, 2, 3, 40, 5), (40, 1, 1, 1, 1), (5, 4, 3, 2, 1), (1, 1, 1, 1, 0.9), (1e4,) * 5]
+)
+def test_the_entry_that_binds_is_that_without_which_the_factor_grows_most(
+    weights: tuple[float, ...], tmp_path: Path
+) -> None:
+    """Of a statement that holds below a weighted sum the largest share binds, which few boxes tell."""
+    box, asked = table(tmp_path).tolerances, 0
+    assert box is not None
+    own = {name: float(getattr(box, name)) for name in box.names}
+
+    def holds(other: Tolerance) -> bool:
+        nonlocal asked
+        asked += 1
+        shares = (float(getattr(other, name)) / own[name] for name in own)
+        return sum(weight * share for weight, share in zip(weights, shares, strict=True)) <= 10
+
+    factor = largest_factor(holds, box)
+    assert float(factor) == pytest.approx(10 / sum(weights), rel=0.02) or (factor == 0 and weights[0] == 1e4)
+    asked = 0
+    binding = binding_entry(holds, box, factor)
+    assert binding == (None if not factor else max(own, key=lambda name: weights[list(own).index(name)]))
+    assert asked <= 4 * len(own)
