@@ -150,7 +150,9 @@ def test_the_flower_shows_the_function_that_proves_it(invoke: Invoke) -> None:
 
 def test_nothing_is_proved_by_nothing(tmp_path: Path) -> None:
     scene = tmp_path / "my.toml"
-    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["y", "-x + x**2"]\n')
+    scene.write_text(
+        '[system]\nstates = ["x", "y"]\nrhs = ["-y - x*y", "2*x + 2*x*y"]\n'
+    )  # an integral with logarithms
     result = decide_system(load_system(scene))
     console = Console(width=100, record=True, file=StringIO())
     found = SystemCheckResult(result, shows_evidence=True)
@@ -226,7 +228,7 @@ def test_a_phase_portrait_is_drawn(tmp_path: Path, invoke: Invoke) -> None:
     scene = portrayed(tmp_path, *PORTRAIT)
     outcome = invoke("partition", scene, "-o", str(tmp_path / "portrait.svg"))
     assert outcome.status == 0
-    assert "6 cells, asymptotically stable" in outcome.out
+    assert "6 cells (cut along the axes, too), asymptotically stable" in outcome.out
     assert (tmp_path / "portrait.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 

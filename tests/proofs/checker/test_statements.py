@@ -218,8 +218,8 @@ PLANE = "x**2 + y**2"
         (["y", "-x"], lyapunov(PLANE, cells(), "stable", everywhere=True), "an attracting point"),
         (["y", "-x"], lyapunov(PLANE, cells(), "stable", level="1/2"), "a positive level around a point that attracts"),
         (["-x", "-y"], lyapunov(PLANE, cells(within=None), level="1/2"), "a positive level around a point"),
-        (["-x", "-y"], lyapunov(PLANE, cells(within=None), level="1/2", below=True), "a positive level on a cube"),
-        (["-x", "-y"], lyapunov(PLANE, cells(), level="-1", below=True), "a positive level on a cube"),
+        (["-x", "-y"], lyapunov(PLANE, cells(within=None), level="1/2", below=True), "a positive level around a point"),
+        (["-x", "-y"], lyapunov(PLANE, cells(), level="-1", below=True), "a positive level around a point"),
         (["-x", "-y"], lyapunov(PLANE, cells(), "unstable"), "a verdict"),
     ],
 )
