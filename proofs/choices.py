@@ -122,13 +122,14 @@ def choices(subject: System, system: SwitchedSystem, lines: Sequence[str]) -> It
     """
     numbers = range(len(subject.rhs))
     yield from numbers
-    surfaces = dict.fromkeys(subject.states)
+    coordinates = list(map(_written, subject.states, subject.states, subject.at))
+    surfaces = dict.fromkeys(coordinates)
     if system.by_roots is None:
         surfaces |= dict.fromkeys(str(own) for own in system.surfaces() if own.degree)
     for surface in surfaces | dict.fromkeys(lines):
         yield from ({"surface": surface, "first": i, "second": j} for i, j in permutations(numbers, 2))
     yield from ({"surface": ["0"], "first": i, "second": j} for i, j in combinations(numbers, 2))
-    for one, other in combinations((*subject.states, *lines), 2):
+    for one, other in combinations((*coordinates, *lines), 2):
         for i, j in permutations(numbers, 2):
             beside = ({"surface": other, "first": a, "second": b} for a, b in ((i, j), (j, i)))
             yield {"surface": one, "first": next(beside), "second": next(beside)}
@@ -136,6 +137,8 @@ def choices(subject: System, system: SwitchedSystem, lines: Sequence[str]) -> It
 
 def parallel_lines(system: SwitchedSystem, subject: System, search: Search) -> list[str]:
     """Lines with short slopes near those on which the first terms of two fields are parallel.
+
+    There are none where the root of a state is not zero at the point.
 
     Raises:
         NotShownError: where the checker refuses the cells.
@@ -146,11 +149,17 @@ def parallel_lines(system: SwitchedSystem, subject: System, search: Search) -> l
     for cell in inclusion.cells:
         for (_, f), (_, g) in combinations(cell.fields, 2):
             slopes += [own for own in _zeros(f[0] * g[1] - f[1] * g[0]) if _touches(inclusion, cell.signs, own)]
-    x, y = (
-        own if own == name else f"sqrt(Abs({name}))*sign({name})"
-        for own, name in zip(subject.coordinates, subject.states, strict=True)
-    )
+    if any(at and own != name for own, name, at in zip(subject.coordinates, subject.states, subject.at, strict=True)):
+        return []
+    x, y = map(_written, subject.coordinates, subject.states, subject.at)
     return [_line(a, b, x, y) for a, b in dict.fromkeys(slopes) if a and b]
+
+
+def _written(coordinate: str, state: str, at: Fraction) -> str:
+    """A coordinate in the displacement from the point, as a formula of its state."""
+    if coordinate != state:
+        return f"sqrt(Abs({state}))*sign({state})"
+    return state if not at else f"({state} - ({at}))"
 
 
 def _line(a: Fraction, b: Fraction, x: str, y: str) -> str:
@@ -162,10 +171,10 @@ def _line(a: Fraction, b: Fraction, x: str, y: str) -> str:
 
 def _zeros(value: Polynomial) -> Iterator[tuple[Fraction, Fraction]]:
     """Directions near those in which the first terms of a polynomial change sign."""
-    lowest = min(map(sum, value.terms), default=0)
-    first = sum(
-        float(c) * np.cos(ANGLES) ** i * np.sin(ANGLES) ** j for (i, j), c in value.terms.items() if i + j == lowest
-    )
+    lowest, first = min(map(sum, value.terms), default=0), np.zeros(len(ANGLES))
+    for (i, j), coefficient in value.terms.items():
+        if i + j == lowest:
+            first += float(coefficient) * np.cos(ANGLES) ** i * np.sin(ANGLES) ** j
     for k in np.flatnonzero(np.diff(np.sign(first))):
         angle = (ANGLES[k] + ANGLES[k + 1]) / 2
         steep = abs(np.tan(angle)) > 1

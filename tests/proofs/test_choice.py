@@ -53,6 +53,23 @@ def test_the_worst_switching_has_a_certificate(sides: list[list[str]]) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
+def test_a_law_about_another_point_changes_there() -> None:
+    """The same worst switching about (1, -2)."""
+    sides = [
+        ["-(x - 1)/10 + (y + 2)", "-10*(x - 1) - (y + 2)/10"],
+        ["-(x - 1)/10 + 10*(y + 2)", "-(x - 1) - (y + 2)/10"],
+    ]
+    certificate = ns.System(["x", "y"], sides, at=[1, -2]).check().certificate()
+    assert certificate["evidence"][0]["theorem"] == "choice"
+    assert not refusal(certificate, len(certificate_text(certificate)))
+
+
+def test_fields_that_are_parallel_everywhere() -> None:
+    """A factor between 1 and 2 of one field leaves its orbits as they are."""
+    rhs = ["-k*y - k*x*y", "2*k*x + 2*k*x*y"]
+    assert ns.System(["x", "y"], rhs, parameters={"k": [1, 2]}).check().verdict == "undecided"
+
+
 def test_fields_that_a_switch_cannot_make_unstable() -> None:
     """Neither field leaves, nor does any mixture: super-twisting is stable, and a gain of 3/2 holds half the push."""
     rhs = ["-3*sqrt(Abs(x))*sign(x)/2 + y", "-sign(x) + d"]
