@@ -31,6 +31,7 @@ from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.stated_functions import growth_hypotheses
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.expression import ExpressionError
@@ -39,6 +40,7 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 MOST_TRIED = 64
+MOST_SEARCHED = 16  # of these, that first terms do not rule out
 WORK = 2_000  # coefficients looked at for one claim: functions on cones need few
 ANGLES = np.linspace(0.0, np.pi, 181)  # at which it is seen where two fields are parallel
 DENOMINATOR = 8  # of slopes
@@ -66,12 +68,17 @@ def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE, search: Sear
         raise NotShownError("a choice needs several right-hand sides that may act")
     subject, search = started(system, search)
     lines = parallel_lines(system, subject, search) if len(system.states) == len(PLANE) else []
+    searched = 0
     for choice in islice(choices(subject, system, lines), MOST_TRIED):
         try:
             one = _with_choice(system, subject.rhs, choice)
         except (SceneError, ExpressionError):
             continue
-        for show in _searches(one):
+        searches = _searches(one)
+        searched += bool(searches)
+        if searched > MOST_SEARCHED:
+            break
+        for show in searches:
             try:
                 entry, _ = show(one, UNSTABLE, Search(WORK))
             except (NotShownError, BeyondReachError):
@@ -83,7 +90,10 @@ def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE, search: Sear
 
 
 def _searches(system: SwitchedSystem) -> Sequence[Show]:
-    """What is tried for one right-hand side: nothing where first terms show that the point attracts."""
+    """What is tried for one right-hand side: nothing where first terms show that the point attracts.
+
+    Where they show a spiral that leaves, a V that grows is tried first.
+    """
     if len(system.states) != len(PLANE):
         return IN_MANY
     point = PlanePoint(system)
@@ -93,7 +103,9 @@ def _searches(system: SwitchedSystem) -> Sequence[Show]:
         return IN_PLANE
     if Translation.ASYMPTOTICALLY_STABLE in verdicts:
         return ()
-    return (*IN_PLANE, show_by_growth) if Translation.UNSTABLE in verdicts else IN_PLANE
+    leading = point.leading
+    leaves = leading is not None and leading.growth is not None and leading.verdict is Translation.UNSTABLE
+    return (show_by_growth, *IN_PLANE) if leaves and are_cones(point.cells) else IN_PLANE
 
 
 def show_by_growth(system: SwitchedSystem, verdict: str, search: Search) -> Entry:
