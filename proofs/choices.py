@@ -139,12 +139,16 @@ def choices(subject: System, system: SwitchedSystem, lines: Sequence[str]) -> It
     if system.by_roots is None:
         surfaces |= dict.fromkeys(str(own) for own in system.surfaces() if own.degree)
     for surface in surfaces | dict.fromkeys(lines):
-        yield from ({"surface": surface, "first": i, "second": j} for i, j in permutations(numbers, 2))
-    yield from ({"surface": ["0"], "first": i, "second": j} for i, j in combinations(numbers, 2))
+        yield from (_beside(surface, i, j) for i, j in permutations(numbers, 2))
+    yield from (_beside(["0"], i, j) for i, j in combinations(numbers, 2))
     for one, other in combinations((*coordinates, *lines), 2):
         for i, j in permutations(numbers, 2):
-            beside = ({"surface": other, "first": a, "second": b} for a, b in ((i, j), (j, i)))
-            yield {"surface": one, "first": next(beside), "second": next(beside)}
+            yield _beside(one, _beside(other, i, j), _beside(other, j, i))
+
+
+def _beside(surface: Any, first: Any, second: Any) -> dict[str, Any]:
+    """One choice above a surface and another one below, or their mixture by a number."""
+    return {"surface": surface, "first": first, "second": second}
 
 
 def parallel_lines(system: SwitchedSystem, subject: System, search: Search) -> list[str]:
