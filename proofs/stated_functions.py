@@ -11,7 +11,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, exact_text, form
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PotentialPiece
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -29,7 +29,7 @@ def stated_function(
         exact_text(radius)
     pieces = function.pieces
     if len(pieces) <= 1:
-        own = _parsed(str(pieces[0].potential) if pieces else function.text, system)
+        own = parse_piecewise(str(pieces[0].potential) if pieces else function.text, system.states)
         return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)
     sides = [_sides(system, piece) for piece in pieces]
     cells = stated_cells(system, radius, [line for own in sides for line, _ in own], irrational=True)
@@ -47,10 +47,6 @@ def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> dic
     stated, cells = stated_function(system, function.domain.radius or system.check.radius, function)
     direction = _open_direction(system, cells.surfaces)
     return {"cells": cells.record, "function": _negated(stated), "second": None, "direction": direction}
-
-
-def _parsed(text: str, system: SwitchedSystem) -> PiecewiseExpression:
-    return parse_piecewise(text, system.states)
 
 
 def _sides(system: SwitchedSystem, piece: PotentialPiece) -> list[tuple[Polynomial, int]]:
