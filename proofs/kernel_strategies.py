@@ -14,9 +14,9 @@ from typing import Any
 from nonsmooth.proofs.choices import choice_words, show_choice_of
 from nonsmooth.proofs.findings.facts import row_fact
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.centres import factor_text, reflection_text, show_integral_of, show_reversible_of
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
-from nonsmooth.proofs.kernel.reversible import reflection_text, show_reversible_of
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
@@ -163,7 +163,7 @@ def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
     if known.standing is not None:
         return None
     try:
-        entry, _ = show_reversible_of(_rational(point.system))
+        entry, _ = show_reversible_of(point.system)
     except NotShownError:
         return None
     hypotheses, states = entry["hypotheses"], point.system.states
@@ -172,6 +172,23 @@ def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
     reason = f"{NOT_ATTRACTING}{refutes}"
     facts = (row_fact("on", cube_text(point.system.field(Fraction(hypotheses["cells"]["within"])), states)),)
     return Finding(Method.SYMMETRY, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
+
+
+def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
+    """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
+    if known.standing is not None:
+        return None
+    try:
+        entry, _ = show_integral_of(point.system)
+    except NotShownError:
+        return None
+    hypotheses, states = entry["hypotheses"], point.system.states
+    refutes = "orbits near it are closed, as they turn, and an integral of motion is kept"
+    where = cube_text(point.system.field(Fraction(hypotheses["cells"]["within"])), states)
+    facts = row_fact("integrating factor", factor_text(hypotheses)), row_fact("on", where)
+    return Finding(
+        Method.INTEGRAL, Translation.STABLE, f"{NOT_ATTRACTING}{refutes}", entry=entry, facts=facts, refutes=refutes
+    )
 
 
 def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:

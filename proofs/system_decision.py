@@ -158,6 +158,7 @@ STRATEGIES = [
     Strategy("invariance principle", TWO, plane.search_attraction),
     Strategy("energy", MORE, kernel.decide_by_energy),
     Strategy("invariance principle", MORE, space.decide_by_invariance),
+    Strategy("integral of motion", TWO, kernel.decide_by_integral),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
     Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),

@@ -16,12 +16,12 @@ from typing import Any, TypeAlias
 from .array_basin import show_array_basin
 from .basin import show_basin
 from .cells import System
+from .centres import show_integral, show_reversible
 from .choice import show_choice
 from .circles import show_on_circles
 from .escape import show_escape
 from .outside import show_outside
 from .positivity import Proofs
-from .reversible import show_reversible
 from .roots import read_subject
 from .theorem4 import show_theorem4
 from .theorems import Statement, show_departure, show_instability, show_stability
@@ -44,6 +44,7 @@ THEOREMS: dict[str, Theorem] = {  # of systems
     "outside": show_outside,
     "choice": show_choice,
     "reversible": show_reversible,
+    "integral": show_integral,
 }
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,

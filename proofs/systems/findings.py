@@ -54,6 +54,7 @@ class Method(StrEnum):
     INSTABILITY = "function that shows instability"
     CIRCLES = "energy on circles"
     SYMMETRY = "reversing symmetry"
+    INTEGRAL = "integral of motion"
     NONE = "nothing"
 
 

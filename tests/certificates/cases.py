@@ -517,19 +517,40 @@ def choices() -> Iterator[Case]:
     yield case("sides", sides, outward, "instability", instability("-Abs(x)", cells("x", within="1/2"), ["1"]))
 
 
-def reversals() -> Iterator[Case]:
-    """Centres by a reflection: smooth ones, a relay, a pendulum on a spring; fields that turn in both senses."""
+def centres() -> Iterator[Case]:
+    """Centres by a reflection and by an integral: smooth, degenerate, with a relay, a wave; in both senses."""
 
-    def case(name: str, sides: Any, function: str, mirror: Any, factor: str, *surfaces: str) -> Case:
-        own = {"cells": cells(*surfaces, within="1/4"), "function": function, "mirror": mirror, "factor": factor}
-        return Case(f"reversible-{name}", subject(sides), "reversible", own)
+    def case(name: str, theorem: str, rhs: Any, *surfaces: str, at: Any = None, **own: Any) -> Case:
+        signs = [""]
+        for _ in surfaces:
+            signs = [f"{old}{sign}" for old in signs for sign in "-+"]
+        weights = dict.fromkeys(signs, own["weights"])
+        stated = {"cells": cells(*surfaces, within="1/4"), **own, "weights": weights}
+        return Case(name, subject(rhs, at), theorem, stated)
 
     across, along, swapped = [["1", "0"], ["0", "-1"]], [["-1", "0"], ["0", "1"]], [["0", "1"], ["1", "0"]]
-    yield case("spring", ["y", "-x + x**2"], "x**2 + y**2", across, "-4")
-    yield case("other-sense", ["-y + x**2", "x + x*y"], "x**2 + y**2", along, "4")
-    yield case("diagonal", ["y + x*y", "-x - x*y"], "x**2 + y**2", swapped, "-4")
-    yield case("relay", ["y - x**2/2", "-sign(x) + x*y**2/2"], "y**2/2 + Abs(x)", along, "-64", "x")
-    yield case("pendulum", ["y", "-sin(x) - x"], "x**2 + y**2", across, "-4")
+    same, steep, back = ["1", "1"], ["1", "2"], -1
+
+    def mirrored(name: str, rhs: Any, mirror: Any, *surfaces: str, weights: Any = same, sense: int = back) -> Case:
+        return case(f"reversible-{name}", "reversible", rhs, *surfaces, mirror=mirror, weights=weights, sense=sense)
+
+    yield mirrored("spring", ["y", "-x + x**2"], across)
+    yield mirrored("other-sense", ["-y + x**2", "x + x*y"], along, sense=1)
+    yield mirrored("diagonal", ["y + x*y", "-x - x*y"], swapped)
+    yield mirrored("relay", ["y - x**2/2", "-sign(x) + x*y**2/2"], along, "x", weights=["2", "1"])
+    yield mirrored("pendulum", ["y", "-sin(x) - x"], across)
+    yield mirrored("degenerate", ["y", "-x**3 + 2*x*y"], along, weights=steep)
+
+    def kept(name: str, rhs: Any, factors: Any, *surfaces: str, exponent: str = "0", **own: Any) -> Case:
+        stated = {"exponent": exponent, "factors": factors, "weights": same, "sense": back, **own}
+        return case(f"integral-{name}", "integral", rhs, *surfaces, **stated)
+
+    prey = [["x + 1", "-1"], ["y/2 + 1", "-1"]]
+    yield kept("prey", ["x*(2 - y)", "3*y*(x - 1)"], prey, at=["1", "2"], sense=1)
+    yield kept("exponential", ["y", "-x**3 - y**2/2"], [], exponent="x", weights=steep)
+    yield kept("energy", ["y + y**2", "-relu(x) + 3*relu(-x) - x**2"], [], "x")
+    lines = [["1 + x", "-1/2"], ["1 + y", "-2/3"], ["1 - 3*x/4 - y/2", "-1/3"]]
+    yield kept("powers", ["6*(x + 1)*(x + 2*y)", "-3*(7*x + 2*y)*(y + 1)"], lines)
 
 
 GROUPS = (
@@ -549,7 +570,7 @@ GROUPS = (
     polygons,
     quotients,
     choices,
-    reversals,
+    centres,
     basins_in_space,
 )
 

@@ -439,27 +439,50 @@ def of_circles() -> Iterator[Forgery]:
     yield turns("no roots beside angles", "-sin(x)", roots=["x"])
 
 
-def of_reflections() -> Iterator[Forgery]:
-    """Springs of which two act in turn, or gain; other mirrors, and no square."""
+def of_centres() -> Iterator[Forgery]:
+    """Springs of which two act in turn, or gain; other mirrors and factors, and no square."""
     eight: Record = {"simplices": [{}] * 8}
-    still = {f"{name} field 0": eight for name in ("turns ", "rises ", "falls ")}
+    still = {"turns  field 0": eight}
+    mirror: Record = {"mirror": [["1", "0"], ["0", "-1"]]}
 
-    def reversed_by(because: str, rhs: list[list[str]], proofs: Record, **hypotheses: Any) -> Forgery:
+    def turns(because: str, rhs: list[list[str]], proofs: Record = still, **hypotheses: Any) -> Forgery:
         subject = {"states": ["x", "y"], "rhs": rhs, "at": ["0", "0"]}
-        own: Record = {"cells": cube("1"), "function": "x**2 + y**2", "factor": "-3"}
-        own |= {"mirror": [["1", "0"], ["0", "-1"]], **hypotheses}
-        return of_subject(because, subject, [STABLE], "reversible", own, {"V ": eight, **proofs})
+        own: Record = {"cells": cube("1"), "weights": {"": ["1", "1"]}, "sense": -1} | hypotheses
+        theorem = "reversible" if "mirror" in own else "integral"
+        return of_subject(because, subject, [STABLE], theorem, own, proofs)
 
-    two = {**still, **{f"{name} field 1": eight for name in ("turns ", "rises ", "falls ")}}
+    spring = [["y", "-x"]]
     words = "one right-hand side in two states, without roots"
-    yield reversed_by(words, [["y", "-x"], ["y", "-4*x"]], two)
-    yield reversed_by("a factor that is not zero", [["y", "-x"]], still, factor="0")
-    whole: Record = {name: {"simplices": [{}] * 4} for name in ("V ", *still)}
-    whole |= {f"{name} field 0": eight for name in ("turns ", "rises ", "falls ")}  # these are about the square anyway
-    yield reversed_by("a square, and lines through the point", [["y", "-x"]], whole, cells=cube(None))
-    yield reversed_by("a reflection", [["x + y", "y - x"]], still, mirror=[["0", "0"]] * 2)
-    words = "sines and cosines of what the reflection keeps, up to its sign"
-    yield reversed_by(words, [["y", "-x + 0*sin(x + y)"]], still)
+    yield turns(words, [*spring, ["y", "-4*x"]], {**still, "turns  field 1": eight}, **mirror)
+    yield turns("a square, and lines through the point", spring, cells=cube(None), **mirror)
+    yield turns("a sense of 1 or -1", spring, sense=-2, **mirror)
+    yield turns("a reflection", [["x + y", "y - x"]], mirror=[["0", "0"]] * 2)
+    yield turns(
+        "sines and cosines of what the reflection keeps, up to its sign", [["y", "-x + 0*sin(x + y)"]], **mirror
+    )
+    yield turns("fields that the reflection reverses", [["x + y", "y - x"]], **mirror)
+    # x' = -x y - y r^2, y' = -y^2 + x r^2: some solutions run into the point
+    run_in = [["-x*y - y*(x**2 + y**2)", "-y**2 + x*(x**2 + y**2)"]]
+    yield turns("turns  field 0", run_in, sense=1, **mirror)
+    for weights, words in (({}, "weights for each cell"), ({"": ["-1", "-1"]}, "positive weights")):
+        yield turns(words, spring, weights=weights, **mirror)
+    quarters = [f"{first}{second}" for first in "-+" for second in "-+"]
+    skew: Record = {"within": "1", "surfaces": ["x - y", "x + y"], "empty": []}
+    within: Record = {"cells": skew, "weights": {key: ["2", "1"] for key in quarters}}
+    proofs = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in quarters}
+    yield turns("equal weights beside lines that are no axes", spring, proofs, **within, **mirror)
+
+    plain: Record = {"exponent": "0", "factors": []}
+    gains = [["y + x", "y - x"]]  # div f = 2, and ln(x^2 + y^2) rises by 2: the factor is infinite at the point
+    yield turns("an integrating factor", gains, **plain)
+    square = {"exponent": "0", "factors": [["x**2 + y**2", "-1"]]}
+    yield turns("factors that are not zero at the point", gains, **square)
+    yield turns("an integral without sines and cosines of states", [["y", "-x + 0*sin(x)"]], **plain)
+    halves: Record = {"cells": {"within": "1", "surfaces": ["x"], "empty": []}, "sense": -1}
+    halves["weights"] = {"-": ["1", "1"], "+": ["1", "1"]}
+    proofs = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in "-+"}
+    grows = [["y + (1 + sign(x))*y**2/2", "-x"]]  # by the energies of both sides, each half turn more than the last
+    yield turns("the same flux from both sides of a line", grows, proofs, **halves, **plain)
 
 
 def of_polygons() -> Iterator[Forgery]:
@@ -534,6 +557,6 @@ def conditions() -> Iterator[Forgery]:
     for kind in (
         *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_cells, of_faces, of_points, of_pieces),
-        *(of_escape, of_choice, of_circles, of_reflections, of_polygons, of_meshes, of_names_of_roots),
+        *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots),
     ):
         yield from kind()

@@ -285,9 +285,8 @@ def other_choice(good: Record) -> Iterator[Any]:
 
 
 def other_reflection(good: Record) -> Iterator[Any]:
-    """What is no reflection, or does not reverse the field; a factor that is zero, or of the other sense."""
-    hypotheses = good["evidence"][0]["hypotheses"]
-    if "mirror" not in hypotheses:
+    """What is no reflection, or does not reverse the field."""
+    if "mirror" not in good["evidence"][0]["hypotheses"]:
         return
     one, none = ["1", "0"], ["0", "1"]
     for wrong in (
@@ -300,9 +299,31 @@ def other_reflection(good: Record) -> Iterator[Any]:
         [],
     ):
         yield [([*HYPOTHESES, "mirror"], wrong)]
-    factor = hypotheses["factor"]
-    for other in ("0", "1/1000", factor[1:] if factor[0] == "-" else f"-{factor}", 4, None):
-        yield [([*HYPOTHESES, "factor"], other)]
+
+
+def other_integral(good: Record) -> Iterator[Any]:
+    """Other integrating factors, and some that are zero at the point, or no functions."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "factors" not in hypotheses:
+        return
+    for wrong in ("x", "1", "1/x", "exp(x)", hypotheses["exponent"] + " + y", None, 0):
+        yield [([*HYPOTHESES, "exponent"], wrong)]
+    for factors in ([["x", "-1"]], [["1 + x + y", "1/3"]], [["1 + x", "x"]], [["1 + x"]], [["0", "1"]], [["1", 1]], {}):
+        yield [([*HYPOTHESES, "factors"], factors)]
+
+
+def other_turning(good: Record) -> Iterator[Any]:
+    """Weights with which the lowest terms do not turn, of other cells, or none; the other sense, or none."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "sense" not in hypotheses:
+        return
+    weights = hypotheses["weights"]
+    for pair in (["5", "1"], ["1", "7/2"], ["-1", "-1"], ["0", "0"], ["1"], [1, 1], "1"):
+        yield [([*HYPOTHESES, "weights"], dict.fromkeys(weights, pair))]
+    for wrong in ({}, {**weights, "--": ["1", "1"]}, list(weights), None):
+        yield [([*HYPOTHESES, "weights"], wrong)]
+    for sense in (-hypotheses["sense"], 0, 2, "1", True, None):
+        yield [([*HYPOTHESES, "sense"], sense)]
 
 
 def other_denominator(good: Record) -> Iterator[Any]:
@@ -455,6 +476,8 @@ KINDS: Kinds = (
     other_numbers,
     other_choice,
     other_reflection,
+    other_integral,
+    other_turning,
     other_denominator,
 )
 

@@ -51,6 +51,7 @@ NO_WORDS = {
     "sines and cosines",
     "theorem choice",
     "theorem reversible",
+    "theorem integral",
     "a V with a denominator",
     "surfaces and pieces without a common point",
 }
