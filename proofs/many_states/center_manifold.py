@@ -8,7 +8,8 @@ coordinates and ``w = x - R u - h(u)`` in the stable subspace, where h solves
 the point behaves as that of the reduced field ``u' = g(u) = L f(R u + h(u))`` (Carr 1981).
 
 *d = 1*: ``g = a u^m + ...``.  *d = 2*: a normal form is sought as ``W = W_2 + W_3 + W_4`` with ``W_2`` a form that the
-linear rotation keeps, and ``W' = c W_2^2 + ...`` (Lyapunov's first quantity c).  Then
+linear rotation keeps, and ``W' = c W_2^2 + ...`` (Lyapunov's first quantity c).  In the plane, where that is zero, more
+terms are taken, up to ``W' = c W_2^k + ...`` with another c (the next quantities).  Then
 
     ``V = W(u) + q(u) w + k w^T P w``
 
@@ -50,7 +51,8 @@ MOST_ORDER = 7  # of the first term of a reduced field in one coordinate
 STILL = 2.0**-30  # real parts, over the largest eigenvalue, that are called zero in floats
 GAINS = (1, 8, 64, 1024)  # k, tried in turn
 DENOMINATOR = 1 << 6  # of P
-SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked cube, tried in turn
+MOST_POWER = 5  # k in W' = c W_2^k, in the plane
+SHARES = tuple(Fraction(1, 4**k) for k in range(7))  # of the checked cube, tried in turn
 
 Vector: TypeAlias = list[Polynomial]
 
@@ -278,20 +280,23 @@ class Reduction:
         return Leading(variable(1, 0, -1 if factor > 0 else 1), order, factor, False, words)
 
     def circle(self) -> Leading | None:
-        """Two centre coordinates that turn: Lyapunov's first quantity decides, where it is not zero."""
-        moved = self._along(self.manifold, 3)
-        found = self._kept()
-        square = found
-        for degree in (3, 4):
-            missing = _part(self._carried(found, moved, degree), degree)
-            solved = self._averaged(missing, degree, square if degree == 4 else None)
-            if solved is None:
+        """Two centre coordinates that turn: the first of Lyapunov's quantities that is not zero decides."""
+        most = 2 if self.split.count > self.split.size else MOST_POWER
+        moved = self._along(self.manifold, 2 * most - 1)
+        found = kept = self._kept()
+        for power in range(2, most + 1):
+            odd = self._averaged(_part(self._carried(found, moved, 2 * power - 1), 2 * power - 1), None)
+            if odd is None:
                 return None
-            found, quantity = found - solved[0], solved[1]
-        if not quantity:
-            return None
-        words = f"on the centre manifold W = u**2 + ... has W' = {_multiple(quantity, 'W', 2)} + ..."
-        return Leading(found if quantity < 0 else -found, 4, quantity, quantity < 0, words)
+            found -= odd[0]
+            even = self._averaged(_part(self._carried(found, moved, 2 * power), 2 * power), kept.power(power))
+            if even is None:
+                return None
+            found, quantity = found - even[0], even[1]
+            if quantity:
+                words = f"on the centre manifold W = u**2 + ... has W' = {_multiple(quantity, 'W', power)} + ..."
+                return Leading(found if quantity < 0 else -found, 2 * power, quantity, quantity < 0, words)
+        return None
 
     def _kept(self) -> Polynomial:
         """The form ``u_1^2 + ...`` that the linear rotation ``A_c = (a, b; c, -a)`` keeps, where ``b c < -a^2``."""
@@ -299,20 +304,23 @@ class Reduction:
         form = Polynomial(2, {(2, 0): c, (1, 1): -2 * a, (0, 2): -b})
         return form.times(1 / c)
 
-    def _averaged(
-        self, missing: Polynomial, degree: int, square: Polynomial | None
-    ) -> tuple[Polynomial, Fraction] | None:
-        """The form F and the number c with ``grad F . A_c u + c W_2^2 = r``; c is 0 without W_2."""
+    def _averaged(self, missing: Polynomial, kept: Polynomial | None) -> tuple[Polynomial, Fraction] | None:
+        """The form F and the number c with ``grad F . A_c u + c W_2^k = r`` for the form r.
+
+        Args:
+            missing: r.
+            kept: ``W_2^k``, of the degree of r; c is 0 without it.
+        """
+        degree = max(map(sum, missing.terms), default=0)
+        if not degree:
+            return missing, Fraction(0)
         monomials = monomials_between(2, degree, degree)
         columns = [self._rotated(Polynomial(2, {key: Fraction(1)})) for key in monomials]
+        columns += [kept] if kept is not None else []
         rows = [[_flint(own.terms.get(key, Fraction(0))) for own in columns] for key in monomials]
         right = [_flint(missing.terms.get(key, Fraction(0))) for key in monomials]
-        if square is not None:
-            doubled = square * square
-            rows = [
-                [*row, _flint(doubled.terms.get(key, Fraction(0)))] for row, key in zip(rows, monomials, strict=True)
-            ]
-            rows.append([fmpq(1), *[fmpq(0)] * len(monomials)])  # multiples of W_2^2 may be added to F
+        if kept is not None:  # multiples of it may be added to F
+            rows.append([fmpq(1), *[fmpq(0)] * len(monomials)])
             right.append(fmpq(0))
         try:
             solved = fmpq_mat(rows).solve(fmpq_mat(len(right), 1, right))
@@ -320,7 +328,7 @@ class Reduction:
             return None
         values = [_fraction(solved[i, 0]) for i in range(len(rows))]
         form = Polynomial(2, dict(zip(monomials, values, strict=False)))
-        return form, values[-1] if square is not None else Fraction(0)
+        return form, values[-1] if kept is not None else Fraction(0)
 
     # -- the functions
 
@@ -466,9 +474,10 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
             return None
         if len(around) != 1:
             continue
-        for proposal in center_functions(_unscaled(around.pop(), stated)):
-            if proposal.attracts is not attracts:
-                break
+        proposals = list(center_functions(_unscaled(around.pop(), stated)))
+        if not proposals or proposals[0].attracts is not attracts:
+            return None
+        for proposal in proposals:
             found = _shown(system, subject, stated, proposal, search)
             if found is not None:
                 return found

@@ -89,6 +89,16 @@ def test_the_first_quantity_of_a_planar_focus(seed: int) -> None:
     assert found.factor == Fraction(str(2 * published))  # W = r^2 + ... has W' = 2 l W^2 + ...
 
 
+@pytest.mark.parametrize("power", range(1, 5))
+def test_the_next_quantities_of_a_planar_focus(power: int) -> None:
+    """``x'' = -x - x^2k x'`` has ``(r^2)' = -2 r^(2k+2) cos^2k sin^2 + ...``, whose mean counts in all coordinates."""
+    mean = Fraction(int(sp.binomial(2 * power, power)), 4**power * (2 * power + 2))
+    assert leading(["y", f"-x - x**{2 * power}*y"]).factor == -2 * mean
+    x, y = "(x + x**2)", "(y - x**2)"  # what x and y are in other coordinates; times 1 + 2 x, fields are polynomials
+    bent = leading([y, f"(-{x} - {x}**{2 * power}*{y})*(1 + 2*x) + 2*x*{y}"])
+    assert bent.factor == -2 * mean
+
+
 # ---- verdicts ------------------------------------------------------------------------------------
 
 REPELS = [
@@ -99,8 +109,10 @@ REPELS = [
     ["x**2 - y*z", "-y + x*z", "-3*z + y + x**2"],
     ["x*y + x**2*y", "-y + x**4 + x*y"],
     ["-y + x*z", "x + y*z", "-z + x**2 + y**2"],
+    ["x + y - 3*x**2 + 2*x*y + 4*y**2 + x**3", "-2*x - y - x**2 - 3*x*y - 4*y**2 - 2*y**3"],  # near the point alone
 ]
 ATTRACTS = [
+    ["y", "-x - x**4*y + x**2"],
     ["-x + y**2", "-y**3"],
     ["-y + x*z", "x + y*z", "-z - 2*x**2 - y**2 + x**3"],
     ["-x*y + z*x**2", "-y + x**4", "-2*z - y + x**3"],
