@@ -67,9 +67,12 @@ def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) ->
     if shown.function is not None:
         reason, function = f"{proposal.words}; {shown.function.reason}", _of_point(point, shown.function)
         return Finding(Method.CENTER, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=proposal)
+    facts, verdict = shown.facts(point.system.states), Translation.UNSTABLE
     reason = f"{proposal.words}; where V is negative, at points at all distances, it falls"
-    facts = shown.facts(point.system.states)
-    return Finding(Method.CENTER, Translation.UNSTABLE, reason, proofs=proposal, entry=shown.entry, facts=facts)
+    if proposal.attracts:
+        verdict = Translation.ASYMPTOTICALLY_STABLE
+        reason = f"{proposal.words}; V is positive and decreases everywhere but at the equilibrium"
+    return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=shown.entry, facts=facts)
 
 
 def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:

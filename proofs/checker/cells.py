@@ -27,6 +27,7 @@ MAX_ORDER = 4  # of sines and cosines
 
 Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
 SurfaceSigns: TypeAlias = Mapping[int, int]  # of some surfaces
+Matrix: TypeAlias = list[list[Fraction]]
 
 
 @dataclass(frozen=True)
@@ -136,23 +137,54 @@ def read_signs(data: Any, size: int) -> dict[int, int]:
 
 
 class Domain:
-    """The cube ``|z_k| <= radius`` about the point, in units of the radius; or the whole space."""
+    """The cube ``|z_k| <= radius`` about the point, in units of the radius; or the whole space.
 
-    def __init__(self, system: System, within: Any) -> None:
+    With a frame, the coordinates z are others than the states: x is ``T z`` from the point, and ``z' = L f`` with
+    ``L T = 1``.
+    """
+
+    def __init__(self, system: System, within: Any, frame: Any = None) -> None:
         self.system, self.bounded = system, within is not None
         self.radius = rational(within) if self.bounded else Fraction(1)
         require(self.radius > 0, "a cube of positive size")
         count = system.count
         numbers = {name: constant(count, number) for name, number in system.numbers.items()}
         away = [variable(count, k, self.radius) for k in range(count)]
+        self.frame: tuple[Matrix, Matrix] | None = None
+        if frame is not None:
+            self.frame = read_frame(frame, system)
+            away = applied(self.frame[0], away)
         at = [own + constant(count, value) for own, value in zip(away, system.origin, strict=True)]
         self.displacement = {**dict(zip(system.coordinates, away, strict=True)), **numbers}
         self.place = {**dict(zip(system.coordinates, at, strict=True)), **numbers}
+
+    def velocity(self, field: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
+        """The velocity of the coordinates, by that of the states."""
+        return tuple(field) if self.frame is None else tuple(applied(self.frame[1], field))
 
     def guards(self) -> dict[str, Polynomial]:
         """The guards of the cube; none of the space."""
         count = self.system.count
         return cube_guards(identity(count), count) if self.bounded else {}
+
+
+def read_frame(data: Any, system: System) -> tuple[Matrix, Matrix]:
+    """The matrices T and L, each the inverse of the other."""
+    require(system.coordinates == system.states, "a frame without roots of states")
+    count = system.count
+    to_states, back = (
+        [[rational(value) for value in items(row, count)] for row in items(own, count)] for own in items(data, 2)
+    )
+    units = [variable(count, k) for k in range(count)]
+    require(applied(to_states, applied(back, units)) == units, "a frame of two matrices whose product is one")
+    return to_states, back
+
+
+def applied(matrix: Matrix, vector: Sequence[Polynomial]) -> list[Polynomial]:
+    """A matrix times a vector of polynomials."""
+    return [
+        sum((own.times(c) for own, c in zip(vector, row, strict=True)), constant(vector[0].count, 0)) for row in matrix
+    ]
 
 
 def no_switching(value: Polynomial) -> int:
@@ -277,11 +309,17 @@ class Function:
 
 
 class Inclusion:
-    """The cells of a system on a domain, with the functions of a theorem."""
+    """The cells of a system on a domain, with the functions of a theorem.
 
-    def __init__(self, system: System, data: Any, functions: Sequence[Any], proofs: Proofs) -> None:
-        within, surfaces, empty = take(data, "within surfaces empty")
-        self.domain, self.proofs = Domain(system, within), proofs
+    A frame is accepted of theorems that speak of solutions near the point alone.
+    """
+
+    def __init__(
+        self, system: System, data: Any, functions: Sequence[Any], proofs: Proofs, *, framed: bool = False
+    ) -> None:
+        within, surfaces, empty, frame = take(data, "within surfaces empty", "frame")
+        require(frame is None or framed, "a frame where a V alone shows a verdict")
+        self.domain, self.proofs = Domain(system, within, frame), proofs
         self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty, proofs)
         fields = system.fields(self.domain.place)
         own = [Function(self.domain, self.surfaces, function) for function in functions]
@@ -294,7 +332,7 @@ class Inclusion:
         def sign_of(value: Polynomial) -> int:
             return self.surfaces.sign_on(signs, value)
 
-        own = [tuple(formula.on(sign_of) for formula in field) for field in fields]
+        own = [self.domain.velocity([formula.on(sign_of) for formula in field]) for field in fields]
         different = tuple((k, field) for k, field in enumerate(own) if field not in own[:k])
         return Cell(signs, different, tuple(function.on(signs) for function in functions))
 

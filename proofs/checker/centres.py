@@ -47,7 +47,7 @@ from functools import partial
 from itertools import combinations
 from typing import Any, TypeAlias
 
-from .cells import Cell, Inclusion, System, pattern, whole_domain
+from .cells import Cell, Inclusion, Matrix, System, applied, pattern, whole_domain
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
 from .theorems import STABLE, Statement
@@ -55,7 +55,6 @@ from .work import items, rational, require, take
 
 MOST_FACTORS = 8
 
-Matrix: TypeAlias = list[list[Fraction]]
 Weights: TypeAlias = tuple[Fraction, Fraction]
 
 
@@ -148,7 +147,7 @@ def read_reflection(data: Any) -> Matrix:
 
 def require_reversed(system: System, inclusion: Inclusion, reflection: Matrix) -> None:
     """``f(R z) = -R f(z)`` on every cell, at all ends of sines and cosines."""
-    mirrored = _applied(reflection, [variable(2, k) for k in range(2)])
+    mirrored = applied(reflection, [variable(2, k) for k in range(2)])
     place = inclusion.domain.place
     straight = system.fields(place)
     turned = system.fields({name: own.on(mirrored, 2) for name, own in place.items()})
@@ -159,12 +158,8 @@ def require_reversed(system: System, inclusion: Inclusion, reflection: Matrix) -
         sign_of = partial(inclusion.surfaces.sign_on, cell.signs)
         for field, beyond in zip(straight, turned, strict=True):
             there = [formula.on(sign_of) for formula in beyond]
-            back = _applied(reflection, [formula.on(sign_of) for formula in field])
+            back = applied(reflection, [formula.on(sign_of) for formula in field])
             require(not any(a + b for a, b in zip(there, back, strict=True)), "fields that the reflection reverses")
-
-
-def _applied(matrix: Matrix, vector: Sequence[Polynomial]) -> list[Polynomial]:
-    return [vector[0].times(a) + vector[1].times(b) for a, b in matrix]
 
 
 # ---- an integral ------------------------------------------------------------------------------------

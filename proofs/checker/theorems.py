@@ -46,6 +46,8 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     require(attracts or second is None, "further functions where the point attracts")
     require(everywhere is True or proper is None, "a proper V for all starts")
     own = read_functions(system, cells, function, second, proofs)
+    if own.inclusion.domain.frame is not None:
+        require(level is rate is denominator is None and everywhere is False, "a verdict alone in a frame")
     if denominator is not None:
         require(second is None and rate is None, "a quotient without further functions and rates")
         own.divide_by(Formula(denominator, own.inclusion.domain.displacement).on(no_switching))
@@ -145,7 +147,7 @@ def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
 def read_functions(system: System, cells: Any, function: Any, second: Any, proofs: Proofs) -> Lyapunov:
     """V, with further functions where the hypotheses name some."""
     if second is None:
-        return Lyapunov(Inclusion(system, cells, [function], proofs), proofs)
+        return Lyapunov(Inclusion(system, cells, [function], proofs, framed=True), proofs)
     others, zeros = take(second, "functions zeros")
     functions = [function, *items(others, most=MAX_OTHERS)]
     return Chain(Inclusion(system, cells, functions, proofs), proofs, zeros)

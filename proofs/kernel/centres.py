@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 
 from flint import fmpq_mat
 
-from nonsmooth.proofs.checker.cells import Inclusion, System, pattern
-from nonsmooth.proofs.checker.centres import Matrix, require_reversed, show_turns
+from nonsmooth.proofs.checker.cells import Inclusion, Matrix, System, pattern
+from nonsmooth.proofs.checker.centres import require_reversed, show_turns
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.bounds import factorized

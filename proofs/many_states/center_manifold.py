@@ -30,7 +30,7 @@ from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import System
-from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, unit, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.findings.facts import Fact, row_fact
 from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, started, stated_cells
@@ -54,7 +54,11 @@ DENOMINATOR = 1 << 6  # of P
 MOST_POWER = 5  # k in W' = c W_2^k, in the plane
 SHARES = tuple(Fraction(1, 4**k) for k in range(7))  # of the checked cube, tried in turn
 
+SCALES = (Fraction(1), Fraction(1, 16))  # of stable coordinates over centre ones, tried in turn
+WIDE = 3  # shares that are tried beside a stable subspace
+
 Vector: TypeAlias = list[Polynomial]
+Frame: TypeAlias = tuple[fmpq_mat, fmpq_mat]  # T and its inverse, with x = T z
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,7 @@ class SuggestedFunction:
         direction: along which V is negative near the point, where it shows instability.
         words: what the reduced field does.
         is_whole: whether there is no stable subspace beside it.
+        frames: coordinates of the centre and stable subspaces in which it may be shown that V falls.
     """
 
     function: Polynomial
@@ -74,6 +79,7 @@ class SuggestedFunction:
     direction: tuple[Fraction, ...]
     words: str
     is_whole: bool
+    frames: tuple[Frame | None, ...]
 
 
 def center_functions(field: Sequence[Polynomial]) -> Iterator[SuggestedFunction]:
@@ -129,6 +135,17 @@ class Split:
     def hurwitz(self) -> fmpq_mat:
         """A on the stable subspace, and -1 on the centre."""
         return self.matrix * (_identity(self.count) - self.onto_center) - self.onto_center
+
+    def frame(self, scale: Fraction) -> Frame:
+        """A basis of both subspaces in columns, that of the stable one scaled, and its inverse."""
+        stable = null_basis(self.left) * _flint(scale)
+        basis = fmpq_mat([left + right for left, right in zip(self.right.tolist(), stable.tolist(), strict=True)])
+        return basis, basis.inv()
+
+    @property
+    def is_along_axes(self) -> bool:
+        """Whether both subspaces are spanned by axes."""
+        return all(sum(map(bool, column)) == 1 for column in self.frame(Fraction(1))[0].transpose().tolist())
 
 
 def split_at(field: Sequence[Polynomial]) -> Split | None:
@@ -343,10 +360,13 @@ class Reduction:
         base = leading.potential.on(center, count)
         for row, own in zip(self._mixed(leading), off, strict=True):
             base += row.on(center, count) * own
+        skew = tuple(map(split.frame, SCALES)) if count > split.size else ()
+        frames = skew if skew and leading.attracts and not split.is_along_axes else (None, *skew)
         for gain in GAINS if count > split.size else (0,):
             function = base + self._square(off).times(gain) if gain else base
             whole = count == split.size
-            yield SuggestedFunction(function, leading.attracts, self._direction(leading), leading.words, whole)
+            direction, words = self._direction(leading), leading.words
+            yield SuggestedFunction(function, leading.attracts, direction, words, whole, frames)
 
     def _direction(self, leading: Leading) -> tuple[Fraction, ...]:
         """Of the centre subspace, in which W is least near the point."""
@@ -436,7 +456,7 @@ class ShownByManifold:
         formula: V in the displacement.
         radius: half the side of the cube.
         function: with its conditions, where the point attracts.
-        entry: the theorem on instability with its evidence, as a certificate holds it, where it does not.
+        entry: the theorem with its evidence, as a certificate holds it, where it does not, or in other coordinates.
     """
 
     proposal: SuggestedFunction
@@ -447,10 +467,11 @@ class ShownByManifold:
 
     def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
         """V, and where it falls."""
-        return (
-            row_fact("with", f"V = {one_line(self.formula.text)}"),
-            row_fact("on", cube_text(self.radius, states)),
-        )
+        where = cube_text(self.radius, states)
+        frame = None if self.entry is None else self.entry["hypotheses"]["cells"].get("frame")
+        if frame is not None:
+            where = cube_text(self.radius, [_form_text(row, states) for row in frame[1]])
+        return row_fact("with", f"V = {one_line(self.formula.text)}"), row_fact("on", where)
 
 
 def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownByManifold | None:
@@ -465,7 +486,7 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    for share in SHARES:
+    for number, share in enumerate(SHARES):
         try:
             subject, search = started(system, None)
             stated = sharpened(stated_cells(system, system.check.radius * share), subject, search)
@@ -476,6 +497,8 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
             continue
         proposals = list(center_functions(_unscaled(around.pop(), stated)))
         if not proposals or proposals[0].attracts is not attracts:
+            return None
+        if number == WIDE and not proposals[0].is_whole:
             return None
         for proposal in proposals:
             found = _shown(system, subject, stated, proposal, search)
@@ -497,17 +520,34 @@ def _shown(
     radius = system.field(stated.cells.radius)
     text = formula_text(proposal.function, system.states).replace("+ -", "- ")
     formula = parse_piecewise(text, system.states)
-    if proposal.attracts:
-        theorem, hypotheses = "lyapunov", stability_hypotheses(stated.record, text, ASYMPTOTICALLY_STABLE)
-    else:
-        direction = list(map(str, proposal.direction))
-        theorem = "instability"
-        hypotheses = {"cells": stated.record, "function": text, "second": None, "direction": direction}
-    try:
-        SampledProofs().entry(subject, theorem, hypotheses)
+    for frame in proposal.frames:
+        record = {**stated.record, **({} if frame is None else {"frame": list(map(_written, frame))})}
+        theorem, hypotheses = "lyapunov", stability_hypotheses(record, text, ASYMPTOTICALLY_STABLE)
         if not proposal.attracts:
-            return ShownByManifold(proposal, formula, radius, entry=search.entry(subject, theorem, hypotheses)[0])
-    except NotShownError:
-        return None
-    function = examine(system, formula, radius, effort=Effort.STRICT)
-    return ShownByManifold(proposal, formula, radius, function) if function.decrease is Decrease.STRICT else None
+            along = _column(proposal.direction) if frame is None else frame[1] * _column(proposal.direction)
+            theorem, direction = "instability", [str(value) for (value,) in along.tolist()]
+            hypotheses = {"cells": record, "function": text, "second": None, "direction": direction}
+        try:
+            SampledProofs().entry(subject, theorem, hypotheses)
+            if not proposal.attracts or frame is not None:
+                return ShownByManifold(proposal, formula, radius, entry=search.entry(subject, theorem, hypotheses)[0])
+        except NotShownError:
+            continue
+        function = examine(system, formula, radius, effort=Effort.STRICT)
+        if function.decrease is Decrease.STRICT:
+            return ShownByManifold(proposal, formula, radius, function)
+    return None
+
+
+def _column(values: Sequence[Fraction]) -> fmpq_mat:
+    return fmpq_mat([[_flint(value)] for value in values])
+
+
+def _written(matrix: fmpq_mat) -> list[list[str]]:
+    return [list(map(str, row)) for row in matrix.tolist()]
+
+
+def _form_text(row: Sequence[str], states: Sequence[str]) -> str:
+    count = len(states)
+    form = Polynomial(count, {unit(count, k): Fraction(value) for k, value in enumerate(row)})
+    return formula_text(form, states).replace("+ -", "- ")

@@ -62,9 +62,9 @@ def subject(rhs: Sequence[Any], at: Sequence[str] | None = None) -> Record:
     return {"states": list(NAMES[:count]), "rhs": sides, "at": list(at or ["0"] * count)}
 
 
-def cells(*surfaces: str, within: str | None = "1", empty: Sequence[str] = ()) -> Record:
+def cells(*surfaces: str, within: str | None = "1", empty: Sequence[str] = (), **more: Any) -> Record:
     """Hypotheses about cells."""
-    return {"within": within, "surfaces": list(surfaces), "empty": list(empty)}
+    return {"within": within, "surfaces": list(surfaces), "empty": list(empty), **more}
 
 
 def lyapunov(function: Any, where: Record, verdict: str = ATTRACTS, **more: Any) -> Record:
@@ -201,6 +201,11 @@ def nonlinear_systems() -> Iterator[Case]:
     yield Case("parabola", parabola, "lyapunov", lyapunov(squares_of("xy"), cells("y - x**2")))
     circle = subject(["-x*(3 + sign(1 - x**2 - y**2))", "-y"])
     yield Case("circle", circle, "lyapunov", lyapunov(squares_of("xy"), cells("1 - x**2 - y**2", within="2")))
+    frame = [[["2", "1"], ["1", "-1"]], [["1/3", "1/3"], ["1/3", "-2/3"]]]  # of u = (x + y)/3 and w = (x - 2 y)/3
+    skew = cells(within="1/4", frame=frame)
+    yield Case("frame", subject(["2*y - x - x**3", "x - 2*y"]), "lyapunov", lyapunov("(x + y)**2 + (x - 2*y)**2", skew))
+    away = instability("(x - 2*y)**2 - x - y", skew, ["1", "0"])
+    yield Case("frame-away", subject(["2*y - x + x**2", "x - 2*y"]), "instability", away)
     rows = subject(["-x + relu(y - 1/8)/4", "-y + relu(x - 1/4)/4"])
     yield Case("rectifiers", rows, "lyapunov", lyapunov(squares_of("xy"), cells("y - 1/8", "x - 1/4")))
 

@@ -69,6 +69,14 @@ def of_lyapunov() -> Iterator[Forgery]:
     words = "further functions where the point attracts"
     yield of_one_state(words, "-x", [STABLE], FALLS, {"verdict": "stable", "second": NO_FUNCTIONS})
 
+    # x' = x in coordinates whose velocities have the other sign; and more than a verdict, which is of no cube of x
+    turned: Record = {"cells": {**cube("1"), "frame": [[["1"]], [["-1"]]]}}
+    yield of_one_state("a frame of two matrices whose product is one", "x", [ATTRACTS], FALLS, turned)
+    wide: Record = {"cells": {**cube("1"), "frame": [[["1/2"]], [["2"]]]}, "level": "1/4"}
+    region = {"attracts": {"function": "x**2", "within": "1", "below": "1/4"}}
+    more = {**FALLS, "border  +0": PLAIN, "border  -0": PLAIN}
+    yield of_one_state("a verdict alone in a frame", "-x + 2*x**3", [ATTRACTS, region], more, wide)
+
     rests = {"V ": ON_PARTS, "cell  field 0": PLAIN}
     borders = {"border  +0": PLAIN, "border  -0": PLAIN}
     stable = {"verdict": "stable"}
@@ -452,6 +460,8 @@ def of_centres() -> Iterator[Forgery]:
         return of_subject(because, subject, [STABLE], theorem, own, proofs)
 
     spring = [["y", "-x"]]
+    plane = [[["1", "0"], ["0", "1"]]] * 2
+    yield turns("a frame where a V alone shows a verdict", spring, cells={**cube("1"), "frame": plane}, **mirror)
     words = "one right-hand side in two states, without roots"
     yield turns(words, [*spring, ["y", "-4*x"]], {**still, "turns  field 1": eight}, **mirror)
     yield turns("a square, and lines through the point", spring, cells=cube(None), **mirror)

@@ -213,6 +213,20 @@ def other_cells(good: Record) -> Iterator[Any]:
         yield [([*where, "within"], within)]
 
 
+def other_coordinates(good: Record) -> Iterator[Any]:
+    """Frames whose matrices are not inverse, or none; and a V that was shown in one, with more than a verdict."""
+    where, own = cells_of(good)
+    if "frame" not in own:
+        return
+    to_states, back = own["frame"]
+    none = [["0"] * len(back) for _ in back]
+    for wrong in ([back, to_states], [to_states, none], [none, none], [to_states], [to_states, to_states], None, [], 1):
+        yield [([*where, "frame"], wrong)]
+    yield [([*where, "frame"], [to_states, [[f"-{own}" for own in row] for row in back]])]
+    for key, value in (("level", "1/1000"), ("everywhere", True), ("rate", {"kind": "exponential", "kappa": "1/1000"})):
+        yield [([*HYPOTHESES, key], value)]
+
+
 def other_function(good: Record) -> Iterator[Any]:
     """A V that is not zero at the point, negative, not continuous, or no formula."""
     hypotheses = good["evidence"][0]["hypotheses"]
@@ -466,6 +480,7 @@ KINDS: Kinds = (
     other_claims,
     other_surfaces,
     other_cells,
+    other_coordinates,
     other_function,
     other_level,
     other_direction,

@@ -113,6 +113,8 @@ REPELS = [
 ]
 ATTRACTS = [
     ["y", "-x - x**4*y + x**2"],
+    ["2*y - x - x**3", "x - 2*y"],  # subspaces that are no axes
+    ["10*(y - x)", "x*(1 - z) - y", "x*y - 8/3*z"],  # Lorenz, where the origin branches
     ["-x + y**2", "-y**3"],
     ["-y + x*z", "x + y*z", "-z - 2*x**2 - y**2 + x**3"],
     ["-x*y + z*x**2", "-y + x**4", "-2*z - y + x**3"],
@@ -141,13 +143,16 @@ def test_points_that_repel(rhs: list[str]) -> None:
     assert ends(rhs, start) * NEAR >= 0.99 * FAR
 
 
-@pytest.mark.parametrize("rhs", keep(2, ATTRACTS), ids="; ".join)
+@pytest.mark.parametrize("rhs", keep(4, ATTRACTS), ids="; ".join)
 def test_points_that_attract(rhs: list[str]) -> None:
     result = decided(rhs)
     assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.CENTER)
-    assert result.reach.near is not None
     assert result.check()
     assert ends(rhs, [FAR / 2] * len(rhs), 4000.0) < 0.95
+
+
+def test_a_level_is_named_where_v_falls_in_the_states_themselves() -> None:
+    assert decided(["-x + y**2", "-y**3"]).reach.near is not None
 
 
 @pytest.mark.parametrize(
@@ -164,7 +169,7 @@ def test_nothing_is_said_of_others(rhs: list[str]) -> None:
     assert decided(rhs).method is not Method.CENTER
 
 
-@pytest.mark.parametrize("rhs", [REPELS[0], ATTRACTS[0]], ids="; ".join)
+@pytest.mark.parametrize("rhs", [REPELS[0], ATTRACTS[1]], ids="; ".join)
 def test_certificates_obey_their_inclusion(rhs: list[str]) -> None:
     certificate = certificate_of(decided(rhs))
     assert not contradiction(certificate["statement"])
