@@ -23,6 +23,7 @@ from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 from nonsmooth.proofs.many_states.circles import find_energy_on_circles
 from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function, search_growth
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
+from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth, find_weak_lyapunov
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -125,6 +126,12 @@ def _of_entry(point: CheckedPoint, entry: dict[str, Any]) -> Finding:
 def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
     """A positive V that does not rise."""
     found = find_weak_lyapunov(point.system) if known.standing is None else None
+    return None if found is None else conclude_function(known, found)
+
+
+def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
+    """A positive polynomial that solutions keep."""
+    found = find_kept_function(_rational(point.system)) if known.standing is None else None
     return None if found is None else conclude_function(known, found)
 
 

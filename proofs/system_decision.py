@@ -157,6 +157,7 @@ STRATEGIES = [
     Strategy("function that shows instability", MORE, space.search_growth),
     Strategy("invariance principle", TWO, plane.search_attraction),
     Strategy("energy", MORE, kernel.decide_by_energy),
+    Strategy("first integrals", MORE, kernel.decide_by_first_integrals),
     Strategy("invariance principle", MORE, space.decide_by_invariance),
     Strategy("integral of motion", TWO, kernel.decide_by_integral),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),

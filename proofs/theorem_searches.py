@@ -18,7 +18,8 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, started
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 from nonsmooth.proofs.many_states.lyapunov_search import find_growth
 from nonsmooth.proofs.many_states.relay_degree import show_relay_of
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
@@ -70,6 +71,28 @@ def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None =
     return found[0]
 
 
+def show_energy_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+    """Evidence that the point is stable by a V that solutions keep, of systems such as linear ones with turning pairs.
+
+    Args:
+        system: in two states or more.
+        verdict: stable.
+        search: with what was shown before.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where none is found.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    subject, search = started(system, search)
+    found = find_kept_function(system)
+    if found is None:
+        raise NotShownError("no polynomial was found that is positive and kept")
+    return search.entry(subject, "lyapunov", stability_hypotheses(found.stated.record, found.formula.text, STABLE))
+
+
 THEOREM_SEARCHES = (
     TheoremSearch("no equilibrium", show_departure_of, (UNSTABLE,)),
     TheoremSearch("linearization", show_linearization_of, (UNSTABLE, ASYMPTOTICALLY_STABLE)),
@@ -78,6 +101,7 @@ THEOREM_SEARCHES = (
     TheoremSearch("leading terms with weights", show_by_weights, (UNSTABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
     TheoremSearch("relative degree of a relay", show_relay_of, (UNSTABLE,)),
     TheoremSearch("function that shows instability", show_growth_of, (UNSTABLE,)),
+    TheoremSearch("polynomial that is kept", show_energy_of, (STABLE,)),
     TheoremSearch("choice among right-hand sides", show_choice_of, (UNSTABLE,)),
 )
 

@@ -16,18 +16,14 @@ from fractions import Fraction
 from math import gcd
 from typing import Any, TypeAlias
 
-from flint import fmpq_mat
-
 from nonsmooth.proofs.checker.cells import Inclusion, Matrix, System, pattern
 from nonsmooth.proofs.checker.centres import require_reversed, show_turns
-from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.bounds import factorized
 from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, started, stated_cells
-from nonsmooth.proofs.kernel.quotients import flint
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
-from nonsmooth.proofs.kernel.written import formula_text, null_basis
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.proofs.kernel.written import combined, formula_in_states, powers_between, vanishing_combinations
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 MIRRORS = ((1, 0, 0, -1), (-1, 0, 0, 1), (0, 1, 1, 0), (0, -1, -1, 0))
@@ -79,8 +75,8 @@ def show_integral_of(system: SwitchedSystem) -> Entry:
     turning = _turning(inclusion)
     exponent, factors = _integrating_factor(inclusion)
     radius = inclusion.domain.radius
-    written = [[_in_states(own, radius, subject.states), str(power)] for own, power in factors]
-    stated = {"exponent": _in_states(exponent, radius, subject.states), "factors": written}
+    written = [[formula_in_states(own, radius, subject.states), str(power)] for own, power in factors]
+    stated = {"exponent": formula_in_states(exponent, radius, subject.states), "factors": written}
     return Search(WORK).entry(subject, "integral", {"cells": cells.record, **stated, **turning})
 
 
@@ -155,11 +151,6 @@ def _is_reversed(subject: System, inclusion: Inclusion, mirror: Matrix) -> bool:
     return True
 
 
-def _in_states(value: Polynomial, radius: Fraction, states: Sequence[str]) -> str:
-    """A polynomial on the unit square as a formula of the displacement in states."""
-    return formula_text(value.on([variable(2, k, 1 / radius) for k in range(2)], 2), states)
-
-
 def _integrating_factor(inclusion: Inclusion) -> tuple[Polynomial, Factors]:
     """The exponent g, and the polynomials q with their powers.
 
@@ -176,13 +167,13 @@ def _integrating_factor(inclusion: Inclusion) -> tuple[Polynomial, Factors]:
     if inverse is not None:
         return constant(2, 0), inverse
     curves = list(_invariant_curves(fields[0])) if len(fields) == 1 else []
-    monomials = list(_monomials(MOST_DEGREE))[1:]
+    monomials = powers_between(2, 1, MOST_DEGREE)
     columns = [[cofactor] for _, cofactor in curves]
     columns += [[lie_derivative(own, field) for field in fields] for own in monomials]
-    for combination in _combinations([*columns, divergences]):
+    for combination in vanishing_combinations([*columns, divergences]):
         if scale := combination[-1]:
             powers = [value / scale for value in combination[: len(curves)]]
-            exponent = _sum(monomials, [value / scale for value in combination[len(curves) : -1]])
+            exponent = combined(monomials, [value / scale for value in combination[len(curves) : -1]])
             return exponent, [(own, power) for (own, _), power in zip(curves, powers, strict=True) if power]
     raise NotShownError("no integrating factor was found")
 
@@ -190,12 +181,12 @@ def _integrating_factor(inclusion: Inclusion) -> tuple[Polynomial, Factors]:
 def _inverse_factor(fields: Sequence[Field], divergences: Sequence[Polynomial]) -> Factors | None:
     """The irreducible factors of a polynomial Q, not zero at the point, for which ``M = 1/Q``; of least degree."""
     for degree in range(1, MOST_DEGREE + 1):
-        monomials = list(_monomials(degree))
+        monomials = powers_between(2, 0, degree)
         pairs = list(zip(fields, divergences, strict=True))
         columns = [[lie_derivative(own, field) - own * rate for field, rate in pairs] for own in monomials]
-        for combination in _combinations(columns):
+        for combination in vanishing_combinations(columns):
             if combination[0]:
-                found = factorized(_sum(monomials, combination))[1]
+                found = factorized(combined(monomials, combination))[1]
                 return [(own.times(1 / own.at_origin), Fraction(-power)) for own, power in found]
     return None
 
@@ -207,27 +198,3 @@ def _invariant_curves(field: Field) -> Iterator[tuple[Polynomial, Polynomial]]:
         cofactor = lie_derivative(own, field).divided(own) if own.at_origin else None
         if cofactor is not None:
             yield own.times(1 / own.at_origin), cofactor
-
-
-def _monomials(most: int) -> Iterator[Polynomial]:
-    """Products of powers up to a degree, the number 1 first."""
-    for degree in range(most + 1):
-        for k in range(degree + 1):
-            yield Polynomial(2, {(degree - k, k): Fraction(1)})
-
-
-def _combinations(columns: Sequence[Sequence[Polynomial]]) -> Iterator[list[Fraction]]:
-    """A basis of the coefficients with which lists of polynomials add up to zero, place by place."""
-    places = sorted({(k, e) for own in columns for k, value in enumerate(own) for e in value.terms})
-    zero = Fraction(0)
-    table = [[flint(own[k].terms.get(e, zero)) for own in columns] for k, e in places]
-    basis = null_basis(fmpq_mat(table or [[flint(zero)] * len(columns)]))
-    for j in range(basis.ncols()):
-        yield [as_fraction(basis[i, j]) for i in range(len(columns))]
-
-
-def _sum(polynomials: Sequence[Polynomial], coefficients: Sequence[Fraction]) -> Polynomial:
-    total = constant(2, 0)
-    for own, c in zip(polynomials, coefficients, strict=True):
-        total += own.times(c)
-    return total

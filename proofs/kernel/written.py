@@ -7,15 +7,17 @@ of flint, and its zeros and signs are certain.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from functools import lru_cache
+from itertools import combinations_with_replacement
 from math import acos, pi
 from typing import Any
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker import tower
-from nonsmooth.proofs.checker.polynomials import Coefficient, Exponents, Polynomial
+from nonsmooth.proofs.checker.polynomials import Coefficient, Exponents, Polynomial, constant, variable
 from nonsmooth.proofs.kernel.subject import number_in_names
 from nonsmooth.symbolic.numbers.coefficients import as_fraction, bits
 from nonsmooth.symbolic.numbers.number import Number
@@ -111,3 +113,39 @@ def null_basis(matrix: fmpq_mat) -> fmpq_mat:
         for i, pivot in enumerate(pivots):
             rows[pivot][column] = -reduced[i, k]
     return fmpq_mat(count, len(free), [value for row in rows for value in row])
+
+
+# ---- polynomials with coefficients to be found -----------------------------------------------------
+
+
+def formula_in_states(value: Polynomial, radius: Fraction, states: Sequence[str]) -> str:
+    """A polynomial on the unit cube as a formula of the displacement in states."""
+    count = value.count
+    return formula_text(value.on([variable(count, k, 1 / radius) for k in range(count)], count), states)
+
+
+def powers_between(count: int, least: int, most: int) -> list[Polynomial]:
+    """Products of powers of variables, by their degrees."""
+    found = []
+    for degree in range(least, most + 1):
+        for chosen in combinations_with_replacement(range(count), degree):
+            exponents = tuple(chosen.count(k) for k in range(count))
+            found.append(Polynomial(count, {exponents: Fraction(1)}))
+    return found
+
+
+def vanishing_combinations(columns: Sequence[Sequence[Polynomial]]) -> Iterator[list[Fraction]]:
+    """A basis of the coefficients with which lists of polynomials add up to zero, place by place."""
+    places = sorted({(k, e) for own in columns for k, value in enumerate(own) for e in value.terms})
+    table = [[exact(own[k].terms.get(e, Fraction(0))) for own in columns] for k, e in places]
+    basis = null_basis(fmpq_mat(table or [[fmpq(0)] * len(columns)]))
+    for j in range(basis.ncols()):
+        yield [as_fraction(basis[i, j]) for i in range(len(columns))]
+
+
+def combined(polynomials: Sequence[Polynomial], coefficients: Sequence[Fraction]) -> Polynomial:
+    """The sum of polynomials with coefficients."""
+    total = constant(polynomials[0].count, 0)
+    for own, c in zip(polynomials, coefficients, strict=True):
+        total += own.times(c)
+    return total
