@@ -479,13 +479,13 @@ def of_centres() -> Iterator[Forgery]:
     quarters = [f"{first}{second}" for first in "-+" for second in "-+"]
     skew: Record = {"within": "1", "surfaces": ["x - y", "x + y"], "empty": []}
     within: Record = {"cells": skew, "weights": {key: ["2", "1"] for key in quarters}}
-    proofs = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in quarters}
+    proofs: Record = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in quarters}
     yield turns("equal weights beside lines that are no axes", spring, proofs, **within, **mirror)
 
     plain: Record = {"exponent": "0", "factors": []}
     gains = [["y + x", "y - x"]]  # div f = 2, and ln(x^2 + y^2) rises by 2: the factor is infinite at the point
     yield turns("an integrating factor", gains, **plain)
-    square = {"exponent": "0", "factors": [["x**2 + y**2", "-1"]]}
+    square: Record = {"exponent": "0", "factors": [["x**2 + y**2", "-1"]]}
     yield turns("factors that are not zero at the point", gains, **square)
     yield turns("an integral without sines and cosines of states", [["y", "-x + 0*sin(x)"]], **plain)
     halves: Record = {"cells": {"within": "1", "surfaces": ["x"], "empty": []}, "sense": -1}
