@@ -322,7 +322,7 @@ def other_integral(good: Record) -> Iterator[Any]:
         return
     for wrong in ("x", "1", "1/x", "exp(x)", hypotheses["exponent"] + " + y", None, 0):
         yield [([*HYPOTHESES, "exponent"], wrong)]
-    pairs = (["x", "-1"], ["1 + x + y", "1/3"], ["1 + x", "x"], ["1 + x"], ["0", "1"], ["1", 1], {})
+    pairs: list[Any] = [["x", "-1"], ["1 + x + y", "1/3"], ["1 + x", "x"], ["1 + x"], ["0", "1"], ["1", 1], {}]
     for pair in pairs:
         yield [([*HYPOTHESES, "factors"], [pair])]
 
