@@ -25,6 +25,7 @@ from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function,
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
+from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth, find_weak_lyapunov
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
@@ -37,6 +38,7 @@ from nonsmooth.proofs.systems.findings import (
     Finding,
     Known,
     Method,
+    weak_finding,
 )
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
@@ -127,6 +129,17 @@ def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
     """A positive V that does not rise."""
     found = find_weak_lyapunov(point.system) if known.standing is None else None
     return None if found is None else conclude_function(known, found)
+
+
+def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
+    """Of a stable point, that it does not attract, as others of rest lie at all distances."""
+    standing = known.standing
+    ray = ray_of_rest(point.system) if standing is not None and standing.is_weak else None
+    if standing is None or ray is None:
+        return None
+    through = ", ".join(map(str, ray))
+    refutes = f"every point of the ray through ({through}) near the equilibrium is an equilibrium"
+    return weak_finding(standing.function, refutes)
 
 
 def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
