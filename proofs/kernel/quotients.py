@@ -44,6 +44,7 @@ KEPT = 0.5  # of the largest margin, with the least sum of sizes
 LEAST = 2.0**-20  # margin, of the largest value in a row, that is proposed
 DENOMINATORS = (1, 4, 16, 64)  # of the coefficients over the largest, tried in turn
 WORK = 4_000  # coefficients looked at for one claim
+MOST_TRIED = 6  # quotients that no sample refutes: what is shown is shown of the first ones
 FACTORS = ("1/4", "1/64")  # of |x|^2 below V + 1
 
 Floats = NDArray[np.float64]
@@ -66,15 +67,18 @@ def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: b
         return None
     beyond = not system.denominators and system.by_roots is None and not system.waves
     own = [[part.text for part in system.check.quotient or ()]]
+    tried = 0
     for top, bottom in own if stated else _quotients(subject, cube):
         asked = stability_hypotheses(whole, top, ASYMPTOTICALLY_STABLE) | {"denominator": bottom, "everywhere": True}
         ways = [asked, *(asked | {"proper": factor} for factor in FACTORS)] if beyond else []
         for hypotheses in ways if everywhere else (*ways, asked | {"cells": cube, "everywhere": False}):
             try:
                 SampledProofs().entry(subject, "lyapunov", hypotheses)
+                tried += 1
                 return Search(WORK).entry(subject, "lyapunov", hypotheses)
             except NotShownError:
-                continue
+                if tried == MOST_TRIED:
+                    return None
     return None
 
 
