@@ -16,6 +16,7 @@ BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bou
     "a push that a relay does not hold": (("y", "-2*sign(x) - sign(y) + d"), 4),
     "twisting, pushed along with its velocity": (("y", "-3*sign(x) - sign(y) + d"), "3/2"),
     "a first-order law": (("-x + y", "-sign(x) + d"), 2),
+    "a push across a line where the first terms vanish": (("d*y**2 + y**3", "-3*Abs(x)"), 1),
     "super-twisting, pushed along with x'": (("-sqrt(Abs(x))*sign(x)/2 + y", "-sign(x) + d"), "9/10"),
 }
 
