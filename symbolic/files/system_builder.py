@@ -25,7 +25,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.signed_roots import SignedRoots, rooted_in
+from nonsmooth.symbolic.signed_roots import SignedRoots, refuse_waves_of_rooted, rooted_in
 from nonsmooth.symbolic.sine_enclosures import has_waves
 from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
 
@@ -165,6 +165,11 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
         except ExpressionError as error:
             raise SceneError(file, key, requirement(error), formula) from None
     rooted = tuple(name for name in states if name in found)
+    for key, formula in _keyed_formulas(document):
+        try:
+            refuse_waves_of_rooted(formula, rooted)
+        except ExpressionError as error:
+            raise SceneError(file, key, requirement(error), formula) from None
     roots = SignedRoots(states, rooted)
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
         raise SceneError(file, "system.states", "a name that is not that of a square root", name)
@@ -241,7 +246,7 @@ def _require_zero_arguments(system: SwitchedSystem) -> None:
             raise SceneError(system.source, "system.rhs", expected, wave.argument) from None
         if (0,) * len(system.states) in argument.terms:
             expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
-            raise SceneError(system.source, "system.rhs", expected, wave.argument)
+            raise SceneError(system.source, "system.rhs", expected, str(system.argument_of(wave)))
 
 
 def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:

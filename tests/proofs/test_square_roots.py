@@ -200,6 +200,15 @@ def test_random_systems_agree_with_their_polygons(seed: int) -> None:
         assert last > 1.1
 
 
+@pytest.mark.parametrize(
+    "rhs", [[f"-2*{ROOT} - sat(x, -1, 1) + x/(1 + x**2)"], [f"-2*{ROOT} + x/(1 + x**2) + y", "-sgn(x)"]]
+)
+def test_a_certificate_beside_a_quotient(rhs: list[str]) -> None:
+    """It speaks of the right-hand sides times the denominator."""
+    certificate = certificate_of(decide_system(built(rhs)))
+    assert "(1 + x**2)" in certificate["statement"]["subject"]["rhs"][0][0]
+
+
 def test_what_no_certificate_shows_of_a_system_with_roots_is_said_in_a_sentence() -> None:
     """The search for a function that shows instability once took its subject for one without roots."""
     result = decide_system(built([f"3/4*{ROOT} + 3*x + 3/2*y", "-3/2*sgn(x) + 11/4*y"]))
@@ -215,6 +224,7 @@ BAD = [
     (["-sqrt(Abs(x))*sgn(x)", "-sqrt(1 + Abs(y))"], "sqrt"),
     (["-sqrt(Abs(x))*sgn(x) + sin(sqrt(Abs(x)))", "-y"], "sin and cos"),
     (["-sqrt(Abs(x), 2)", "-y"], "formula"),
+    (["-sqrt(Abs(x))*sgn(x)", "-y + sin(x)"], "rhs[2]: required sin and cos of states without a square root"),
 ]
 
 
