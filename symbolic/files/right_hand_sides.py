@@ -8,7 +8,7 @@ Parameters take their values, interval parameters all their ends; fractions are 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -77,7 +77,8 @@ def read_right_hand_sides(
     lists: list[tuple[str, tuple[object, ...]]] = []
     for corner in corners(intervals):
         texts = {**values, **parameter_texts(corner, (), file)}
-        lists += [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
+        here = [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
+        lists += [own for own in here if own not in lists]  # a list that none of the intervals changes counts once
     cleared, denominators, scale = _cleared(lists, clearing, file)
     sides, waves = _enclosed(cleared, file, order)
     if len(sides) > MAX_MEMBERS:
@@ -168,6 +169,12 @@ def split_intervals(parameters: Mapping[str, Any], file: str) -> tuple[dict[str,
     if len(intervals) > MAX_INTERVALS:
         raise SceneError(file, "system.parameters", f"at most {MAX_INTERVALS} intervals", len(intervals))
     return single, intervals
+
+
+def intervals_in(formulas: Iterable[object], intervals: Mapping[str, Any]) -> dict[str, Any]:
+    """Those that stand in formulas."""
+    found = {name for text in formulas for name in intervals if with_parameters(text, {name: ""}) != text}
+    return {name: ends for name, ends in intervals.items() if name in found}
 
 
 def _ends(value: list[Any], file: str, key: str) -> tuple[Any, Any]:

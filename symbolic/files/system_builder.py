@@ -10,13 +10,14 @@ import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
 from nonsmooth.symbolic.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
-from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides, split_intervals
+from nonsmooth.symbolic.files.right_hand_sides import float_point, intervals_in, read_right_hand_sides, split_intervals
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
 from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument, regions_as_formulas
@@ -84,6 +85,7 @@ def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 
     texts = parameter_texts(single, {*states, *RESERVED}, file)
     ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
     stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
+    intervals = intervals_in(chain(*stated.values()), intervals)
     clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
     sides = read_right_hand_sides(stated, texts, intervals, clearing, file, order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)

@@ -108,6 +108,9 @@ def test_interval_parameters_stand_for_their_ends() -> None:
     found = {member.rhs[1].text for member in system.members}
     assert len(found) == len(list(itertools.product(range(2), repeat=2)))
     assert not system.written
+    twice = built([["y", "-k*x - y"], ["y", "-3*x - y"]], {"k": [1, 2], "unused": [0, 1]})
+    assert [member.rhs[1].text for member in twice.members] == ["-1*x - y", "-3*x - y", "-2*x - y"]
+    assert twice.intervals == ("k",)
 
 
 @pytest.mark.parametrize(
