@@ -293,6 +293,8 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
     if result.deciding.theorem is Method.SIGNS:
         yield lambda: _shown(system, Candidate(*scalar_theorem(result, system)))
         return
+    if result.deciding.theorem is Method.CHOICE and result.deciding.entry is None:
+        raise NoCertificateError("a certificate does not state right-hand sides without sines beside enclosed ones")
     for candidate in _candidates(result):
         yield partial(_shown, system, candidate)
     yield partial(_by_searches, result)

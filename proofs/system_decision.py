@@ -16,7 +16,7 @@ from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.symbolic.files.system_builder import with_order
+from nonsmooth.symbolic.files.system_builder import with_order, without_waves
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
@@ -125,6 +125,24 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
     return Equilibrium.HOLDS if stays else point.equilibrium
 
 
+def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
+    """Those of several right-hand sides that hold no sine: where they alone leave, so does the system.
+
+    A sine is enclosed, so the right-hand sides with one show by themselves that solutions stay, not that one leaves.
+    """
+    system = point.system
+    if known.standing is not None or system.order or not (system.waves and len(system.written) > 1):
+        return None
+    with suppress(SceneError):
+        exact = without_waves(system)
+        if exact is not None:
+            found = _decided(exact)
+            if found.verdict is Translation.UNSTABLE:
+                reason = f"the right-hand sides without sines of states suffice: {found.reason}"
+                return Finding(Method.CHOICE, Translation.UNSTABLE, reason)
+    return None
+
+
 # ---- the registry --------------------------------------------------------------------------------
 #
 # A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
@@ -136,6 +154,7 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
 ONE, TWO, MORE, SEVERAL = range(1, 2), range(2, 3), range(3, 9), range(2, 9)  # states
 
 STRATEGIES = [
+    Strategy("right-hand sides without sines", ONE, decide_by_exact_sides),
     Strategy("signs on either side", ONE, line.decide_by_signs),
     Strategy("no equilibrium", TWO, plane.decide_no_equilibrium),
     Strategy("no equilibrium", MORE, space.decide_no_equilibrium),
@@ -160,6 +179,7 @@ STRATEGIES = [
     Strategy("invariance principle", MORE, space.decide_by_invariance),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
+    Strategy("right-hand sides without sines", SEVERAL, decide_by_exact_sides),
     Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),

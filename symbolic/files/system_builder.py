@@ -68,10 +68,25 @@ def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
     Raises:
         SceneError: for formulas of too high a degree.
     """
+    return _of_lists(system, system.written, order)
+
+
+def without_waves(system: SwitchedSystem) -> SwitchedSystem | None:
+    """The system of those right-hand sides without sines and cosines of states; None where there are none.
+
+    Raises:
+        SceneError: for formulas that cannot be used.
+    """
+    lists = [formulas for formulas in system.written if not any(map(has_waves, formulas))]
+    return _of_lists(system, lists, 0) if lists and system.by_roots is None else None
+
+
+def _of_lists(system: SwitchedSystem, lists: Sequence[Sequence[str]], order: int) -> SwitchedSystem:
+    """The system with these lists of formulas."""
     check = system.check
     lyapunov = {} if check.is_default else {"lyapunov": check.lyapunov.text}
     point = {"equilibrium": list(map(str, check.equilibrium)), "radius": str(check.radius)}
-    stated = {"states": list(system.states), "rhs": list(map(list, system.written))}
+    stated = {"states": list(system.states), "rhs": list(map(list, lists))}
     document = {"name": system.name, "system": stated, "check": {**point, **lyapunov}}
     found = build_system(document, system.source, Path(system.name), order=order)
     quotient = replace(found.check, quotient=check.quotient)
