@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -18,10 +18,12 @@ from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.system_builder import with_order, without_waves
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.piecewise import SignOf
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
 MOST_ORDER = 2  # further terms of sines and cosines
+NARROW = 1  # half-width of a square on which the first terms enclose sines closely
 POINTS: Mapping[int, Callable[[SwitchedSystem], CheckedPoint]] = {1: LinePoint, len(PLANE): PlanePoint}
 
 
@@ -73,9 +75,40 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
         if result.verdict is not Translation.UNDECIDED or not system.waves:
             break
         with suppress(SceneError):
-            finer = _decided(with_order(system, order))
-            result = result if finer.verdict is Translation.UNDECIDED else finer
+            finer = with_order(system, order)
+            if not _may_hang_on_order(system, finer):
+                break
+            again = _decided(finer)
+            result = result if again.verdict is Translation.UNDECIDED else again
     return result
+
+
+def _may_hang_on_order(system: SwitchedSystem, finer: SwitchedSystem) -> bool:
+    """Whether further terms of sines and cosines may decide: on a wide square, of a stated V, and of small first terms.
+
+    Near the point they may where they change a term that has none of a lower degree beside it, in some of its states:
+    ``x**5`` counts in ``sin(x) - x + x**3/6``, and not in ``sin(x)``.
+    """
+    if system.check.radius > NARROW or not system.check.is_default:
+        return True
+    states = system.displaced(system.states)
+    for own, other in zip(system.members, finer.members, strict=True):
+        for side in (1, -1):
+            fields = (member.velocity(_answering(side), states) for member in (own, other))
+            for first, changed in zip(*fields, strict=True):
+                if any(_stands_alone(term, first.terms) for term in (changed - first).terms):
+                    return True
+    return False
+
+
+def _answering(side: int) -> SignOf:
+    return lambda _: side
+
+
+def _stands_alone(term: Sequence[int], terms: Iterable[Sequence[int]]) -> bool:
+    """Whether no other term of a lower degree has its states alone."""
+    lower = (own for own in terms if sum(own) < sum(term))
+    return not any(all(b for a, b in zip(own, term, strict=True) if a) for own in lower)
 
 
 def _decided(system: SwitchedSystem) -> StabilityResult:
