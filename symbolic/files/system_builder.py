@@ -99,7 +99,7 @@ def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 
     single, intervals = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *RESERVED}, file)
     ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
-    stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
+    stated = _stated(_whole(document, {**texts, **ends}, intervals, file), states, file)
     intervals = intervals_in(chain(*stated.values()), intervals)
     clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
     sides = read_right_hand_sides(stated, texts, intervals, clearing, file, order)
@@ -202,7 +202,9 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
     return replace(seen, written=written, by_roots=SeenByRoots(roots, extended, unscaled))
 
 
-def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tuple[object, ...]:
+def _whole(
+    document: SystemDocument, texts: Mapping[str, str], intervals: Mapping[str, Any], file: str
+) -> tuple[object, ...]:
     """The right-hand sides, or what the region tables say.
 
     Raises:
@@ -219,6 +221,8 @@ def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tup
 
     def check(formula: object, key: str) -> None:
         complete = with_parameters(formula, texts)
+        if ".where[" in key and (has_waves(complete) or intervals_in((formula,), intervals)):
+            raise SceneError(file, key, "a guard without interval parameters and sines of states", formula)
         if not has_waves(complete):
             parse_lyapunov(complete, states, file, key)
 
