@@ -16,7 +16,7 @@ from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.symbolic.files.system_builder import with_order, without_waves
+from nonsmooth.symbolic.files.system_builder import by_themselves, with_order, without_waves
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.piecewise import SignOf
 from nonsmooth.symbolic.scene_error import SceneError
@@ -158,6 +158,34 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
     return Equilibrium.HOLDS if stays else point.equilibrium
 
 
+def decide_rooted_states(point: CheckedPoint, known: Known) -> Finding | None:
+    """Each state by itself, of a system with square roots of states."""
+    return None if point.system.by_roots is None else decide_by_states(point, known)
+
+
+def decide_by_states(point: CheckedPoint, known: Known) -> Finding | None:
+    """Those states whose right-hand sides hold no other one: each follows a system in one state.
+
+    Where one of these leaves so does the whole; where all are such, all solutions do what each of their states does.
+    """
+    if known.standing is not None:
+        return None
+    try:
+        alone = {name: _decided(own) for name, own in by_themselves(point.system).items()}
+    except SceneError:
+        return None
+    verdicts = {found.verdict for found in alone.values()}
+    for name, found in alone.items():
+        if found.verdict is Translation.UNSTABLE:
+            return Finding(Method.STATES, Translation.UNSTABLE, f"{name} by itself: {found.reason}")
+    if len(alone) < len(point.system.states) or Translation.UNDECIDED in verdicts:
+        return None
+    reason = "; ".join(f"{name} by itself: {found.reason}" for name, found in alone.items())
+    refutes = "a state by itself rests near" if Translation.STABLE in verdicts else ""
+    verdict = Translation.STABLE if refutes else Translation.ASYMPTOTICALLY_STABLE
+    return Finding(Method.STATES, verdict, reason, refutes=refutes)
+
+
 def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
     """Those of several right-hand sides that hold no sine: where they alone leave, so does the system.
 
@@ -191,6 +219,7 @@ STRATEGIES = [
     Strategy("signs on either side", ONE, line.decide_by_signs),
     Strategy("no equilibrium", TWO, plane.decide_no_equilibrium),
     Strategy("no equilibrium", MORE, space.decide_no_equilibrium),
+    Strategy("each state by itself, of roots", TWO, decide_rooted_states),
     Strategy("uncovered axes of roots", TWO, plane.leave_uncovered),
     Strategy("solution that leaves", MORE, space.decide_by_escape),
     Strategy("relative degree of a relay", MORE, space.decide_by_relay),
@@ -212,6 +241,7 @@ STRATEGIES = [
     Strategy("invariance principle", MORE, space.decide_by_invariance),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
+    Strategy("each state by itself", SEVERAL, decide_by_states),
     Strategy("right-hand sides without sines", SEVERAL, decide_by_exact_sides),
     Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),

@@ -16,6 +16,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
@@ -78,8 +79,8 @@ def test_a_disturbance_within_the_gain_is_rejected_and_a_larger_one_is_not() -> 
 
 
 SLIDING = [
-    ([f"-{ROOT}", "-y"], ATTRACTS),  # slides to the point along x = 0, which the roots do not see
-    ([f"-{ROOT}", "y"], LEAVES),  # slides away
+    ([f"-{ROOT}", "-y - x"], ATTRACTS),  # slides to the point along x = 0, which the roots do not see
+    ([f"-{ROOT}", "y - x"], LEAVES),  # slides away
     (["-sgn(x) + y", f"-y - {ROOT}"], ATTRACTS),
 ]
 
@@ -90,6 +91,24 @@ def test_nothing_is_said_where_solutions_slide_on_a_zero_of_the_root(rhs: list[s
     assert result.verdict in (truth, OPEN)
     assert result.verdict is OPEN
     assert "not every solution crosses" in result.reason
+    assert result.check()
+
+
+BY_THEMSELVES = [
+    ([f"-{ROOT}", "1 - y"], [0, 1], ATTRACTS),
+    ([f"-{ROOT}", "y - 1"], [0, 1], LEAVES),
+    ([f"{ROOT}/2 - x", "-sqrt(Abs(y))*sgn(y) - x/(1 + y**2)"], [0, 0], LEAVES),
+    ([f"-{ROOT} - sgn(x)", "-sin(y)"], [0, 0], ATTRACTS),
+    ([f"-{ROOT}", "0"], [0, 0], Translation.STABLE),
+]
+
+
+@pytest.mark.parametrize(("rhs", "at", "truth"), BY_THEMSELVES)
+def test_states_that_no_other_one_moves_are_decided_by_themselves(
+    rhs: list[str], at: list[int], truth: Translation
+) -> None:
+    result = decide_system(built(rhs, equilibrium=at))
+    assert (result.verdict, result.deciding.theorem) == (truth, Method.STATES)
     assert result.check()
 
 
