@@ -11,6 +11,7 @@ import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -271,3 +272,11 @@ def test_a_rate_that_takes_too_much_work_is_not_proved(load: Load) -> None:
     result = decide_system(load(*rhs))
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
     assert result.reach.rate is None
+
+
+@pytest.mark.parametrize("rhs", [("-2*x", "-10*x"), ("0", "x - 3*y"), ("-x - 2*y", "x/3 + 2/3*y")])
+def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: tuple[str, str]) -> None:
+    result = decide_system(load(*rhs))
+    assert (result.verdict, result.deciding.theorem) == (Translation.STABLE, Method.LYAPUNOV)
+    assert certificate_of(result)["statement"]["claims"] == [{"stability": "stable"}]
+    assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
