@@ -365,6 +365,7 @@ def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> P
     """
     left, first = MOST_AUDITS, None
     for scale in WEAK_SCALES:
+        left = max(left, 1)  # on each square: the first proposal may be exact
         radius = system.check.radius * scale
         cells = square_cells(system, radius)
         for basis in _weak_families(system) if len(cells) <= MAX_CELLS else ():
