@@ -291,8 +291,10 @@ def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
 def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]]:
     """Ways to show a verdict, in the order in which they are tried."""
     if result.deciding.theorem is Method.SIGNS:
-        yield partial(_shown, system, Candidate(*scalar_theorem(result, system)))
+        yield lambda: _shown(system, Candidate(*scalar_theorem(result, system)))
         return
+    if result.deciding.theorem is Method.CHOICE and result.deciding.entry is None:
+        raise NoCertificateError("a certificate does not state right-hand sides without sines beside enclosed ones")
     for candidate in _candidates(result):
         yield partial(_shown, system, candidate)
     yield partial(_by_searches, result)

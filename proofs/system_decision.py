@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -16,12 +16,14 @@ from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.symbolic.files.system_builder import with_order
+from nonsmooth.symbolic.files.system_builder import by_themselves, with_order, without_waves
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.piecewise import SignOf
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
 MOST_ORDER = 2  # further terms of sines and cosines
+NARROW = 1  # half-width of a square on which the first terms enclose sines closely
 POINTS: Mapping[int, Callable[[SwitchedSystem], CheckedPoint]] = {1: LinePoint, len(PLANE): PlanePoint}
 
 
@@ -73,9 +75,40 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
         if result.verdict is not Translation.UNDECIDED or not system.waves:
             break
         with suppress(SceneError):
-            finer = _decided(with_order(system, order))
-            result = result if finer.verdict is Translation.UNDECIDED else finer
+            finer = with_order(system, order)
+            if not _may_hang_on_order(system, finer):
+                break
+            again = _decided(finer)
+            result = result if again.verdict is Translation.UNDECIDED else again
     return result
+
+
+def _may_hang_on_order(system: SwitchedSystem, finer: SwitchedSystem) -> bool:
+    """Whether further terms of sines and cosines may decide: on a wide square, of a stated V, and of small first terms.
+
+    Near the point they may where they change a term that has none of a lower degree beside it, in some of its states:
+    ``x**5`` counts in ``sin(x) - x + x**3/6``, and not in ``sin(x)``.
+    """
+    if system.check.radius > NARROW or not system.check.is_default:
+        return True
+    states = system.displaced(system.states)
+    for own, other in zip(system.members, finer.members, strict=True):
+        for side in (1, -1):
+            fields = (member.velocity(_answering(side), states) for member in (own, other))
+            for first, changed in zip(*fields, strict=True):
+                if any(_stands_alone(term, first.terms) for term in (changed - first).terms):
+                    return True
+    return False
+
+
+def _answering(side: int) -> SignOf:
+    return lambda _: side
+
+
+def _stands_alone(term: Sequence[int], terms: Iterable[Sequence[int]]) -> bool:
+    """Whether no other term of a lower degree has its states alone."""
+    lower = (own for own in terms if sum(own) < sum(term))
+    return not any(all(b for a, b in zip(own, term, strict=True) if a) for own in lower)
 
 
 def _decided(system: SwitchedSystem) -> StabilityResult:
@@ -125,6 +158,52 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
     return Equilibrium.HOLDS if stays else point.equilibrium
 
 
+def decide_rooted_states(point: CheckedPoint, known: Known) -> Finding | None:
+    """Each state by itself, of a system with square roots of states."""
+    return None if point.system.by_roots is None else decide_by_states(point, known)
+
+
+def decide_by_states(point: CheckedPoint, known: Known) -> Finding | None:
+    """Those states whose right-hand sides hold no other one: each follows a system in one state.
+
+    Where one of these leaves so does the whole; where all are such, all solutions do what each of their states does.
+    """
+    if known.standing is not None:
+        return None
+    try:
+        alone = {name: _decided(own) for name, own in by_themselves(point.system).items()}
+    except SceneError:
+        return None
+    verdicts = {found.verdict for found in alone.values()}
+    for name, found in alone.items():
+        if found.verdict is Translation.UNSTABLE:
+            return Finding(Method.STATES, Translation.UNSTABLE, f"{name} by itself: {found.reason}")
+    if len(alone) < len(point.system.states) or Translation.UNDECIDED in verdicts:
+        return None
+    reason = "; ".join(f"{name} by itself: {found.reason}" for name, found in alone.items())
+    refutes = "a state by itself rests near" if Translation.STABLE in verdicts else ""
+    verdict = Translation.STABLE if refutes else Translation.ASYMPTOTICALLY_STABLE
+    return Finding(Method.STATES, verdict, reason, refutes=refutes)
+
+
+def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
+    """Those of several right-hand sides that hold no sine: where they alone leave, so does the system.
+
+    A sine is enclosed, so the right-hand sides with one show by themselves that solutions stay, not that one leaves.
+    """
+    system = point.system
+    if known.standing is not None or system.order or not (system.waves and len(system.written) > 1):
+        return None
+    with suppress(SceneError):
+        exact = without_waves(system)
+        if exact is not None:
+            found = _decided(exact)
+            if found.verdict is Translation.UNSTABLE:
+                reason = f"the right-hand sides without sines of states suffice: {found.reason}"
+                return Finding(Method.CHOICE, Translation.UNSTABLE, reason)
+    return None
+
+
 # ---- the registry --------------------------------------------------------------------------------
 #
 # A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
@@ -136,9 +215,11 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
 ONE, TWO, MORE, SEVERAL = range(1, 2), range(2, 3), range(3, 9), range(2, 9)  # states
 
 STRATEGIES = [
+    Strategy("right-hand sides without sines", ONE, decide_by_exact_sides),
     Strategy("signs on either side", ONE, line.decide_by_signs),
     Strategy("no equilibrium", TWO, plane.decide_no_equilibrium),
     Strategy("no equilibrium", MORE, space.decide_no_equilibrium),
+    Strategy("each state by itself, of roots", TWO, decide_rooted_states),
     Strategy("uncovered axes of roots", TWO, plane.leave_uncovered),
     Strategy("solution that leaves", MORE, space.decide_by_escape),
     Strategy("relative degree of a relay", MORE, space.decide_by_relay),
@@ -163,6 +244,8 @@ STRATEGIES = [
     Strategy("integral of motion", TWO, kernel.decide_by_integral),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
+    Strategy("each state by itself", SEVERAL, decide_by_states),
+    Strategy("right-hand sides without sines", SEVERAL, decide_by_exact_sides),
     Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),

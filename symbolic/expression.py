@@ -105,12 +105,16 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
     if isinstance(value, int) and value.bit_length() > 4 * MAX_LENGTH:  # str() refuses very long integers
         raise ExpressionError(f"required at most {MAX_LENGTH} digits, received {shown(value)}")
     text = str(value).strip()
+    if "#" not in text:  # a comment would go on
+        text = " ".join(text.splitlines())
     most = longest if isinstance(value, str) else MAX_LENGTH
     if len(text) > most:
         raise ExpressionError(f"required at most {most} characters, received {len(text)}")
     if isinstance(value, float | Decimal):
         decimal_value(text)
     try:
+        if "#" in text:
+            raise SyntaxError("a comment")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
             return text, ast.parse(text, mode="eval").body

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from nonsmooth.symbolic.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.piecewise import MAX_TEXT
 from nonsmooth.symbolic.scene_error import shown
+from nonsmooth.symbolic.sine_enclosures import has_waves
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,21 @@ def rooted_in(formula: object, states: Sequence[str]) -> set[str]:
                 raise ExpressionError(f"required {expected}, received {shown(text)}")
             found.add(str(name))
     return found
+
+
+def refuse_waves_of_rooted(formula: object, rooted: Sequence[str]) -> None:
+    """Refuse sines and cosines of states that stand under a root: they are no polynomials of it on both sides of zero.
+
+    Raises:
+        ExpressionError: for such a formula.
+    """
+    if not has_waves(formula):
+        return
+    text, tree = parse_tree(formula, MAX_TEXT, "a formula")
+    for node in ast.walk(tree):
+        if (_is_call(node, "sin") or _is_call(node, "cos")) and _names(node) & set(rooted):
+            expected = f"sin and cos of states without a square root, as {', '.join(rooted)} stands under sqrt(Abs())"
+            raise ExpressionError(f"required {expected}, received {shown(text)}")
 
 
 def _places(tree: ast.AST, rooted: Sequence[str]) -> Iterator[tuple[ast.expr, str, bool]]:

@@ -220,7 +220,7 @@ def _waves(v: str, along: object, across: object, template: Template) -> list[tu
 
 
 def _parts(node: ast.expr, text: str, side: str = "+") -> tuple[list[str], Fraction]:
-    """The terms of a sum that hold states, with signs, and the multiple of pi of the others."""
+    """The terms of a sum without pi, with signs, and the multiple of pi of the others."""
     other = "-" if side == "+" else "+"
     match node:
         case ast.BinOp(op=ast.Add() | ast.Sub()):
@@ -229,14 +229,14 @@ def _parts(node: ast.expr, text: str, side: str = "+") -> tuple[list[str], Fract
             return left[0] + right[0], left[1] + right[1]
         case ast.UnaryOp(op=ast.USub()):
             return _parts(node.operand, text, other)
-    if _names(node):
+    if _names(node) or not _holds_pi(node):
         return [f"{side} ({ast.get_source_segment(text, node)})"], Fraction(0)
-    turn = turn_of(node, text) if not _is_zero(node) else Fraction(0)
+    turn = turn_of(node, text)
     return [], turn if side == "+" else -turn
 
 
-def _is_zero(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value == 0
+def _holds_pi(node: ast.expr) -> bool:
+    return any(isinstance(part, ast.Name) and part.id == "pi" for part in ast.walk(node))
 
 
 def _is_wave(node: ast.AST) -> bool:

@@ -118,12 +118,10 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         if values is None:
             continue
         rounded = [_short(values, denominator) for denominator in DENOMINATORS]
-        for short in rounded:
-            least = shown(smallest, cones, short)  # without which there is none on a larger square
-            if least is not None:
-                squares = (cells(lines, share) for share in RADII[:-1])
-                larger = (shown(stated, cones, own) for stated in squares for own in rounded)
-                return next(filter(None, larger), least)
+        least = shown(smallest, cones, rounded[-1])  # without which there is none on a larger square
+        if least is not None:
+            squares = (*(cells(lines, share) for share in RADII[:-1]), smallest)
+            return next(filter(None, (shown(stated, cones, own) for stated in squares for own in rounded)), least)
     raise NotShownError("no piecewise linear function was found that shows it")
 
 
@@ -232,17 +230,21 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
 
 
 def _rows_of_cones(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floats, float]]:
-    """``grad V . f(u)`` as a linear function of the values, with the speed ``abs(f(u))``."""
+    """``grad V . f(u)`` as a linear function of the values, with the speed ``abs(f(u))``.
+
+    Where the first terms are zero at u the next ones count; where all are, V cannot fall.
+    """
     count = len(cones)
     for k, cone in enumerate(cones):
         start, end = _floats(cone.start), _floats(cone.end)
         inverse = np.linalg.inv(np.stack([start, end]))  # of (V(start), V(end)) = rays . grad V
         for place in PLACES:
             direction = (1 - place) * start + place * end
-            for velocity in _velocities(cone.cells, degree, direction):
+            for terms in _terms(cone.cells, degree, direction):
+                velocity = next((own for own in terms if own.any()), None)
                 row = np.zeros(count)
-                row[[k, (k + 1) % count]] = velocity @ inverse
-                yield row, float(np.linalg.norm(velocity))
+                row[[k, (k + 1) % count]] = np.zeros(2) if velocity is None else velocity @ inverse
+                yield row, 1.0 if velocity is None else float(np.linalg.norm(velocity))
 
 
 def _rows_of_rays(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floats, float]]:
@@ -262,12 +264,21 @@ def _rows_of_rays(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Float
 
 def _velocities(cells: Sequence[Cell], degree: int, place: Floats) -> list[Floats]:
     """The first terms of all fields of some cells at a direction."""
-    found = []
+    return [next(terms) for terms in _terms(cells, degree, place)]
+
+
+def _terms(cells: Sequence[Cell], degree: int, place: Floats) -> Iterator[Iterator[Floats]]:
+    """The terms of one degree after the other of each field of some cells, at a direction."""
     for cell in cells:
         for _, field in cell.fields:
-            first = [Polynomial(2, {e: c for e, c in p.terms.items() if sum(e) == degree}) for p in field]
-            found.append(np.array([float(float_values(own.terms, place[None, :])[0]) for own in first]))
-    return found
+            degrees = range(degree, max(degree, *(own.degree for own in field)) + 1)
+            yield (np.array([_value(own, k, place) for own in field]) for k in degrees)
+
+
+def _value(polynomial: Polynomial, degree: int, place: Floats) -> float:
+    """Of its terms of a degree."""
+    terms = {exponents: c for exponents, c in polynomial.terms.items() if sum(exponents) == degree}
+    return float(float_values(terms, place[None, :])[0])
 
 
 def _floats(ray: Ray) -> Floats:

@@ -177,6 +177,8 @@ def proposed(rows: Floats) -> Iterator[list[Fraction]]:
 
     sizes = np.abs(rows).max(axis=1, keepdims=True)
     rows = rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0]
+    if not len(rows):  # nothing changes: none is better than another
+        return
     table = np.hstack([-rows, np.ones((len(rows), 1))])
     costs = [*np.zeros(rows.shape[1]), -1.0]
     found = linprog(costs, A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1), method="highs")

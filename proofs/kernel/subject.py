@@ -48,7 +48,7 @@ def about(system: SwitchedSystem) -> dict[str, Any]:
     if system.by_roots is not None:
         states, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
         stated = [z * abs(z) if name in rooted else z for name, z in zip(states, at, strict=True)]
-        rhs = [[one_line(formula) for formula in member] for member in system.written]
+        rhs = [[one_line(formula) for formula in member] for member in _without_fractions(system) or system.written]
         return {"states": list(states), "rhs": rhs, "at": list(map(exact_text, stated)), "roots": list(rooted)}
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
@@ -67,6 +67,14 @@ def about(system: SwitchedSystem) -> dict[str, Any]:
     entries = generators.of_field(system.field)
     numbers = [{"name": name, **entry} for name, entry in zip(names, entries, strict=True)]
     return {**own, "at": [generators.encoded(value) for value in at], "numbers": numbers}
+
+
+def _without_fractions(system: SwitchedSystem) -> list[list[str]]:
+    """The right-hand sides with square roots of states times the denominators; none without either."""
+    if system.by_roots is None or not system.denominators or system.waves:
+        return []
+    roots, extended = system.by_roots.roots, system.by_roots.extended
+    return [[roots.restored(side.text) for side in member.rhs[: len(roots.states)]] for member in extended.members]
 
 
 def _irrational_numbers(system: SwitchedSystem) -> Iterator[Number]:

@@ -40,6 +40,7 @@ class Method(StrEnum):
 
     EQUILIBRIUM = "no equilibrium"
     SIGNS = "signs on either side"
+    STATES = "each state by itself"
     LYAPUNOV = "Lyapunov function"
     INVARIANCE = "invariance principle"
     LINEARIZATION = "linearization"

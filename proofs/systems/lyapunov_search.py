@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import chain
 
 import numpy as np
 
@@ -52,6 +53,7 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
 )
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -351,6 +353,9 @@ def _floats(coefficients: Coefficients) -> Floats:
 # ---- a V that does not increase --------------------------------------------------------------------
 
 
+SQUARES = ((0, 0, 1), (0, 1, 2), (1, 1, 1))  # of two states: which are multiplied, and how often that occurs
+
+
 def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
     """A V that does not increase: one that shows attraction by LaSalle's principle, else the first; None without one.
 
@@ -360,10 +365,11 @@ def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> P
     """
     left, first = MOST_AUDITS, None
     for scale in WEAK_SCALES:
+        left = max(left, 1)  # on each square: the first proposal may be exact
         radius = system.check.radius * scale
         cells = square_cells(system, radius)
         for basis in _weak_families(system) if len(cells) <= MAX_CELLS else ():
-            for formula in _weak_proposals(system, cells, basis):
+            for formula in chain(_kept_forms(system, cells, basis), _weak_proposals(system, cells, basis)):
                 left -= 1
                 result = _audited(system, cells, formula) if left >= 0 else None
                 if result is None:
@@ -375,6 +381,29 @@ def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> P
         if first is not None:
             break
     return first
+
+
+def _kept_forms(
+    system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction]
+) -> Iterator[PiecewiseExpression]:
+    """Of one linear field with eigenvalues 0 and t < 0 the form ``(n x)**2 + (w x)**2``, in squares of states.
+
+    Its matrix is ``u w'``: solutions keep ``n x``, where n is normal to u, and ``w x`` falls at the rate t = ``w' u``.
+    A float misses that n by a rounding error, with which V would increase.
+    """
+    fields = {field for cell in cells for field in cell.velocities}
+    if len(fields) > 1 or len(basis) != len(SQUARES):
+        return
+    slopes = [part.terms.get(e, system.field.zero) for part in fields.pop() for e in ((1, 0), (0, 1))]
+    known = [as_fraction(own) for own in (slope.as_rational() for slope in slopes) if own is not None]
+    if len(known) < len(slopes):
+        return
+    a, b, c, d = known
+    if a * d != b * c or a + d >= 0:
+        return
+    w = (a, b) if a or b else (c, d)
+    n = (c, -a) if a or c else (d, -b)
+    yield build_formula(basis, tuple(w[i] * w[j] * m + n[i] * n[j] * m for i, j, m in SQUARES), system.states)
 
 
 def _weak_families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:

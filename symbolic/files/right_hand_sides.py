@@ -8,7 +8,8 @@ Parameters take their values, interval parameters all their ends; fractions are 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -20,7 +21,7 @@ from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.float_formulas import float_value
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.piecewise import MAX_TEXT
+from nonsmooth.symbolic.piecewise import MAX_TEXT, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.sine_enclosures import Wave, enclosing_formulas, has_waves, named_formulas
 
@@ -77,9 +78,10 @@ def read_right_hand_sides(
     lists: list[tuple[str, tuple[object, ...]]] = []
     for corner in corners(intervals):
         texts = {**values, **parameter_texts(corner, (), file)}
-        lists += [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
+        here = [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
+        lists += [own for own in here if own not in lists]  # a list that none of the intervals changes counts once
     cleared, denominators, scale = _cleared(lists, clearing, file)
-    sides, waves = _enclosed(cleared, file, order)
+    sides, waves = _enclosed(cleared, clearing.states, file, order)
     if len(sides) > MAX_MEMBERS:
         expected = f"at most {MAX_MEMBERS} right-hand sides, with intervals at their ends and sines enclosed"
         raise SceneError(file, "system.rhs", expected, StatedFact(f"{len(sides)}"))
@@ -119,12 +121,13 @@ def _received(error: ExpressionError) -> str:
 
 
 def _enclosed(
-    lists: Sequence[tuple[str, tuple[object, ...]]], file: str, order: int
+    lists: Sequence[tuple[str, tuple[object, ...]]], states: Collection[str], file: str, order: int
 ) -> tuple[list[tuple[str, tuple[object, ...]]], list[Wave]]:
     """All lists without sines and cosines of states."""
     sides: list[tuple[str, tuple[object, ...]]] = []
     waves: list[Wave] = []
     for key, formulas in lists:
+        _require_arguments(formulas, states, file, key)
         try:
             found, here = enclosing_formulas(formulas, order)
         except ExpressionError as error:
@@ -133,6 +136,18 @@ def _enclosed(
         sides += [(key, side) for side in found]
         waves += here
     return sides, waves
+
+
+def _require_arguments(formulas: Sequence[object], states: Collection[str], file: str, key: str) -> None:
+    """Refuse sines and cosines of other names than states."""
+    for j, formula in enumerate(formulas, 1):
+        with suppress(ExpressionError):  # said where they are enclosed
+            _, waves = named_formulas((formula,), frozenset(states))
+            for wave in waves:
+                try:
+                    parse_piecewise(wave.argument, states)
+                except ExpressionError as error:
+                    raise SceneError(file, f"{key}[{j}]", requirement(error), formula) from None
 
 
 def float_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[str, float]:
@@ -168,6 +183,12 @@ def split_intervals(parameters: Mapping[str, Any], file: str) -> tuple[dict[str,
     if len(intervals) > MAX_INTERVALS:
         raise SceneError(file, "system.parameters", f"at most {MAX_INTERVALS} intervals", len(intervals))
     return single, intervals
+
+
+def intervals_in(formulas: Iterable[object], intervals: Mapping[str, Any]) -> dict[str, Any]:
+    """Those that stand in formulas."""
+    found = {name for text in formulas for name in intervals if with_parameters(text, {name: ""}) != text}
+    return {name: ends for name, ends in intervals.items() if name in found}
 
 
 def _ends(value: list[Any], file: str, key: str) -> tuple[Any, Any]:

@@ -69,6 +69,8 @@ _EXPECTED = {
     "string_type": "a text in quotes",
     "model_type": "a table",
     "model_attributes_type": "a table",
+    "bool_type": "true or false",
+    "tuple_type": "a list of tables, written [[region]]",
     "list_type": "a list of tables, written [[wheel]]",
     "greater_than_equal": "an integer of at least {ge}",
     "less_than_equal": "an integer of at most {le}",

@@ -10,13 +10,14 @@ import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
 from nonsmooth.symbolic.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
-from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides, split_intervals
+from nonsmooth.symbolic.files.right_hand_sides import float_point, intervals_in, read_right_hand_sides, split_intervals
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
 from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument, regions_as_formulas
@@ -25,7 +26,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.signed_roots import SignedRoots, rooted_in
+from nonsmooth.symbolic.signed_roots import SignedRoots, refuse_waves_of_rooted, rooted_in
 from nonsmooth.symbolic.sine_enclosures import has_waves
 from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
 
@@ -67,10 +68,46 @@ def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
     Raises:
         SceneError: for formulas of too high a degree.
     """
+    return _of_lists(system, system.written, order)
+
+
+def without_waves(system: SwitchedSystem) -> SwitchedSystem | None:
+    """The system of those right-hand sides without sines and cosines of states; None where there are none.
+
+    Raises:
+        SceneError: for formulas that cannot be used.
+    """
+    lists = [formulas for formulas in system.written if not any(map(has_waves, formulas))]
+    return _of_lists(system, lists, 0) if lists and system.by_roots is None else None
+
+
+def by_themselves(system: SwitchedSystem) -> dict[str, SwitchedSystem]:
+    """By name, the system in one state of each state whose right-hand sides hold no other state.
+
+    Raises:
+        SceneError: for formulas that cannot be used.
+    """
+    states, at = system.stated_states, system.check.equilibrium
+    lists = system.written or [[side.text for side in member.rhs] for member in system.members]
+    rooted = () if system.by_roots is None else system.by_roots.roots.rooted
+    found = {}
+    for k, (name, centre) in enumerate(zip(states, at, strict=True)):
+        own = list(dict.fromkeys(formulas[k] for formulas in lists))
+        others = dict.fromkeys({*states} - {name}, "")
+        is_known = name not in rooted or not centre
+        if is_known and all(with_parameters(formula, others) == formula for formula in own):
+            check = {"equilibrium": [str(centre)], "radius": str(system.check.radius)}
+            document = {"system": {"states": [name], "rhs": [[formula] for formula in own]}, "check": check}
+            found[name] = build_system(document, system.source, Path(system.name))
+    return found
+
+
+def _of_lists(system: SwitchedSystem, lists: Sequence[Sequence[str]], order: int) -> SwitchedSystem:
+    """The system with these lists of formulas."""
     check = system.check
     lyapunov = {} if check.is_default else {"lyapunov": check.lyapunov.text}
     point = {"equilibrium": list(map(str, check.equilibrium)), "radius": str(check.radius)}
-    stated = {"states": list(system.states), "rhs": list(map(list, system.written))}
+    stated = {"states": list(system.states), "rhs": list(map(list, lists))}
     document = {"name": system.name, "system": stated, "check": {**point, **lyapunov}}
     found = build_system(document, system.source, Path(system.name), order=order)
     quotient = replace(found.check, quotient=check.quotient)
@@ -83,7 +120,8 @@ def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 
     single, intervals = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *RESERVED}, file)
     ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
-    stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
+    stated = _stated(_whole(document, {**texts, **ends}, intervals, file), states, file)
+    intervals = intervals_in(chain(*stated.values()), intervals)
     clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
     sides = read_right_hand_sides(stated, texts, intervals, clearing, file, order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
@@ -165,6 +203,11 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
         except ExpressionError as error:
             raise SceneError(file, key, requirement(error), formula) from None
     rooted = tuple(name for name in states if name in found)
+    for key, formula in _keyed_formulas(document):
+        try:
+            refuse_waves_of_rooted(formula, rooted)
+        except ExpressionError as error:
+            raise SceneError(file, key, requirement(error), formula) from None
     roots = SignedRoots(states, rooted)
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
         raise SceneError(file, "system.states", "a name that is not that of a square root", name)
@@ -180,7 +223,9 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
     return replace(seen, written=written, by_roots=SeenByRoots(roots, extended, unscaled))
 
 
-def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tuple[object, ...]:
+def _whole(
+    document: SystemDocument, texts: Mapping[str, str], intervals: Mapping[str, Any], file: str
+) -> tuple[object, ...]:
     """The right-hand sides, or what the region tables say.
 
     Raises:
@@ -197,6 +242,8 @@ def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tup
 
     def check(formula: object, key: str) -> None:
         complete = with_parameters(formula, texts)
+        if ".where[" in key and (has_waves(complete) or intervals_in((formula,), intervals)):
+            raise SceneError(file, key, "a guard without interval parameters and sines of states", formula)
         if not has_waves(complete):
             parse_lyapunov(complete, states, file, key)
 
@@ -241,7 +288,7 @@ def _require_zero_arguments(system: SwitchedSystem) -> None:
             raise SceneError(system.source, "system.rhs", expected, wave.argument) from None
         if (0,) * len(system.states) in argument.terms:
             expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
-            raise SceneError(system.source, "system.rhs", expected, wave.argument)
+            raise SceneError(system.source, "system.rhs", expected, str(system.argument_of(wave)))
 
 
 def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:

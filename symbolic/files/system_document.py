@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from keyword import iskeyword
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, StrictBool
@@ -26,8 +27,9 @@ RESERVED = {*NUMBERS, *SWITCHES}
 
 
 def is_state(value: object) -> bool:
-    """Whether a value can name a state."""
-    return isinstance(value, str) and _STATE.fullmatch(value) is not None and value not in RESERVED
+    """Whether a value can name a state: formulas are read as Python does, where ``lambda`` means something else."""
+    fits = isinstance(value, str) and _STATE.fullmatch(value) is not None
+    return fits and value not in RESERVED and not iskeyword(str(value))
 
 
 def read_states(value: object) -> tuple[str, ...]:
@@ -39,7 +41,11 @@ def read_states(value: object) -> tuple[str, ...]:
     names = value if isinstance(value, list) else []
     fit = [name for name in names if is_state(name)]
     if not 1 <= len(set(fit)) == len(names) <= MAX_STATES:
-        raise ValueError(f'required 1 to {MAX_STATES} different names such as ["x", "y"]')
+        texts = [name for name in names if isinstance(name, str)]
+        other = next((name for name in texts if name in RESERVED or iskeyword(name)), None)
+        words = ', of letters a to z, digits and "_"' if texts else ""
+        words = words if other is None else f"; {other} means something else in formulas"
+        raise ValueError(f'required 1 to {MAX_STATES} different names such as ["x", "y"]{words}')
     return tuple(fit)
 
 

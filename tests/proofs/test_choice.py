@@ -10,12 +10,14 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text
 
 BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bound, beyond what the law can take
     "a push that a relay does not hold": (("y", "-2*sign(x) - sign(y) + d"), 4),
     "twisting, pushed along with its velocity": (("y", "-3*sign(x) - sign(y) + d"), "3/2"),
     "a first-order law": (("-x + y", "-sign(x) + d"), 2),
+    "a push across a line where the first terms vanish": (("d*y**2 + y**3", "-3*Abs(x)"), 1),
     "super-twisting, pushed along with x'": (("-sqrt(Abs(x))*sign(x)/2 + y", "-sign(x) + d"), "9/10"),
 }
 
@@ -79,6 +81,15 @@ def test_fields_that_a_switch_cannot_make_unstable() -> None:
 def test_an_enclosed_field_has_no_choice() -> None:
     """Between the polynomials that enclose a sine some make the point unstable; the sine does not."""
     assert ns.System(["x", "y"], ["y", "-sin(x) - y**3"]).check().verdict != "unstable"
+
+
+@pytest.mark.parametrize("sides", [[["x**3"], ["-sin(x)"]], [["-x - sin(x)", "-y"], ["-3*y", "y/4"]]])
+def test_a_right_hand_side_without_sines_leaves_beside_an_enclosed_one(sides: list[list[str]]) -> None:
+    result = ns.System(["x", "y"][: len(sides[0])], sides).check()
+    assert (result.verdict, result.evidence.method) == ("unstable", "choice among right-hand sides")
+    assert result.evidence.check()
+    with pytest.raises(NoCertificateError, match="does not state right-hand sides without sines"):
+        result.certificate()
 
 
 def test_the_chosen_law_leaves_in_floats() -> None:

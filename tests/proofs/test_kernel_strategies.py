@@ -6,11 +6,13 @@ from copy import deepcopy
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.quotients import proposed
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
@@ -101,3 +103,7 @@ def test_forged_products_are_rejected(key: str, value: object, product: dict[str
     forged = deepcopy(product)
     forged["evidence"][0]["hypotheses"][key] = value
     assert refusal(forged, SIZE)
+
+
+def test_functions_that_do_not_change_are_not_proposed() -> None:
+    assert not list(proposed(np.zeros((3, 2))))

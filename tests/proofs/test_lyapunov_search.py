@@ -11,6 +11,7 @@ import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -260,3 +261,30 @@ def test_families_too_large_for_a_formula_are_left_out(load: Load) -> None:
     )
     assert len(lines_through(system)) == 6
     assert find_weak_lyapunov(system) is None
+
+
+def test_a_rate_that_takes_too_much_work_is_not_proved(load: Load) -> None:
+    """Roots of polynomials over sqrt(2) along the edges: once that ended the check."""
+    rhs = [
+        "-3*x**3 - sqrt(2)*(Max(y - 1, 0) + Min(y + 1, 0))",
+        "-3/2*sat(y, -1, 1) + x**2/10 - sqrt(2)*sign(x + y/2)",
+    ]
+    result = decide_system(load(*rhs))
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.reach.rate is None
+
+
+ONE_ZERO = [
+    ("-2*x", "-10*x"),
+    ("0", "x - 3*y"),
+    ("-x - 2*y", "x/3 + 2/3*y"),
+    ("y", "-Max(x - 1/4, 0) - Min(x + 1/4, 0) - y"),  # a dead zone: linear on a smaller square
+]
+
+
+@pytest.mark.parametrize("rhs", ONE_ZERO)
+def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: tuple[str, str]) -> None:
+    result = decide_system(load(*rhs))
+    assert (result.verdict, result.deciding.theorem) == (Translation.STABLE, Method.LYAPUNOV)
+    assert certificate_of(result)["statement"]["claims"] == [{"stability": "stable"}]
+    assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE

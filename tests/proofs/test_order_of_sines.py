@@ -10,10 +10,14 @@ from typing import Any
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.proofs import system_decision
 from nonsmooth.proofs.checker.formulas import series
 from nonsmooth.proofs.checker.polynomials import variable
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_certificates import certificate_text
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 KNOWN = {
     ("sin(x) - x + x**3/6",): ("unstable", 1),  # x^5/120
@@ -24,6 +28,10 @@ KNOWN = {
     ("y", "sin(x) - x + x**3/6 - y"): ("unstable", 1),
     ("y", "-sin(x) - y"): ("asymptotically stable", 0),
 }
+
+
+class Open:
+    verdict = Translation.UNDECIDED
 
 
 def decided(rhs: tuple[str, ...]) -> Any:
@@ -38,6 +46,20 @@ def test_further_terms_decide(rhs: tuple[str, ...]) -> None:
     certificate = result.certificate()
     assert certificate["statement"]["subject"].get("order", 0) == order
     assert not refusal(certificate, len(certificate_text(certificate)))
+
+
+def test_further_terms_are_not_tried_where_first_ones_are_larger(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = list[int]()
+
+    def ask(system: SwitchedSystem) -> Open:
+        asked.append(system.order)
+        return Open()
+
+    monkeypatch.setattr(system_decision, "_decided", ask)
+    for rhs, orders in ((("y", "sin(x) - x + x**3/6 - y"), [0, 1, 2]), (("y", "-k*sin(x)"), [0])):
+        decide_system(ns.System(["x", "y"], list(rhs), parameters={"k": [1, 2]}).system)
+        assert asked == orders
+        asked.clear()
 
 
 def test_another_order_does_not_show_it() -> None:

@@ -16,6 +16,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
@@ -78,8 +79,8 @@ def test_a_disturbance_within_the_gain_is_rejected_and_a_larger_one_is_not() -> 
 
 
 SLIDING = [
-    ([f"-{ROOT}", "-y"], ATTRACTS),  # slides to the point along x = 0, which the roots do not see
-    ([f"-{ROOT}", "y"], LEAVES),  # slides away
+    ([f"-{ROOT}", "-y - x"], ATTRACTS),  # slides to the point along x = 0, which the roots do not see
+    ([f"-{ROOT}", "y - x"], LEAVES),  # slides away
     (["-sgn(x) + y", f"-y - {ROOT}"], ATTRACTS),
 ]
 
@@ -90,6 +91,24 @@ def test_nothing_is_said_where_solutions_slide_on_a_zero_of_the_root(rhs: list[s
     assert result.verdict in (truth, OPEN)
     assert result.verdict is OPEN
     assert "not every solution crosses" in result.reason
+    assert result.check()
+
+
+BY_THEMSELVES = [
+    ([f"-{ROOT}", "1 - y"], [0, 1], ATTRACTS),
+    ([f"-{ROOT}", "y - 1"], [0, 1], LEAVES),
+    ([f"{ROOT}/2 - x", "-sqrt(Abs(y))*sgn(y) - x/(1 + y**2)"], [0, 0], LEAVES),
+    ([f"-{ROOT} - sgn(x)", "-sin(y)"], [0, 0], ATTRACTS),
+    ([f"-{ROOT}", "0"], [0, 0], Translation.STABLE),
+]
+
+
+@pytest.mark.parametrize(("rhs", "at", "truth"), BY_THEMSELVES)
+def test_states_that_no_other_one_moves_are_decided_by_themselves(
+    rhs: list[str], at: list[int], truth: Translation
+) -> None:
+    result = decide_system(built(rhs, equilibrium=at))
+    assert (result.verdict, result.deciding.theorem) == (truth, Method.STATES)
     assert result.check()
 
 
@@ -200,6 +219,15 @@ def test_random_systems_agree_with_their_polygons(seed: int) -> None:
         assert last > 1.1
 
 
+@pytest.mark.parametrize(
+    "rhs", [[f"-2*{ROOT} - sat(x, -1, 1) + x/(1 + x**2)"], [f"-2*{ROOT} + x/(1 + x**2) + y", "-sgn(x)"]]
+)
+def test_a_certificate_beside_a_quotient(rhs: list[str]) -> None:
+    """It speaks of the right-hand sides times the denominator."""
+    certificate = certificate_of(decide_system(built(rhs)))
+    assert "(1 + x**2)" in certificate["statement"]["subject"]["rhs"][0][0]
+
+
 def test_what_no_certificate_shows_of_a_system_with_roots_is_said_in_a_sentence() -> None:
     """The search for a function that shows instability once took its subject for one without roots."""
     result = decide_system(built([f"3/4*{ROOT} + 3*x + 3/2*y", "-3/2*sgn(x) + 11/4*y"]))
@@ -215,6 +243,7 @@ BAD = [
     (["-sqrt(Abs(x))*sgn(x)", "-sqrt(1 + Abs(y))"], "sqrt"),
     (["-sqrt(Abs(x))*sgn(x) + sin(sqrt(Abs(x)))", "-y"], "sin and cos"),
     (["-sqrt(Abs(x), 2)", "-y"], "formula"),
+    (["-sqrt(Abs(x))*sgn(x)", "-y + sin(x)"], "rhs[2]: required sin and cos of states without a square root"),
 ]
 
 

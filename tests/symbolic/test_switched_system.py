@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
 from nonsmooth.symbolic.files.system_file import holds_system, load_system
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -132,6 +133,10 @@ def test_plain_systems_are_told_from_arrays() -> None:
         (["x", "x"], ["1", "1"], "1 to 8 different names"),
         (["x", "sign"], ["1", "1"], "1 to 8 different names"),
         (["x", "max"], ["1", "1"], "1 to 8 different names"),
+        (["x", "lambda"], ["1", "1"], "; lambda means something else in formulas"),
+        (["x", "θ"], ["1", "1"], "of letters a to z"),
+        (["x"], ["sin(t) - x"], "system.rhs[1]: required a formula of x, numbers"),
+        (["x"], ["sin(t) - x"], "received 'sin(t) - x'"),
         (
             ["x"],
             ["Max(x)"],
@@ -154,6 +159,21 @@ def test_bad_files_are_refused(load: Load, states: list[str], rhs: list[str], na
     with pytest.raises(SceneError, match=r"my\.toml") as caught:
         load(states, rhs)
     assert named in str(caught.value)
+
+
+@pytest.mark.parametrize("guard", ["k*x > 0", "sin(x) > 0"])
+def test_other_guards_are_refused_where_they_stand(guard: str) -> None:
+    tables = [{"where": [guard], "rhs": ["-x"]}, {"rhs": ["-2*x"]}]
+    document = {"system": {"states": ["x"], "parameters": {"k": [1, 2]}}, "region": tables}
+    with pytest.raises(SceneError, match=r"region\[1\].where\[1\]: required a guard without interval"):
+        build_system(document, "t", Path("t"))
+
+
+def test_a_formula_may_take_several_lines() -> None:
+    system = build_system({"system": {"states": ["x"], "rhs": ["-x\n - 2*x"]}}, "t", Path("t"))
+    assert system.rhs[0].text == "-x  - 2*x"
+    with pytest.raises(SceneError, match="required a formula"):
+        build_system({"system": {"states": ["x"], "rhs": ["-x # slow\n - 2*x"]}}, "t", Path("t"))
 
 
 def test_pieces_that_are_no_polynomials_are_refused(load: Load) -> None:

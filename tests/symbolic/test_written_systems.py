@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field, wave_weight
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.sine_enclosures import Wave
@@ -107,6 +108,9 @@ def test_interval_parameters_stand_for_their_ends() -> None:
     found = {member.rhs[1].text for member in system.members}
     assert len(found) == len(list(itertools.product(range(2), repeat=2)))
     assert not system.written
+    twice = built([["y", "-k*x - y"], ["y", "-3*x - y"]], {"k": [1, 2], "unused": [0, 1]})
+    assert [member.rhs[1].text for member in twice.members] == ["-1*x - y", "-3*x - y", "-2*x - y"]
+    assert twice.intervals == ("k",)
 
 
 @pytest.mark.parametrize(
@@ -115,8 +119,9 @@ def test_interval_parameters_stand_for_their_ends() -> None:
         (["y", "-x/y"], None, "required denominators that are not zero at the checked point"),
         (["y", "-x/(1 + 1/(1 + y))"], None, "required no fraction and no sine of states in a denominator"),
         (["y", "-x/(1 + sin(x))"], None, "required no fraction and no sine of states in a denominator"),
-        (["y", "sin(x - 1)"], None, "system.rhs[2]: required a rational multiple of pi"),
-        (["y", "sin(1 - y*0 - x) "], None, "required a rational multiple of pi"),
+        (["y", "sin(x - 1)"], None, "system.rhs: required sin and cos of what is zero at the checked point"),
+        (["y", "sin(x + 1 + pi)"], None, "up to a multiple of pi, received 'x + 1'"),
+        (["y", "sin(x + 1 + pi*sqrt(2))"], None, "system.rhs[2]: required a rational multiple of pi"),
         (["y", "sgn(sin(x))"], None, "system.rhs[2]: required sin and cos of states in sums and products only"),
         (["y", "sin(sin(x))"], None, "system.rhs[2]: required no sine or cosine inside another"),
         (["y", "sin(Abs(x))"], None, "required sin and cos of polynomials in the states"),
@@ -138,3 +143,4 @@ def test_bad_input_in_one_line(rhs: list[str], parameters: dict[str, Any] | None
 def test_a_sine_must_vanish_at_the_checked_point() -> None:
     with pytest.raises(SceneError, match="zero at the checked point"):
         built(["y", "-sin(x)"], equilibrium=[1, 0])
+    assert decide_system(built(["y", "-sin(x - 1) - y"], equilibrium=[1, 0])).verdict == "asymptotically stable"
