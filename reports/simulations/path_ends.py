@@ -214,6 +214,12 @@ def settled_record(scene: Scene, body: Settled) -> dict[str, Any]:
     }
 
 
+def range_text(values: Floats) -> str:
+    """``0.9 to 1.9``; one number where both read the same."""
+    low, high = (float_text(float(value), 3) for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
+
+
 # ---- plain systems -------------------------------------------------------------------------------
 
 
