@@ -28,6 +28,7 @@ from nonsmooth.symbolic.friction_set import Box
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.under_way import tell
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -298,6 +299,7 @@ def piece_rates(
         left = np.flatnonzero(best < ENOUGH * seen)
         if not len(left):
             break
+        tell(f"{len(left)} pieces left")
         chosen, some = every[left], pieces.at(left)
         strength = Intervals.of(chosen[:, None])
         pulls = strength * some.slopes[0], strength * some.slopes[1], strength * some.moments * inverse

@@ -159,7 +159,12 @@ def in_unit(name: str, unit: str) -> str:
 
 def _settles(scene: Scene, after: float) -> str:
     accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + _unit(scene.units.length)
-    return f"within {accuracy} of there after {float_text(after, DIGITS)}{_time(scene)}"
+    return f"within {accuracy} of there {_since(after, _time(scene))}"
+
+
+def _since(after: float, second: str) -> str:
+    """``after 0.8 s``; a body that is there where it starts does not come there."""
+    return f"after {float_text(after, DIGITS)}{second}" if after else "already at the start"
 
 
 def _swings(count: int) -> str:
