@@ -91,16 +91,30 @@ class PiecewiseExpression:
         return found
 
 
-def parse_piecewise(value: object, states: Collection[str]) -> PiecewiseExpression:
+def parse_piecewise(value: object, states: Collection[str], beside: Sequence[str] = ()) -> PiecewiseExpression:
     """Check a formula of the states.
+
+    Args:
+        value: its text.
+        states: their names.
+        beside: what a file may state here too, and was rewritten before; named where something else is refused.
 
     Raises:
         ExpressionError: for anything outside the whitelist.
     """
     text, tree = parse_tree(value, MAX_TEXT, 'a formula such as "-sign(x)"')
     expression = PiecewiseExpression(text, tree, frozenset(states))
-    _check(tree, expression, MAX_DEPTH)
+    try:
+        _check(tree, expression, MAX_DEPTH)
+    except _OutsideError:
+        functions = "sign, Abs, Max, Min, relu, sat", "sqrt, sin, cos of numbers"
+        allowed = ", ".join((*sorted(states), "numbers", "+ - * / **", *functions, *beside))
+        raise ExpressionError(f"required a formula of {allowed}, received {shown(text)}") from None
     return expression
+
+
+class _OutsideError(Exception):
+    """A construct outside the whitelist."""
 
 
 def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
@@ -125,16 +139,7 @@ def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
             for argument in node.args:
                 _check(argument, whole, depth - 1)
         case _:
-            allowed = ", ".join(
-                [
-                    *sorted(whole.states),
-                    "numbers",
-                    "+ - * / **",
-                    "sign, Abs, Max, Min, relu, sat",
-                    "sqrt, sin, cos of numbers",
-                ]
-            )
-            raise ExpressionError(f"required a formula of {allowed}, received {shown(whole.text)}")
+            raise _OutsideError
 
 
 def _takes(name: str, count: int) -> bool:

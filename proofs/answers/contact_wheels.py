@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
 ALL_CARRY = "all wheels carry the body, at every pose: the scene names no [body]"
+WITHOUT_SHAPE = "all wheels carry the body, at every pose: the scene states no shape of it"
 
 
 def contact_facts(check: Theorem4Result) -> tuple[Fact, ...]:
@@ -41,7 +42,8 @@ def _facts(check: Theorem4Result) -> Iterator[Fact]:
     scene = check.scene
     found, unit = contact_set(scene), of_length(scene)
     if scene.body is None or found.margin is None:
-        yield Fact("wheels", list(found.wheels), ALL_CARRY)
+        names_body = scene.inertia is not None and scene.inertia.is_stated
+        yield Fact("wheels", list(found.wheels), WITHOUT_SHAPE if names_body else ALL_CARRY)
         yield from (Fact(key, Quantity(None)) for key in ("margin", "angle", "keeps_wheels_within"))
         return
     count = len(scene.wheels) + len(scene.idle)

@@ -24,6 +24,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.support_polygon import default_radius
+from nonsmooth.symbolic.under_way import part_of
 
 NO_DRIVE = "a law may need the wheel that is stopped"
 NO_TABLE = "the loads are a table for all wheels: what the others carry without it is not known"
@@ -84,8 +85,12 @@ def failures_of(scene: Scene) -> tuple[Failure, ...]:
         TipsError: where the body does not stand even on all wheels.
         SceneError: where a wheel lies exactly under its edge.
     """
-    carrying = standing(scene).wheels
-    return tuple(_failure(scene, wheel, kind) for wheel in carrying for kind in FailureKind)
+    every = [(wheel, kind) for wheel in standing(scene).wheels for kind in FailureKind]
+    found = []
+    for k, (wheel, kind) in enumerate(every):
+        with part_of(k, len(every), f"failures, wheel {wheel.index} {kind}"):
+            found.append(_failure(scene, wheel, kind))
+    return tuple(found)
 
 
 def worst_failure(failures: tuple[Failure, ...]) -> Failure:

@@ -355,8 +355,9 @@ def _becomes(scene: Scene, found: Simulated) -> str:
         swings = max(one.swings or 0 for one in at_rest)
         count = "" if len(at_rest) == found.asked else f"{len(at_rest)} "
         within = f"within {accuracy}{unit} of where {'they end' if count else 'it ends'}"
-        after = float_text(max(one.settles_after or 0.0 for one in at_rest), 3)
-        parts.append(f"{count}{within} after {after} s, {_swings(swings)}")
+        after = max(one.settles_after or 0.0 for one in at_rest)
+        when = f"after {float_text(after, 3)} s" if after else "already at the start"
+        parts.append(f"{count}{within} {when}, {_swings(swings)}")
     if cycles:
         size = max(one.amplitude or 0.0 for one in cycles)
         parts.append(f"{len(cycles)} on a limit cycle, up to {float_text(size, 3)}{unit} from its middle")

@@ -70,6 +70,11 @@ class Intervals:
         return Intervals(-self.high, -self.low)
 
     def __mul__(self, other: Intervals) -> Intervals:
+        if other.low is other.high:  # doubles as they are
+            first, last = self.low * other.low, self.high * other.low
+            return _outward(np.minimum(first, last), np.maximum(first, last))
+        if self.low is self.high:
+            return other * self
         products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
         low = np.minimum(np.minimum(products[0], products[1]), np.minimum(products[2], products[3]))
         high = np.maximum(np.maximum(products[0], products[1]), np.maximum(products[2], products[3]))
@@ -93,12 +98,10 @@ class Intervals:
         return Intervals(low, high)
 
     def sum(self, axis: int) -> Intervals:
-        """Along an axis, one entry after the other."""
-        parts = [np.moveaxis(ends, axis, 0) for ends in (self.low, self.high)]
-        total = Intervals(parts[0][0], parts[1][0])
-        for low, high in zip(parts[0][1:], parts[1][1:], strict=True):
-            total = total + Intervals(low, high)
-        return total
+        """Along an axis; n doubles, added in whatever order, err by at most n half units of their sizes."""
+        unit = self.low.shape[axis] * UNITS
+        below, above = (np.abs(ends).sum(axis) * unit + TINY for ends in (self.low, self.high))
+        return Intervals(self.low.sum(axis) - below, self.high.sum(axis) + above)
 
     @property
     def widened(self) -> Intervals:
@@ -177,7 +180,8 @@ def cosine(a: Intervals, b: Intervals) -> Intervals:
 
 def _quotient(a: Floats, b: Floats, toward: float) -> Floats:
     """``a/|(a, b)|`` rounded in one direction."""
-    size = (Intervals.of(a).square + Intervals.of(b).square).sqrt()
+    squares = a * a + b * b  # to one unit in the last place
+    size = _outward(squares, squares).sqrt()
     down = toward < 0
     # the quotient is least in size where the divisor is largest
     divisor = np.where((a < 0) == down, size.low, size.high)
@@ -187,4 +191,9 @@ def _quotient(a: Floats, b: Floats, toward: float) -> Floats:
 
 def _outward(low: Floats, high: Floats) -> Intervals:
     """Ends that are correct to half a unit in the last place, moved outward by more than one."""
-    return Intervals(low - (np.abs(low) * UNITS + TINY), high + (np.abs(high) * UNITS + TINY))
+    below, above = np.abs(low), np.abs(high)
+    below *= UNITS
+    above *= UNITS
+    below += TINY
+    above += TINY
+    return Intervals(low - below, high + above)

@@ -81,8 +81,8 @@ class BoxRingProof(RingProof[BoxBound]):
 
     # ---- coming nearer
 
-    def rates(self, bound: BoxBound, pieces: Sequence[AnnulusPiece]) -> Iterator[arb | None]:
-        """By the bounds at their corners, one after the other; the first push that proves a positive one."""
+    def rates(self, bound: BoxBound, pieces: Sequence[AnnulusPiece], *, at_any: bool) -> Iterator[arb | None]:
+        """By the bounds at their corners, one after the other; the first push that proves a positive one, for both."""
         for piece in pieces:
             twist, strengths = self._plan(piece)
             rates = (self._proved(bound, piece, twist, strength) for strength in strengths)

@@ -30,7 +30,7 @@ from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.under_way import tell
+from nonsmooth.symbolic.under_way import parts
 
 Floats: TypeAlias = NDArray[np.float64]
 Place: TypeAlias = tuple[Fraction, Fraction]
@@ -171,7 +171,6 @@ def _about(
     finer: Sequence[int] = FINER,
 ) -> Ends | _Open:
     """What rings about a centre show; ``finer``: into how many parts one is divided that is not shown whole."""
-    tell(f"rings about {place_text(centre, 3)} from the point")
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
     there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
@@ -187,7 +186,9 @@ def _about(
         return _Open.RINGS
     wanted = max(CLOSE * accuracy, min(NEAR_REST * distance, abs(accuracy - distance) / 2))
     useful = abs(accuracy - distance)  # they end nearer than the accuracy, or as near to a place farther away
-    rings = rings_about(there, box, most, through, float(wanted) / 2, shape, finer, useful)
+    with parts() as say:
+        say(f"rings about {place_text(centre, 3)} from the point")
+        rings = rings_about(there, box, most, through, float(wanted) / 2, shape, finer, useful)
     if rings is None or rings.start <= distance:
         return _Open.RINGS
     # bodies arrive in the smallest disc in a finite time where cells end at the place of rest, and slow down elsewhere

@@ -87,13 +87,22 @@ class RingProof(ABC, Generic[Bound]):
         """What is known of all arrays of a box; None where nothing is, or the loads are not fixed."""
 
     @abstractmethod
-    def rates(self, bound: Bound, pieces: Sequence[AnnulusPiece]) -> Iterable[arb | None]:
-        """For each quadrangle a positive kappa with ``c . v <= -kappa |c|``; None where it must be divided."""
+    def rates(self, bound: Bound, pieces: Sequence[AnnulusPiece], *, at_any: bool) -> Iterable[arb | None]:
+        """For each quadrangle a positive kappa with ``c . v <= -kappa |c|``; None where it must be divided.
+
+        Args:
+            bound: what is known of all arrays of a box.
+            pieces: quadrangles.
+            at_any: whether any kappa does, in place of a large one.
+        """
 
     def comes_nearer(self, box: Tolerance, most: Fraction) -> bool:
-        """Whether on some ring within ``most`` of the point bodies come nearer."""
+        """Whether on some ring within ``most`` of the point bodies come nearer, at any rate."""
         with ctx.workprec(PRECISION):
-            return self._outermost(box, most) is not None
+            if (box, most) in self._found:
+                return self._found[box, most] is not None
+            bound = self.over(box)
+            return bound is not None and self._first_ring(bound, most, at_any=True) is not None
 
     def disc(self, box: Tolerance, most: Fraction) -> EndDisc | None:
         """The disc in which bodies end that start in one of a radius up to ``most``; None where none is found."""
@@ -105,10 +114,10 @@ class RingProof(ABC, Generic[Bound]):
             return _fastest(list(self._inward(bound, start, rate)), start)
 
     def _outermost(self, box: Tolerance, most: Fraction) -> tuple[Bound, Fraction, arb] | None:
-        """What is known of a box, with its first ring; asked for the scene's own box twice, and found once."""
+        """What is known of a box, with its first ring."""
         if (box, most) not in self._found:
             bound = self.over(box)
-            first = None if bound is None else self._first_ring(bound, most)
+            first = None if bound is None else self._first_ring(bound, most, at_any=False)
             self._found[box, most] = None if bound is None or first is None else (bound, *first)
         return self._found[box, most]
 
@@ -116,12 +125,17 @@ class RingProof(ABC, Generic[Bound]):
     def _found(self) -> dict[tuple[Tolerance, Fraction], tuple[Bound, Fraction, arb] | None]:
         return {}
 
-    def _first_ring(self, bound: Bound, most: Fraction) -> tuple[Fraction, arb] | None:
+    @cached_property
+    def _failed(self) -> set[AnnulusPiece]:
+        """Quadrangles on which some box failed: they are looked at first, since others fail there too."""
+        return set()
+
+    def _first_ring(self, bound: Bound, most: Fraction, *, at_any: bool) -> tuple[Fraction, arb] | None:
         """The outer radius of the first ring on which bodies come nearer, and their rate there."""
         for k, share in enumerate(self.starts):
             tell_count(k, len(self.starts), "widest rings")
             outer = most * share
-            rate = self._rate(bound, outer * (1 - Fraction(1, RINGS)), outer)
+            rate = self._rate(bound, outer * (1 - Fraction(1, RINGS)), outer, at_any=at_any)
             if rate is not None:
                 return outer, rate
         return None
@@ -140,18 +154,23 @@ class RingProof(ABC, Generic[Bound]):
             inner, step = inner - step, step * self.growth
             yield inner, found
 
-    def _rate(self, bound: Bound, inner: Fraction, outer: Fraction) -> arb | None:
+    def _rate(self, bound: Bound, inner: Fraction, outer: Fraction, *, at_any: bool = False) -> arb | None:
         """A positive kappa with ``c . v <= -kappa |c|`` on a ring; None where none is shown."""
-        return self._least(bound, list(ring(inner, outer, self.sectors)), self.depth)
+        return self._least(bound, list(ring(inner, outer, self.sectors)), self.depth, at_any=at_any)
 
-    def _least(self, bound: Bound, pieces: Sequence[AnnulusPiece], depth: int) -> arb | None:
+    def _least(self, bound: Bound, pieces: Sequence[AnnulusPiece], depth: int, *, at_any: bool) -> arb | None:
         """The least rate on several quadrangles, divided where that is needed."""
         least = None
-        for piece, shown in zip(pieces, self.rates(bound, pieces), strict=True):
-            rate = shown if shown is not None or not depth else self._least(bound, list(piece.parts), depth - 1)
-            if rate is None:
-                return None
-            least = rate if least is None else min(least, rate, key=rational_below)
+        hard = [piece for piece in pieces if piece in self._failed]
+        for few in (hard, [piece for piece in pieces if piece not in hard]):
+            for piece, shown in zip(few, self.rates(bound, few, at_any=at_any), strict=True):
+                rate = shown
+                if rate is None and depth:
+                    rate = self._least(bound, list(piece.parts), depth - 1, at_any=at_any)
+                if rate is None:
+                    self._failed.add(piece)
+                    return None
+                least = rate if least is None else min(least, rate, key=rational_below)
         return least
 
 

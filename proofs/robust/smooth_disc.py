@@ -71,17 +71,18 @@ class SmoothDisc(RingProof[ArrayBox]):
         loads = load_box(self._scene, box.position.ball())
         return None if loads is None else ArrayBox(box_wheels(self._scene, box), loads, force_law(self._scene))
 
-    def rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece]) -> Iterator[arb | None]:
+    def rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece], *, at_any: bool) -> Iterator[arb | None]:
         """A few at a time: where one fails in the end, the others are not looked at."""
+        shares = sorted(SHARES) if at_any else SHARES  # small ones are shown with less work
         for k in range(0, len(pieces), AT_ONCE):
-            yield from self._rates(bound, pieces[k : k + AT_ONCE])
+            yield from self._rates(bound, pieces[k : k + AT_ONCE], shares)
 
-    def _rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece]) -> list[arb | None]:
-        """The largest share of the scene's own rate that is shown on each."""
+    def _rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece], shares: Sequence[float]) -> list[arb | None]:
+        """The first share of the scene's own rate that is shown on each."""
         shown: dict[AnnulusPiece, float] = {}
         nearer = zip(pieces, self._minima.radial(pieces), strict=True)
         open_ones = [piece for piece, rate in nearer if rate is not None and _is_carried(bound, piece)]
-        for share in SHARES:
+        for share in shares:
             guesses = [(piece, self._minima.on_plane(piece, share)) for piece in open_ones if piece not in shown]
             known = [(piece, guess) for piece, guess in guesses if guess is not None]
             if known:

@@ -74,19 +74,21 @@ def equilibrium_box(scene: Scene, box: Tolerance) -> EquilibriumBox | None:
     """The equilibria of all arrays of a box about a centred scene, where they are proved to attract; else None."""
     with ctx.workprec(PRECISION):
         loads, nominal = load_box(scene, box.position.ball()), load_box(scene, arb(0))
-        start = _start(scene)
-        if loads is None or nominal is None or start is None:
+        centre = _centre(scene, box.times(Fraction(0)))
+        if loads is None or nominal is None or centre is None:
             return None
-        arrays = _Arrays(scene, box, loads, nominal)
-        centre = newton(arrays.nominal_map, arb_mat([[arb(0)], [arb(0)], [arb(start)]]), NEWTON_STEPS)
-        return None if centre is None else _proved(arrays, centre)
+        return _proved(_Arrays(scene, box, loads, nominal), centre)
 
 
 @lru_cache(maxsize=8)  # many boxes about one scene are asked for
-def _start(scene: Scene) -> float | None:
-    """The spin of the minimizer at the point, in floats."""
+def _centre(scene: Scene, none: Tolerance) -> arb_mat | None:
+    """About the equilibrium of the scene itself, without tolerances, from the spin at the point in floats."""
+    loads = load_box(scene, arb(0))
     omega = float(smooth_rule_of(scene).minima(scene, np.zeros((1, 2))).twists[0, 2])
-    return omega if np.isfinite(omega) else None
+    if loads is None or not np.isfinite(omega):
+        return None
+    nominal = _Arrays(scene, none, loads, loads)
+    return newton(nominal.nominal_map, arb_mat([[arb(0)], [arb(0)], [arb(omega)]]), NEWTON_STEPS)
 
 
 @dataclass(frozen=True)

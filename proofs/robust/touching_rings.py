@@ -28,12 +28,14 @@ from nonsmooth.symbolic.friction_set import Box
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.under_way import tell
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats: TypeAlias = NDArray[np.float64]
 
 RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
+FIRST_PIECES = (32, 128, 512)  # of many, looked at before others: where one fails, the others need no look
 FINER = (2, 4)  # parts of each side of a ring that is not shown in one
 FINEST = (8, 16)  # the same beside an edge of the field, over which a body's twist turns round
 SMALLEST = 2.0**-22  # of the outermost radius
@@ -208,7 +210,7 @@ def finer_rate(
         levels = short_levels(np.geomspace(outer, inner, parts + 1))
         levels[[0, -1]] = outer, inner
         pieces = shape.pieces(levels[1:], levels[:-1], parts)
-        rate = min(ring_rates(forces, pieces.turned if turned else pieces, more=True))
+        rate = least_rate(forces, pieces.turned if turned else pieces)
         if rate > 0 or rate == -np.inf:
             return max(rate, 0.0)
     return 0.0
@@ -233,28 +235,47 @@ def _joined(shape: LevelFunction, edges: Floats, rates: dict[int, float], first:
     )
 
 
-def ring_rates(forces: BalancedForces, pieces: RingPieces, *, more: bool = False) -> list[float]:
+def ring_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     """For each ring a kappa with ``V' <= -kappa`` on it; zero where none is shown, minus infinity where V rises.
 
     Args:
         forces: of the array.
         pieces: of the rings.
-        more: whether pulls of more strengths are tried.
     """
+    free, seen, falls = _falls_seen(forces, pieces)
+    nearer = falls.reshape(-1, pieces.per_ring).all(axis=1)
+    shown = np.full(len(pieces.corners), -np.inf)
+    kept = np.flatnonzero(np.repeat(nearer, pieces.per_ring))
+    if len(kept):
+        shown[kept] = np.maximum(piece_rates(forces, pieces.at(kept), free[kept], seen[kept]), 0.0)
+    return shown.reshape(-1, pieces.per_ring).min(axis=1).tolist()
+
+
+def least_rate(forces: BalancedForces, pieces: RingPieces) -> float:
+    """The same on all of them, with pulls of more strengths; pieces on which V falls slowly are looked at first."""
+    free, seen, falls = _falls_seen(forces, pieces)
+    if not falls.all():
+        return -np.inf
+    rate = np.inf
+    for chosen in np.split(np.argsort(seen), FIRST_PIECES):
+        if len(chosen):
+            shown = piece_rates(forces, pieces.at(chosen), free[chosen], seen[chosen], more=True)
+            rate = min(rate, float(shown.min()))
+            if rate <= 0:
+                return 0.0
+    return rate
+
+
+def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """In the middle of each quadrangle the minimizer, ``-V'`` in floats, and whether that is positive."""
     free = forces.minimizers(pieces.middles)
     slopes, places = pieces.middle_slopes, pieces.middles
     moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
     falls = -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
-    seen = falls / pieces.sizes.mean(axis=1)
+    sizes = pieces.sizes.mean(axis=1)
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
     still = STILL if isinstance(forces.sets, Box) else SLOW
-    least = still * forces.fastest * np.hypot(*slopes.T) / pieces.sizes.mean(axis=1)
-    nearer = (seen > least).reshape(-1, pieces.per_ring).all(axis=1)
-    shown = np.full(len(pieces.corners), -np.inf)
-    kept = np.flatnonzero(np.repeat(nearer, pieces.per_ring))
-    if len(kept):
-        shown[kept] = np.maximum(piece_rates(forces, pieces.at(kept), free[kept], seen[kept], more=more), 0.0)
-    return shown.reshape(-1, pieces.per_ring).min(axis=1).tolist()
+    return free, falls / sizes, falls / sizes > still * forces.fastest * np.hypot(*slopes.T) / sizes
 
 
 def piece_rates(
@@ -278,6 +299,7 @@ def piece_rates(
         left = np.flatnonzero(best < ENOUGH * seen)
         if not len(left):
             break
+        tell(f"{len(left)} pieces left")
         chosen, some = every[left], pieces.at(left)
         strength = Intervals.of(chosen[:, None])
         pulls = strength * some.slopes[0], strength * some.slopes[1], strength * some.moments * inverse

@@ -78,7 +78,8 @@ def _ends(subject: ArraySubject) -> Section:
     settles = None if answers.inertia is None else answers.inertia.numbers.get("settles_after")
     if settles is not None:
         accuracy, after = (float_text(float(number), DIGITS) for number in (scene.accuracy, settles))
-        items.append(f"With inertia: within {accuracy}{unit} of where it ends after {after}{second} (simulated).")
+        when = f"after {after}{second}" if float(settles) else "already at the start"
+        items.append(f"With inertia: within {accuracy}{unit} of where it ends {when} (simulated).")
     blocks: list[Block] = [Bullets(tuple((item,) for item in items))]
     if answers.destinations is not None:
         blocks.append(Paragraph((f"{destinations_head(scene, answers.destinations.starts).capitalize()}:",)))

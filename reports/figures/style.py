@@ -127,6 +127,14 @@ def legend_below(figure: Figure, entries: Sequence[Artist] | None = None, column
     figure.legend(loc="outside lower center", ncols=columns, frameon=False, **handles, **style)
 
 
+def figure_with_legend(draw: Callable[[Axes], None], size: XY = (6.4, 6.0)) -> Figure:
+    """One picture with a legend below it, of a size in inches."""
+    figure = new_figure(*size)
+    draw(figure.add_subplot())
+    legend_below(figure)
+    return figure
+
+
 def mark_entry(marker: str, label: str, **style: Any) -> Line2D:
     """An entry of a legend for a mark."""
     from matplotlib.lines import Line2D

@@ -45,7 +45,7 @@ from nonsmooth.reports.simulations.maps import (
     parts_record,
     within_accuracy,
 )
-from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, fastest_rim, heading_text, size_of
+from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, fastest_rim, heading_text, range_text, size_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record
 from nonsmooth.symbolic.body import Body
@@ -176,17 +176,17 @@ class BodyMapResult(MapResult):
         found, units, said = self.found, self.scene.units, self.in_words(one.text)
         second = f" {units.time}".rstrip()
         if one.reason is not BodyEnd.TIME:
-            said += f", by t = {_range_text(found.times[one.starts])}{second}"
+            said += f", by t = {range_text(found.times[one.starts])}{second}"
             if one.reason is not BodyEnd.REST or self.scene.body is not None:
                 return said
         else:
-            said += f", at heading {_range_text(np.degrees(found.poses[one.starts, 2]))} deg"
+            said += f", at heading {range_text(np.degrees(found.poses[one.starts, 2]))} deg"
         turning = found.turning[one.starts]
         slow = SLOWLY * fastest_rim(self.scene) / size_of(self.scene)
         if np.isnan(turning).any() or (np.abs(turning) <= slow).all():
             return said
         per = f"/{units.time}" if units.time else " per unit of time"
-        return f"{said}, turning at {_range_text(np.degrees(turning))} deg{per}"
+        return f"{said}, turning at {range_text(np.degrees(turning))} deg{per}"
 
     def in_words(self, end: str) -> str:
         """An end; of a body that covers all wheels its place rests, and the body may turn on there."""
@@ -304,12 +304,6 @@ class BodyMapResult(MapResult):
     def head(self) -> str:
         """How many starts."""
         return f"{self.options.grid} x {self.options.grid} starts"
-
-
-def _range_text(values: Floats) -> str:
-    """``0.9 to 1.9``; one number where both read the same."""
-    low, high = (float_text(float(value), 3) for value in (values.min(), values.max()))
-    return low if low == high else f"{low} to {high}"
 
 
 def _record(one: PathEnd) -> dict[str, Any]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, OnStep, turned_heading
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
+from nonsmooth.reports.figures.style import figure_with_legend, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
@@ -31,6 +32,7 @@ from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SCHEMA = "nonsmooth-headings/1"
 FEWEST, MOST = 8, 3_600
@@ -178,8 +180,11 @@ class HeadingsResult(Result):
         ax.plot(begins[~stands], begins[~stands], "x", color="#D55E00", markersize=4, label="falls")
         ax.plot(begins, begins, "--", color="0.6", linewidth=1, label="kept")
         ax.set(xlabel=f"heading at the start [{units.angle}]", ylabel=f"heading at the end [{units.angle}]")
-        ax.set_title(f"{one_line(self.scene.name)}: which headings return", fontsize=10)
-        ax.legend(fontsize=8)
+        title_axes(ax, f"{one_line(self.scene.name)}: which headings return")
+
+    def figure(self) -> Figure:
+        """The same with a legend below."""
+        return figure_with_legend(self.draw)
 
     def __repr__(self) -> str:
         said = [(_arc_text(self.scene.units, arc), arc.reason.value) for arc in self.arcs]

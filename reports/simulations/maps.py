@@ -42,7 +42,7 @@ from nonsmooth.reports.figures.style import (
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import heading_text, shown_angle
+from nonsmooth.reports.simulations.path_ends import heading_text, range_text, shown_angle
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.contact_set import accuracy_at_point
@@ -197,8 +197,14 @@ class SettleMapResult(MapResult):
 
     @property
     def shares(self) -> list[tuple[str, str]]:
-        """Share and words of every basin."""
-        return [(percent_text(basin.share), basin.text) for basin in self.basins]
+        """Share and words of every basin, and when bodies arrive there."""
+        return [(percent_text(basin.share), basin.text + self._arrivals(basin)) for basin in self.basins]
+
+    def _arrivals(self, basin: Basin) -> str:
+        """The range of times; empty where bodies only come nearer."""
+        times = self.found.arrival[self.found.arrived & np.isin(self.found.basin, basin.kinds)]
+        second = f" {self.partition.scene.units.time}".rstrip()
+        return f", by t = {range_text(times)}{second}" if len(times) else ""
 
     def facts(self) -> Record:
         """JSON with stable keys; starts run along x first."""

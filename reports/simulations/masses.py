@@ -248,13 +248,9 @@ class MassResult(Result):
 
     def figure(self) -> Figure:
         """The same with a legend below."""
-        from matplotlib.figure import Figure
+        from nonsmooth.reports.figures.style import figure_with_legend
 
-        figure = Figure(figsize=SIZE, layout="constrained")
-        axes = figure.add_subplot()
-        self.draw(axes)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
-        return figure
+        return figure_with_legend(self.draw, SIZE)
 
     def __repr__(self) -> str:
         head = f"full dynamics over {self.scene.name}, by mass: {self.summary()}"

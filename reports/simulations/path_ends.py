@@ -159,7 +159,12 @@ def in_unit(name: str, unit: str) -> str:
 
 def _settles(scene: Scene, after: float) -> str:
     accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + _unit(scene.units.length)
-    return f"within {accuracy} of there after {float_text(after, DIGITS)}{_time(scene)}"
+    return f"within {accuracy} of there {_since(after, _time(scene))}"
+
+
+def _since(after: float, second: str) -> str:
+    """``after 0.8 s``; a body that is there where it starts does not come there."""
+    return f"after {float_text(after, DIGITS)}{second}" if after else "already at the start"
 
 
 def _swings(count: int) -> str:
@@ -212,6 +217,12 @@ def settled_record(scene: Scene, body: Settled) -> dict[str, Any]:
         "limit_cycle": body.amplitude,
         "until": body.until,
     }
+
+
+def range_text(values: Floats) -> str:
+    """``0.9 to 1.9``; one number where both read the same."""
+    low, high = (float_text(float(value), 3) for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
 
 
 # ---- plain systems -------------------------------------------------------------------------------

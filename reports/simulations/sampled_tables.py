@@ -18,6 +18,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, sample_tables, why_not_sampled
 from nonsmooth.proofs.answers.bounds import at_least, at_most, of_length
 from nonsmooth.proofs.answers.robust import WORDS
+from nonsmooth.reports.figures.style import INK, figure_with_legend, length_label, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
@@ -30,6 +31,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from nonsmooth.proofs.robust.decide import Robust
 
@@ -149,22 +151,25 @@ class SampledTablesResult(Result):
         return f"{said} (sampled ends; what binds the certified bound, and may be another, check says)"
 
     def draw(self, ax: Axes) -> None:
-        """The places of rest about the checked point, and the circle within which 95 % end."""
+        """The places of rest about the checked point, the circle within which 95 % end, and that of the accuracy."""
         from matplotlib.patches import Circle
 
-        from nonsmooth.reports.figures.style import length_label
-
+        unit, center = of_length(self.scene), (float(self.all.point[0]), float(self.all.point[1]))
         ax.plot(*self.all.places.T, ".", color="#0072B2", markersize=4, label="ends (sampled)")
-        ax.plot(*self.all.point, "+", color="black", markersize=12, label="checked point")
-        within = self.all.within(SHARE)
-        if math.isfinite(within):
-            center = float(self.all.point[0]), float(self.all.point[1])
-            ax.add_patch(Circle(center, within, fill=False, color="#D55E00", label="95 % of them"))
+        ax.plot(*center, "+", color=INK, markersize=12, label="checked point")
+        within = {"95 % of them": (self.all.within(SHARE), "#D55E00", "-"), "accuracy": (self.accuracy, INK, "--")}
+        for what, (radius, color, dashes) in within.items():
+            if math.isfinite(radius):
+                label = f"{what}: within {float_text(radius, 3)}{unit}"
+                ax.add_patch(Circle(center, radius, fill=False, color=color, linestyle=dashes, label=label))
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_xlabel(length_label("x", self.scene.units))
         ax.set_ylabel(length_label("y", self.scene.units))
-        ax.set_title(f"{one_line(self.scene.name)}: {len(self.all.places)} tables", fontsize=10)
-        ax.legend(fontsize=8)
+        title_axes(ax, f"{one_line(self.scene.name)}: {len(self.all.places)} tables")
+
+    def figure(self) -> Figure:
+        """The same with a legend below, which covers no end."""
+        return figure_with_legend(self.draw)
 
     def __repr__(self) -> str:
         parts = [(" and ".join(one.names), _text(one.moved(SHARE))) for one in self.alone]

@@ -121,6 +121,15 @@ CURVES = {  # numbers of an outcome, and what they are called
 }
 
 
+LENGTHS = {NEAR, "within"}
+
+
+def _with_unit(sweep: Sweep, name: str) -> str:
+    """What a number is called, with the unit of one that is a length."""
+    length = sweep.base.document.get("units", {}).get("length")
+    return f"{CURVES[name]} [{length}]" if length and name in LENGTHS else CURVES[name]
+
+
 def _is_drawn(sweep: Sweep, name: str) -> bool:
     """Whether some scene has a number; of how near bodies come, whether it is not zero for all that come."""
     known = [outcome[name] for outcome in sweep.outcomes if outcome.get(name) is not None]
@@ -192,7 +201,7 @@ def _draw_curve(axes: Axes, sweep: Sweep, name: str) -> None:
             places.append(place)
             values.append(float("nan"))
     axes.plot(places, values, ".-", color=INK, linewidth=1, clip_on=False)  # whole dots at both ends
-    axes.set_ylabel(CURVES[name], fontsize="small")
+    axes.set_ylabel(_with_unit(sweep, name), fontsize="small")
     for border in sweep.borders or ():
         axes.axvline(_place_of(border), color="0.7", linewidth=0.8, zorder=0)
 

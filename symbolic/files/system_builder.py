@@ -33,14 +33,20 @@ from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, Syst
 LARGEST_RADIUS = 10**150  # squares of such numbers are floats
 
 
-def parse_lyapunov(text: object, states: tuple[str, ...], file: str, key: str) -> PiecewiseExpression:
-    """V, or a right-hand side, as a formula of the states.
+# What right-hand sides take beside what V takes.
+IN_RIGHT_HAND_SIDES = "sin and cos of polynomials in the states", "sqrt of Abs of a state"
+
+
+def parse_lyapunov(
+    text: object, states: tuple[str, ...], file: str, key: str, beside: Sequence[str] = ()
+) -> PiecewiseExpression:
+    """V, or a right-hand side, which may hold some functions beside, as a formula of the states.
 
     Raises:
         SceneError: for anything else.
     """
     try:
-        return parse_piecewise(text, states)
+        return parse_piecewise(text, states, beside)
     except ExpressionError as error:
         raise SceneError(file, key, requirement(error), text) from None
 
@@ -264,7 +270,9 @@ def _stated(value: tuple[object, ...], states: tuple[str, ...], file: str) -> di
 def _parsed(
     formulas: Sequence[object], states: tuple[str, ...], file: str, key: str
 ) -> tuple[PiecewiseExpression, ...]:
-    return tuple(parse_lyapunov(text, states, file, f"{key}[{j}]") for j, text in enumerate(formulas, 1))
+    return tuple(
+        parse_lyapunov(text, states, file, f"{key}[{j}]", IN_RIGHT_HAND_SIDES) for j, text in enumerate(formulas, 1)
+    )
 
 
 def _float_point(states: tuple[str, ...], values: Sequence[Exact] | None, file: str) -> dict[str, float]:

@@ -17,6 +17,8 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.proofs.answers.failures import stopped
+from nonsmooth.proofs.clauses.feedback import by_friction
 from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     BUDGET,
     HALVES,
@@ -550,3 +552,17 @@ def test_cones_that_do_not_go_around_are_refused(arrays: Arrays) -> None:
     assert evidence_holds(feedback)
     for wrong in (cones[:1], cones[1:], cones[::-1], (*cones, cones[0]), (cones[0], replace(cones[1], rays=None))):
         assert not evidence_holds(replace(feedback, cones=wrong))
+
+
+def test_whichever_wheels_are_stopped_an_array_is_decided_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Scene] = []
+
+    def decided(own: Scene, length: Fraction) -> DrivenFeedback:
+        asked.append(own)
+        return DrivenFeedback(Feedback.UNDECIDED, "", own)
+
+    monkeypatch.setattr(by_friction, "_decide", decided)
+    scene = centred(load_scene("ring-6"), "roller")
+    for failed in ((), (1,), (2, 3)):
+        assert decide_driven_feedback(stopped(scene, failed)).scene == stopped(scene, failed)
+    assert len(asked) == 1

@@ -64,12 +64,20 @@ def test_a_body_over_all_wheels_changes_no_verdict(name: str, rule: str, invoke:
     assert covered[1]["contact_set"]["angle"] is None
 
 
-def test_the_first_lines_say_who_carries(carton: str, invoke: Invoke) -> None:
+def test_the_first_lines_say_who_carries(carton: str, invoke: Invoke, tmp_path: Path) -> None:
     text = " ".join(invoke("check", carton).out.split())
     assert "rectangle 13/5 x 8/5: wheels 15, 16, 21, 22 of 36 carry it" in text
     assert "for certain within 0.2 of here, or 0.1264 rad of this heading" in text
     bare = " ".join(invoke("check", "four-wheel").out.split())
     assert "all wheels carry the body, at every pose: the scene names no [body]" in bare
+    file = tmp_path / "heavy.toml"
+    table = 'units = { length = "mm" }\ngrid = { rows = 2, columns = 2, pitch = 200 }\n'
+    wheels = 'friction = { mu_roll = 1, mu_side = 0.5 }\nfield = { kind = "radial", speed = 100 }\n'
+    file.write_text(f"{table}{wheels}body = {{ mass = 2.5, inertia = 52083 }}\n")
+    heavy = " ".join(invoke("check", str(file)).out.split())
+    assert "all wheels carry the body, at every pose: the scene states no shape of it" in heavy
+    path = " ".join(invoke("simulate", str(file), "--from", "1,0,0").out.split())
+    assert "mm of there already at the start" in path
 
 
 @pytest.mark.parametrize("rule", keep(2, CONTACT_RULES))

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from matplotlib.patches import Circle
 
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.proofs.robust.decide import decided_statement
+from nonsmooth.reports.simulations.sampled_tables import draw_tables
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 
@@ -133,3 +136,11 @@ def test_what_is_not_drawn_is_refused(table: Path, invoke: Invoke) -> None:
     table.write_text(TABLE.replace("RULE", "nearest"))
     assert "under rules with friction sets" in invoke("simulate", str(table), "--tables", "5").err
     assert "--seed: required --tables" in invoke("simulate", "four-wheel", "--from", "0,0,0", "--seed", "3").err
+
+
+def test_the_picture_draws_the_accuracy_and_its_legend_below(table: Path) -> None:
+    found = draw_tables(scene_of(table), SimulateOptions(tables=4))
+    figure = found.figure()
+    assert [len(figure.legends), figure.axes[0].get_legend()] == [1, None]
+    radii = [circle.get_radius() for circle in figure.axes[0].patches if isinstance(circle, Circle)]
+    assert radii == [found.all.within(0.95), found.accuracy]

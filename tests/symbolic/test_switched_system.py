@@ -142,6 +142,11 @@ def test_plain_systems_are_told_from_arrays() -> None:
             ["Max(x)"],
             "system.rhs[1]: required a formula of x, numbers, + - * / **, sign, Abs, Max, Min, relu, sat, sqrt",
         ),
+        (
+            ["x"],
+            ["tan(x)"],
+            "sqrt, sin, cos of numbers, sin and cos of polynomials in the states, sqrt of Abs of a state",
+        ),
         (["x"], ["Max()"], "system.rhs[1]: required a formula of x"),
         (["x"], ["Max(x, key=1)"], "system.rhs[1]: required a formula of x"),
         (["x"], ["Max(*x)"], "system.rhs[1]: required a formula of x"),

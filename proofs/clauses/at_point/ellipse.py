@@ -44,6 +44,7 @@ from nonsmooth.symbolic.number_text import brief_text, float_text
 from nonsmooth.symbolic.scene import Scene
 
 _PRECISION = 256
+_FEW_BISECTIONS = 8  # mostly these suffice
 _BISECTIONS = 120  # halvings of the bracket of the best rotation rate
 
 
@@ -233,6 +234,9 @@ def _is_moved(resting: Sequence[Slip[arb]]) -> bool:
         return arb("nan") if pull is None else pull[2]
 
     with ctx.workprec(_PRECISION):
-        bracket = zero_of_rising(torque, _BISECTIONS)
-        pull = None if bracket is None else _gradient_at(resting, arb(bracket[0]).union(arb(bracket[1])))
-    return pull is not None and not (pull[0].contains(0) and pull[1].contains(0))
+        for halvings in (_FEW_BISECTIONS, _BISECTIONS):
+            bracket = zero_of_rising(torque, halvings)
+            pull = None if bracket is None else _gradient_at(resting, arb(bracket[0]).union(arb(bracket[1])))
+            if pull is not None and not (pull[0].contains(0) and pull[1].contains(0)):
+                return True
+    return False

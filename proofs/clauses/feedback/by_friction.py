@@ -33,6 +33,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -74,8 +75,8 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.plane import around, cross, dot
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.similar_scenes import in_own_length, with_wheels
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
@@ -273,8 +274,17 @@ def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
     plain = with_rims_along_axes(scene)
     if plain is None:
         return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), scene)
-    decide = _decide_for_every_load if isinstance(scene.contact.loads, UnknownLoads) else _decide
-    return replace(decide(in_own_length(plain), scene.check.length), scene=scene)
+    return replace(_decide_at_rest(with_wheels(in_own_length(plain), _at_rest), scene.check.length), scene=scene)
+
+
+def _at_rest(wheel: Wheel) -> Wheel:
+    return replace(wheel, given_speed=wheel.speed * 0)
+
+
+@lru_cache(maxsize=2)  # a law chooses the speeds: an array is decided once, whichever of its wheels are stopped
+def _decide_at_rest(own: Scene, length: Fraction) -> DrivenFeedback:
+    """The decision for an array with l for its unit of length, whose speeds are not looked at."""
+    return (_decide_for_every_load if isinstance(own.contact.loads, UnknownLoads) else _decide)(own, length)
 
 
 def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:

@@ -13,11 +13,19 @@ import pytest
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.proofs.robust import touching_rings
 from nonsmooth.proofs.robust.affine_twists import _affine_twists, affine_rates, refined_rates
 from nonsmooth.proofs.robust.ends import COARSE, _field_beside, _velocity
-from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
+from nonsmooth.proofs.robust.level_sets import (
+    Distance,
+    LevelFunction,
+    RingPieces,
+    SectorFunction,
+    shapes_about,
+    short_levels,
+)
 from nonsmooth.proofs.robust.rest_points import _rising, is_carried_away
-from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, ring_rates
+from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, FIRST_PIECES, least_rate, piece_rates
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.friction_set import CutEllipse
 from nonsmooth.symbolic.scene import Scene
@@ -142,7 +150,9 @@ def test_a_slow_spiral_carries_bodies_out_of_the_disc_of_the_accuracy(tmp_path: 
     assert SmallSteps(table).end(np.array([0.9 * accuracy, 0.0]), 60.0, accuracy)[1] > accuracy
 
 
-def test_rings_fall_in_small_pieces_where_twists_turn_round_over_an_edge(tmp_path: Path) -> None:
+def test_rings_fall_in_small_pieces_where_twists_turn_round_over_an_edge(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     table = MeasuredTable.symmetric(19, "roller")
     scene = measured(tmp_path, table)
     accuracy, forces, velocity = float(scene.accuracy), BalancedForces(scene), _velocity(scene)
@@ -152,7 +162,15 @@ def test_rings_fall_in_small_pieces_where_twists_turn_round_over_an_edge(tmp_pat
     outer = accuracy * 0.9
     levels = short_levels(np.geomspace(outer, 0.8 * outer, FINEST[0] + 1))[:2]
     pieces = shape.pieces(levels[1:], levels[:1], FINEST[0])
-    (rate,) = ring_rates(forces, pieces, more=True)
+    rate = least_rate(forces, pieces)
     falls = -(pieces.middle_slopes * SmallSteps(table).velocity(pieces.middles)).sum(axis=1)
     assert 0 < rate <= falls.min() * 1.001
-    assert ring_rates(forces, shape.pieces(levels[1:], levels[:1], FINER[-1]), more=True) == [0.0]
+    seen: list[int] = []
+
+    def counted(forces: BalancedForces, pieces: RingPieces, *args: Any, more: bool) -> Any:
+        seen.append(len(pieces.corners))
+        return piece_rates(forces, pieces, *args, more=more)
+
+    monkeypatch.setattr(touching_rings, "piece_rates", counted)
+    assert least_rate(forces, shape.pieces(levels[1:], levels[:1], FINER[-1])) == 0
+    assert seen == [FIRST_PIECES[0]], "where the slowest fail, the others need no look"

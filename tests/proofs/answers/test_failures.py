@@ -17,6 +17,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.failures import NO_DRIVE, NO_TABLE, Failure, FailureKind, failures_of, worst_failure
 from nonsmooth.symbolic.contact_set import standing, with_only
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.under_way import listening
 from tests.thorough import few, keep
 
 CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
@@ -52,7 +53,11 @@ def test_failures_answer_as_arrays_written_without_the_wheel(rule: str) -> None:
 
 @pytest.mark.parametrize("name", keep(1, ["four-wheel", "ring-6"]))
 def test_no_law_is_promised_that_may_need_the_stopped_drive(name: str) -> None:
-    for failure in failures_of(load_scene(name)):
+    told: list[str] = []
+    with listening(told.append):
+        failures = failures_of(load_scene(name))
+    assert f"3 of {len(failures)} failures, wheel 2 lifted" in told
+    for failure in failures:
         if failure.kind is FailureKind.STOPPED:
             assert failure.pose != "can be held"
             assert failure.theorem4 != "holds"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -15,10 +16,11 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof
 from nonsmooth.proofs.robust.friction_forces import ellipse_force, roller_force
 from nonsmooth.proofs.robust.nearest import inner_radius
-from nonsmooth.proofs.robust.rings import EndDisc
+from nonsmooth.proofs.robust.rings import EndDisc, RingProof
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.symbolic.contact_set import standing
@@ -124,6 +126,26 @@ def kappas(disc: EndDisc, radii: Floats) -> Floats:
     """The rate of the ring of each radius."""
     ring = (radii[:, None] < np.array([float(inner) for inner in disc.inner])).sum(axis=1)
     return np.array([float(rate) for rate in disc.rates])[np.minimum(ring, len(disc.rates) - 1)]
+
+
+class LastSectorFails(RingProof[Tolerance]):
+    depth = 0
+    asked = 0
+
+    def over(self, box: Tolerance) -> Tolerance:
+        return box
+
+    def rates(self, bound: Tolerance, pieces: Sequence[AnnulusPiece], *, at_any: bool) -> list[arb | None]:
+        self.asked += len(pieces)
+        return [None if piece.start + piece.width == 1 else arb(1) for piece in pieces]
+
+
+def test_a_box_fails_first_where_another_one_failed() -> None:
+    box, proof = box_of(load_scene("four-wheel", rule="ellipse"), NEAR), LastSectorFails()
+    assert not proof.comes_nearer(box, Fraction(1))
+    proof.asked = 0
+    assert not proof.comes_nearer(box.times(Fraction(2)), Fraction(1))
+    assert proof.asked == len(proof.starts)
 
 
 @thorough
@@ -258,3 +280,11 @@ def test_balls_become_intervals() -> None:
     assert within(Fraction(1, 3), float(found.low[0]), float(found.high[0]))
     assert found.low[1] <= 1.5
     assert found.high[1] >= 2.5
+
+
+def test_a_sum_of_intervals_holds_the_sum_of_their_ends() -> None:
+    ends = np.sort(np.random.default_rng(7).normal(size=(2, 50, 30)) * 10.0 ** np.arange(-15, 15), axis=0)
+    found = Intervals(*ends).sum(axis=1)
+    low, high = ([sum(Fraction(entry) for entry in row) for row in part] for part in ends)
+    assert all(a <= b for a, b in zip(found.low, low, strict=True))
+    assert all(a >= b for a, b in zip(found.high, high, strict=True))
