@@ -21,7 +21,7 @@ FEW = {
     **{"irrational numbers": 40, "basin": 30, "basin, searched": 30, "escape": 40, "lyapunov, searched": 50},
     **{"circles, searched": 8, "outside, searched": 40, "reversible": 50, "triangles": 40},
 }
-SOME, MANY = 100, 10_000
+SOME, MANY = 60, 10_000
 
 
 FEWER = {"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)}
