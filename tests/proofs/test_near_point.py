@@ -110,7 +110,7 @@ def compare_with_formulas(count: int, first: int) -> list[str]:
 
 
 def test_random_fans_against_formulas() -> None:
-    assert len(compare_with_formulas(4, 0)) > 2
+    assert set(compare_with_formulas(2, 0)) == {ATTRACTS, UNSTABLE}
 
 
 @thorough  # the small one: test_random_fans_against_formulas
