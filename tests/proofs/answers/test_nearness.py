@@ -242,10 +242,9 @@ def test_squares_that_a_sector_touches_are_not_beyond_it() -> None:
 def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path) -> None:
     table = MeasuredTable.symmetric(0, "ellipse")
     scene = measured(tmp_path, table).recentred()
-    rest, distance = enclosed_rest(scene), scene.accuracy / 4  # as far as all of the accuracy takes seconds
+    rest, accuracy = enclosed_rest(scene), float(scene.accuracy)
     assert rest is not None
-    assert is_carried_away(scene, distance, rest.distance)
-    accuracy = float(distance)
+    assert is_carried_away(scene, scene.accuracy, rest.distance)
     body, angles = SmallSteps(table), (0.0, 2.0, 4.0)
     starts = [accuracy / 100 * np.array([math.cos(angle), math.sin(angle)]) for angle in angles]
     assert max(body.end(start, 60.0, accuracy)[1] for start in starts) > accuracy
