@@ -153,6 +153,13 @@ PLANTED: dict[str, tuple[str, Callable[[Record], None]]] = {
 }
 
 
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sizes of regions by few samples."""
+    monkeypatch.setattr("tests.golden.compare.SAMPLES", 13)
+
+
+@pytest.mark.usefixtures("coarse")
 @pytest.mark.parametrize("name", PLANTED)
 def test_a_planted_change_is_found(name: str) -> None:
     line, change = PLANTED[name]
@@ -171,6 +178,7 @@ STRONGER: dict[str, tuple[str, Callable[[Record], None]]] = {
 }
 
 
+@pytest.mark.usefixtures("coarse")
 @pytest.mark.parametrize("name", STRONGER)
 def test_what_is_stronger_is_allowed(name: str) -> None:
     line, change = STRONGER[name]

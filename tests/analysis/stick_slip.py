@@ -20,7 +20,6 @@ import numpy as np
 DIGITS = 40
 STATES = (("x", "v"), ("y", "w"), ("z", "u"))
 STEP = 0.004  # of the search for brackets: some hundredths of the shortest period
-ROOT_STEPS = 200
 SERIES_ENDS = 1e-60  # size of the last term
 
 

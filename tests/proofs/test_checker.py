@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 Record: TypeAlias = dict[str, Any]
-Path_: TypeAlias = tuple[Any, ...]
 
 CHECKER = Path(work.__file__).parent
 SUBJECTS = (

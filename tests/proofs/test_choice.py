@@ -10,8 +10,11 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.choices import parallel_lines, show_choice_of
+from nonsmooth.proofs.kernel.cells import started
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text
+from tests.thorough import few, thorough
 
 BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bound, beyond what the law can take
     "a push that a relay does not hold": (("y", "-2*sign(x) - sign(y) + d"), 4),
@@ -22,10 +25,21 @@ BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bou
 }
 
 
+def pushed(name: str) -> ns.System:
+    rhs, bound = BEYOND[name]
+    return ns.System(["x", "y"], list(rhs), parameters={"d": [f"-{bound}", f"{bound}"]})
+
+
+@pytest.mark.parametrize("name", BEYOND)
+def test_a_law_is_found_beyond_the_bound(name: str) -> None:
+    _, claims = show_choice_of(pushed(name).system)
+    assert claims == [{"stability": "unstable"}]
+
+
+@few(1)
 @pytest.mark.parametrize("name", BEYOND)
 def test_a_disturbance_beyond_its_bound(name: str) -> None:
-    rhs, bound = BEYOND[name]
-    result = ns.System(["x", "y"], list(rhs), parameters={"d": [f"-{bound}", f"{bound}"]}).check()
+    result = pushed(name).check()
     assert (result.verdict, result.evidence.method) == ("unstable", "choice among right-hand sides")
     assert result.evidence.equilibrium == "holds"
     certificate = result.certificate()
@@ -39,37 +53,45 @@ def test_within_its_bound_nothing_is_said_to_leave() -> None:
     assert ns.System(["x", "y"], rhs, parameters={"d": ["-9/10", "9/10"]}).check().verdict != "unstable"
 
 
-@pytest.mark.parametrize(
-    "sides",
-    [
-        [["-x/10 + y", "-10*x - y/10"], ["-x/10 + 10*y", "-x - y/10"]],
-        [["-x - y", "x - y"], ["-x - 12*y", "x - y"], ["-x - y", "12*x - y"]],
+WORST = {
+    "about (1, -2)": [
+        ["-(x - 1)/10 + (y + 2)", "-10*(x - 1) - (y + 2)/10"],
+        ["-(x - 1)/10 + 10*(y + 2)", "-(x - 1) - (y + 2)/10"],
     ],
-)
-def test_the_worst_switching_has_a_certificate(sides: list[list[str]]) -> None:
+    "two fields": [["-x/10 + y", "-10*x - y/10"], ["-x/10 + 10*y", "-x - y/10"]],
+    "three fields": [["-x - y", "x - y"], ["-x - 12*y", "x - y"], ["-x - y", "12*x - y"]],
+}
+
+
+@few(1)
+@pytest.mark.parametrize("name", WORST)
+def test_the_worst_switching_has_a_certificate(name: str) -> None:
     """A full turn under the worst switching makes distances larger: a law that changes on lines shows it."""
-    result = ns.System(["x", "y"], sides).check()
+    result = ns.System(["x", "y"], WORST[name], at=[1, -2] if name.startswith("about") else [0, 0]).check()
     assert result.verdict == "unstable"
     certificate = result.certificate()
     assert certificate["evidence"][0]["theorem"] == "choice"
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
-def test_a_law_about_another_point_changes_there() -> None:
-    """The same worst switching about (1, -2)."""
-    sides = [
-        ["-(x - 1)/10 + (y + 2)", "-10*(x - 1) - (y + 2)/10"],
-        ["-(x - 1)/10 + 10*(y + 2)", "-(x - 1) - (y + 2)/10"],
-    ]
-    certificate = ns.System(["x", "y"], sides, at=[1, -2]).check().certificate()
-    assert certificate["evidence"][0]["theorem"] == "choice"
-    assert not refusal(certificate, len(certificate_text(certificate)))
+def test_a_law_of_three_fields() -> None:
+    entry, _ = show_choice_of(ns.System(["x", "y"], WORST["three fields"]).system)
+    assert entry["theorem"] == "choice"
+
+
+def factor_of_one_field() -> ns.System:
+    return ns.System(["x", "y"], ["-k*y - k*x*y", "2*k*x + 2*k*x*y"], parameters={"k": [1, 2]})
 
 
 def test_fields_that_are_parallel_everywhere() -> None:
-    """A factor between 1 and 2 of one field leaves its orbits as they are."""
-    rhs = ["-k*y - k*x*y", "2*k*x + 2*k*x*y"]
-    assert ns.System(["x", "y"], rhs, parameters={"k": [1, 2]}).check().verdict == "undecided"
+    system = factor_of_one_field().system
+    assert parallel_lines(system, *started(system, None)) == []
+
+
+@thorough  # the test above asks for lines only
+def test_a_factor_of_one_field_makes_nothing_unstable() -> None:
+    """A factor between 1 and 2 leaves its orbits as they are."""
+    assert factor_of_one_field().check().verdict == "undecided"
 
 
 def test_fields_that_a_switch_cannot_make_unstable() -> None:
@@ -83,7 +105,7 @@ def test_an_enclosed_field_has_no_choice() -> None:
     assert ns.System(["x", "y"], ["y", "-sin(x) - y**3"]).check().verdict != "unstable"
 
 
-@pytest.mark.parametrize("sides", [[["x**3"], ["-sin(x)"]], [["-x - sin(x)", "-y"], ["-3*y", "y/4"]]])
+@pytest.mark.parametrize("sides", [[["x**3"], ["-sin(x)"]], [["x**3", "-y"], ["-sin(x) + y", "-y"]]])
 def test_a_right_hand_side_without_sines_leaves_beside_an_enclosed_one(sides: list[list[str]]) -> None:
     result = ns.System(["x", "y"][: len(sides[0])], sides).check()
     assert (result.verdict, result.evidence.method) == ("unstable", "choice among right-hand sides")

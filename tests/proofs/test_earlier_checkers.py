@@ -98,13 +98,13 @@ def require_agreement(name: str, result: StabilityResult) -> None:
     require_as_known(name, json.loads(json.dumps(certificate)))
 
 
-@pytest.mark.parametrize("name", keep(len(FIRST), [*FIRST, *(name for name in PLANAR if name not in FIRST)]))
+@pytest.mark.parametrize("name", keep(3, [*FIRST, *(name for name in PLANAR if name not in FIRST)]))
 def test_planar_systems(name: str) -> None:
     require_agreement(name, decide_system(planar(PLANAR[name])))
 
 
 @pytest.mark.parametrize(
-    "number", keep(5, [2, 7, 3, 8, 0, *(k for k in range(len(KNOWN)) if k not in (0, 2, 3, 7, 8))])
+    "number", keep(4, [2, 3, 8, 0, 7, *(k for k in range(len(KNOWN)) if k not in (0, 2, 3, 7, 8))])
 )
 def test_systems_in_three_to_six_states(number: int) -> None:
     require_agreement(str(number), decide_system(build(KNOWN[number])))

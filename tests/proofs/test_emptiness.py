@@ -17,6 +17,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import PLANE
+from tests.thorough import few
 
 FIELD = NumberField()
 X, Y = (Polynomial.variable(FIELD, PLANE, name) for name in PLANE)
@@ -116,7 +117,8 @@ rhs = {rhs}
 EMPTY = '["x**2*y - x**4 - y**2 > 0", "y > 0"]', '"(y - x**2)**2*(1 + y**2) + x**2*y**4 < 0"'
 
 
-@pytest.mark.parametrize("where", EMPTY)
+@few(2)
+@pytest.mark.parametrize("where", EMPTY, ids=["by products", "by squares"])
 @pytest.mark.parametrize("rhs", ['["-x", "-y"]', '["-x + y", "-x - y**3"]', '["-sign(x) + y", "-2*sign(y) - x"]'])
 def test_a_region_without_points_changes_nothing(tmp_path: Path, where: str, rhs: str) -> None:
     """By definition: fields on a set without area are ignored; these led straight out, and took over a minute."""

@@ -23,7 +23,6 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.array_certificates import check_certificate, evidence, subject
 
 Record = dict[str, Any]
-Bomb = Callable[[], Record]
 
 SECONDS = 60.0  # of processor time; an idle machine takes 20 at most
 AT_ONCE = 10.0  # where nothing but the reading is asked for

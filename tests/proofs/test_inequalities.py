@@ -354,12 +354,6 @@ def test_agrees_with_z3(data: st.DataObject, sense: Sense, apex: bool, bounded: 
 # ---- evidence ----------------------------------------------------------------------------------
 
 
-def proof_of(text: str, region: Callable[[NumberField], Region]) -> Proof[Question]:
-    proof = decide(">=0", text, region)
-    assert isinstance(proof, Proof)
-    return proof
-
-
 @pytest.mark.parametrize(
     ("text", "region"),
     [

@@ -210,6 +210,7 @@ NOT_KEPT = [
 ]
 
 
+@few(3)
 @pytest.mark.parametrize("rhs", KEPT_V)
 def test_a_v_that_solutions_keep_refutes_attraction(rhs: list[str]) -> None:
     result = decide_system(ns.System(list("xyz")[: len(rhs)], rhs).system)

@@ -19,8 +19,9 @@ from tests.thorough import thorough
 FEW = {
     **{"ties": 30, "further functions": 10, "roots": 8, "theorem 4": 30, "feedback": 15, "tolerances": 8},
     **{"irrational numbers": 40, "basin": 30, "basin, searched": 30, "escape": 40, "lyapunov, searched": 50},
+    **{"circles, searched": 8, "outside, searched": 40, "reversible": 50, "triangles": 40},
 }
-SOME, MANY = 100, 10_000
+SOME, MANY = 60, 10_000
 
 
 FEWER = {"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)}

@@ -71,7 +71,7 @@ def test_known_verdicts_are_shown_to_the_checker(name: str) -> None:
     assert refused(record) == ""
 
 
-@few(3)
+@few(2)
 @pytest.mark.parametrize(
     "name", ["turns outward", "turns inward", "closed orbits", "slides away", "saddle beside curves"]
 )
@@ -110,7 +110,7 @@ def compare_with_formulas(count: int, first: int) -> list[str]:
 
 
 def test_random_fans_against_formulas() -> None:
-    assert len(compare_with_formulas(4, 0)) > 2
+    assert set(compare_with_formulas(2, 0)) == {ATTRACTS, UNSTABLE}
 
 
 @thorough  # the small one: test_random_fans_against_formulas

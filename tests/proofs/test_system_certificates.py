@@ -22,7 +22,7 @@ from nonsmooth.proofs.kernel.cells import stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
-from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.oracles.mutants import Record
@@ -61,9 +61,14 @@ def claims(record: Record, kind: str) -> list[Any]:
 
 
 @cache
-def text_of(name: str) -> str:
+def decided(name: str) -> StabilityResult:
     rhs, check = SYSTEMS[name]
-    return json.dumps(certificate_of(decide_system(built(rhs, **check))))
+    return decide_system(built(rhs, **check))
+
+
+@cache
+def text_of(name: str) -> str:
+    return json.dumps(certificate_of(decided(name)))
 
 
 def record_of(name: str) -> Record:
@@ -88,8 +93,7 @@ def test_built_in_systems_are_accepted_without_the_program(name: str, tmp_path: 
 def test_verdicts_in_three_states_are_certified(name: str) -> None:
     record = record_of(name)
     assert rejected(record) == ""
-    rhs, check = SYSTEMS[name]
-    assert claims(record, "stability") == [str(decide_system(built(rhs, **check)).verdict)]
+    assert claims(record, "stability") == [str(decided(name).verdict)]
 
 
 @pytest.mark.parametrize("seed", range(12))

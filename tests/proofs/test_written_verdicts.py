@@ -95,8 +95,8 @@ def test_what_only_encloses_claims_rays_of_all_of_it_alone() -> None:
     }
     assert result.verdict is Translation.STABLE
     assert result.check()
-    moves = decide_system(built(["y", "sin(x) - x + x**3/6 - x**5/240 - y"]))  # x**5/240 + ..., and +-x**5/240 encloses
-    assert PlanePoint(moves.scene).rays == ()
+    moves = built(["y", "sin(x) - x + x**3/6 - x**5/240 - y"])  # x**5/240 + ..., and +-x**5/240 encloses
+    assert PlanePoint(moves).rays == ()
 
 
 def test_interval_parameters_hold_for_all_values() -> None:
@@ -129,8 +129,9 @@ def test_an_audit_speaks_of_the_stated_field() -> None:
     assert audit(built(["y", "-sin(x) - y"]), "x**2 - x*y + y**2").verdict is AuditVerdict.INVALID
 
 
+@few(6)
 @pytest.mark.parametrize("frequency", [1, 2, 3, "7/2", 6])
-@pytest.mark.parametrize("relay", ["", " - 2*sign(x)", " - sign(x)/9"])
+@pytest.mark.parametrize("relay", ["", " - 2*sign(x)", " - sign(x)/9"], ids=["none", "large", "small"])
 def test_an_audit_with_sines_agrees_with_samples_of_the_stated_derivative(frequency: int | str, relay: str) -> None:
     """V = x^2 + y^2 has V' = 2 x x' + 2 y y'; what only encloses the sine refutes nothing."""
     system = built([f"-sin({frequency}*x){relay}", "-y"])

@@ -52,15 +52,15 @@ def test_an_object_of_the_scene(tmp_path: Path, invoke: Invoke) -> None:
     assert stable == pytest.approx(math.pi / 2 - axis, abs=HEADING)
 
 
-@pytest.mark.parametrize("suffix", REPORT_FORMATS)
 @pytest.mark.parametrize("extent", keep(1, ["short", "all"]))
-def test_the_derivation_has_a_section(extent: str, suffix: str) -> None:
+def test_the_derivation_has_a_section(extent: str) -> None:
     """That it is in a report of all sections, tests/reports/test_derivation.py shows for another scene."""
     short = ("verdict", "continuum")
     report = derived("elliptic") if extent == "all" else derive_report(load_scene("elliptic"), parts=short)
-    text = render_report(report, suffix)
-    assert "The continuous idealization" in text
-    assert "turns to certain headings" in text
+    for suffix in REPORT_FORMATS:
+        text = render_report(report, suffix)
+        assert "The continuous idealization" in text
+        assert "turns to certain headings" in text
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")

@@ -13,6 +13,7 @@ from nonsmooth.proofs import theorem4
 from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks import subject
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -99,6 +100,7 @@ def test_no_certificate_and_no_law_are_written_of_it(invoke: Invoke, tmp_path: P
     assert not file.exists()
 
 
+@few(1)
 @pytest.mark.parametrize("mu_side", ["1/2", "1"])
 def test_a_rounded_ring_is_not_said_to_drive_away_what_rests_on_it(
     invoke: Invoke, tmp_path: Path, mu_side: str

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
 
-@pytest.mark.parametrize("checks", keep(1, [12, 40]))
+@pytest.mark.parametrize("checks", keep(1, [4, 40]))
 def test_a_saddle_becomes_an_array_that_brings_bodies_home(invoke: Invoke, tmp_path: Path, checks: int) -> None:
     """The file alone says the same to a check, and bodies of its paths come home."""
     outcome = invoke("design", "saddle", "--checks", str(checks), "-o", "found.toml", "--json")
@@ -214,7 +214,7 @@ def test_the_fewest_wheels_are_too_few_without_any_one(invoke: Invoke, tmp_path:
 def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left_out = ",".join(name for name in PART_NAMES if name not in ("answers", "array"))
     monkeypatch.setattr("nonsmooth.reports.designs.design.MEASUREMENTS", left_out)
-    outcome = invoke("design", "saddle", "--maximize", "margin", "--checks", "12", "--report", "won.md")
+    outcome = invoke("design", "saddle", "--maximize", "margin", "--checks", "4", "--report", "won.md")
     assert outcome.status == 0
     assert "misjudge" in outcome.out
     report = (tmp_path / "won.md").read_text(encoding="utf-8")
@@ -229,7 +229,7 @@ def test_a_design_says_first_whether_it_improved_anything(invoke: Invoke, tmp_pa
     same = invoke("design", "rectangle", "--checks", "1", "-o", "same.toml", "--report", "same.md")
     assert same.out.startswith("rectangle: nothing is improved: ")
     assert (same.err.count("not written: "), list(tmp_path.glob("same.*"))) == (2, [])
-    shown = invoke("design", "saddle", "--checks", "12").out
+    shown = invoke("design", "saddle", "--checks", "4").out
     assert "improved: the given array lacks position" in shown
 
 
@@ -261,10 +261,10 @@ def test_how_much_is_improved_is_said_by_both_values(
 
 def test_a_gain_of_feedback_does_not_hide_what_it_costs_without(invoke: Invoke) -> None:
     """Turned wheels hold the pose better and bring nothing home, which was not required."""
-    shown = invoke("design", "rectangle", "--require", "pose", "--maximize", "gain", "--checks", "12").out
+    shown = invoke("design", "rectangle", "--require", "pose", "--maximize", "gain", "--checks", "8").out
     assert "without feedback: position comes home -> " in shown
     assert "--require pose,position keeps what got worse" in " ".join(shown.split())
-    kept = invoke("design", "rectangle", "--maximize", "gain", "--checks", "6").out
+    kept = invoke("design", "rectangle", "--maximize", "gain", "--checks", "4").out
     assert "position comes home, as before (certified within 0.5 -> 0.03" in " ".join(kept.split())
 
 

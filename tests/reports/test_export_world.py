@@ -66,7 +66,7 @@ def even(scene: Scene, roll: str = "1", side: str = "1") -> Scene:
 
 @pytest.mark.parametrize(
     ("name", "at"),
-    [("four-wheel", None), *keep(1, [("four-wheel", ("3/10", "-1/10")), ("ring-3", None), ("ring-5", None)])],
+    keep(1, [("four-wheel", ("3/10", "-1/10")), ("four-wheel", None), ("ring-3", None), ("ring-5", None)]),
 )
 def test_the_engine_ends_where_it_is_predicted(name: str, at: tuple[str, str] | None) -> None:
     scene = load_scene(name)

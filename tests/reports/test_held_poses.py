@@ -132,7 +132,7 @@ def region_of(program: Mapping[str, Any], x: float, y: float) -> Mapping[str, An
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
-@few(4)
+@few(2)
 @pytest.mark.parametrize("number", keep(2, range(24)))
 def test_where_a_pose_is_held_there_is_a_law(arrays: Arrays, rule: str, number: int, tmp_path: Path) -> None:
     scene = ruled(random_array(arrays, number), rule)

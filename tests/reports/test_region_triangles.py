@@ -195,6 +195,6 @@ def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_the_picture() -> None:
     """Triangles, and the border of the region."""
-    result, basin = coarse_basin_of("sliding")
+    result, basin = coarse_basin_of("sliding on a tilted line")
     axes = result.plot()
     assert any(len(line.get_xdata()) == len(basin.border) + 1 for line in axes.lines)

@@ -47,7 +47,7 @@ def test_every_scene_has_its_line_and_the_worst_status_counts(invoke: Invoke, sc
 
 
 def test_records_are_those_of_the_single_checks(invoke: Invoke) -> None:
-    scenes = ["four-wheel", "eq-4", "outward"]
+    scenes = ["four-wheel", "eq-4", "differential-drive"]
     status, out, _ = invoke("check", *scenes, "--json")
     found = json.loads(out)
     assert (status, found["schema"]) == (1, "nonsmooth-checks/1")

@@ -37,7 +37,7 @@ def position_of(scene: Scene) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("rule", "body"), keep(3, [("nearest", LARGE), ("nearest", ROUND), ("ellipse", ROUND), ("ellipse", LARGE)])
+    ("rule", "body"), keep(2, [("nearest", LARGE), ("ellipse", ROUND), ("nearest", ROUND), ("ellipse", LARGE)])
 )
 def test_under_an_outline_that_covers_all_wheels_bodies_are_followed_as_without(
     rule: str, body: str, tmp_path: Path

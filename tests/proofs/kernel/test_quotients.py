@@ -11,7 +11,12 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel_strategies import decide_by_quotient
 from nonsmooth.proofs.system_certificates import certificate_text
+from nonsmooth.proofs.system_decision import checked_point
+from nonsmooth.proofs.systems.findings import Known
+from tests.thorough import keep
 
 TURN = "-x**4 + 2*x**2*y**2 + y**4", "x**4 + 2*x**2*y**2 - y**4"  # gradient of V, times |x|^4/2, over x and y
 NO_POLYNOMIAL = [  # Ahmadi and El Khadir 2018: no polynomial V at all
@@ -42,7 +47,7 @@ def refused(changed: dict[str, Any]) -> str:
     return refusal(own, len(certificate_text(own)))
 
 
-@pytest.mark.parametrize("stated", [V, None])
+@pytest.mark.parametrize("stated", keep(1, [V, None]))
 def test_no_polynomial_serves(stated: str | None) -> None:
     """The stated quotient is taken, and the same is found without it; all starts come to the point."""
     result = decided(tuple(NO_POLYNOMIAL), stated)
@@ -50,6 +55,12 @@ def test_no_polynomial_serves(stated: str | None) -> None:
     assert result.evidence.reach.everywhere
     claims = result.certificate()["statement"]["claims"]
     assert claims == [{"stability": "asymptotically stable"}, {"attracts": "everywhere"}]
+
+
+def test_a_quotient_is_found() -> None:
+    found = decide_by_quotient(checked_point(ns.System(["x", "y"], NO_POLYNOMIAL).system), Known())
+    assert found is not None
+    assert found.verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
 def test_floats_come_nearer() -> None:

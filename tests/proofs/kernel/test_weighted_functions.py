@@ -10,7 +10,11 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.kernel_strategies import decide_by_weights
 from nonsmooth.proofs.system_certificates import certificate_text
+from nonsmooth.proofs.system_decision import checked_point
+from nonsmooth.proofs.systems.findings import Known
+from tests.thorough import few, thorough
 
 Force = Callable[[float, float], float]
 GROWS, FALLS = "unstable", "asymptotically stable"
@@ -39,6 +43,19 @@ def half_turns(force: Force, y: float = 0.3, step: float = 1e-4) -> list[float]:
     return found
 
 
+def verdict_by_weights(force: str) -> str:
+    """What terms of higher weight say, and nothing else."""
+    found = decide_by_weights(checked_point(ns.System(["x", "y"], ["y", force]).system), Known())
+    return "nothing" if found is None else str(found.verdict)
+
+
+@pytest.mark.parametrize("force", FORCES)
+def test_terms_of_higher_weight_are_found(force: str) -> None:
+    verdict, _ = FORCES[force]
+    assert verdict_by_weights(force) == verdict
+
+
+@few(1)
 @pytest.mark.parametrize("force", FORCES)
 def test_terms_of_higher_weight_decide(force: str) -> None:
     verdict, _ = FORCES[force]
@@ -63,4 +80,9 @@ def test_a_centre_is_neither() -> None:
     """Its half turns come back after two."""
     turns = half_turns(lambda x, y: -np.sign(x) + x * y)
     assert turns[20] == pytest.approx(turns[0], rel=1e-2)
+    assert verdict_by_weights(CENTRE) == "nothing"
+
+
+@thorough  # the test above asks for one theorem
+def test_no_theorem_decides_a_centre() -> None:
     assert ns.System(["x", "y"], ["y", CENTRE]).check().verdict not in (GROWS, FALLS)

@@ -19,7 +19,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
 from tests.certificates.inclusion import contradiction
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 Floats = NDArray[np.float64]
 STEP, START, FAR = 1 / 512, 1e-3, 30.0
@@ -55,6 +55,7 @@ def test_known_degrees(rhs: list[str], degree: int) -> None:
         assert result.method is Method.ESCAPE
 
 
+@few(2)
 @pytest.mark.parametrize(
     "rhs",
     [
