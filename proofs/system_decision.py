@@ -181,9 +181,12 @@ def decide_by_states(point: CheckedPoint, known: Known) -> Finding | None:
     if len(alone) < len(point.system.states) or Translation.UNDECIDED in verdicts:
         return None
     reason = "; ".join(f"{name} by itself: {found.reason}" for name, found in alone.items())
-    refutes = "a state by itself rests near" if Translation.STABLE in verdicts else ""
-    verdict = Translation.STABLE if refutes else Translation.ASYMPTOTICALLY_STABLE
-    return Finding(Method.STATES, verdict, reason, refutes=refutes)
+    if Translation.STABLE not in verdicts:
+        return Finding(Method.STATES, Translation.ASYMPTOTICALLY_STABLE, reason)
+    stays = [own for own in alone.values() if own.verdict is Translation.STABLE]
+    rests = any(own.deciding.refutes for own in stays)
+    refutes = "a state by itself rests near" if rests else ""
+    return Finding(Method.STATES, Translation.STABLE, reason, refutes=refutes)
 
 
 def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
