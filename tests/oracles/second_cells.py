@@ -16,6 +16,21 @@ from tests.oracles.second_formulas import GENS, ZERO, Poly, Reading, degree, key
 Signs: TypeAlias = tuple[int, ...]
 
 
+Matrix: TypeAlias = list[list[fmpq]]
+
+
+def unit_matrix() -> Matrix:
+    return [[fmpq(1), fmpq(0)], [fmpq(0), fmpq(1)]]
+
+
+def matrix_product(a: Matrix, b: Matrix) -> Matrix:
+    return [[sum((a[i][k] * b[k][j] for k in range(2)), fmpq(0)) for j in range(2)] for i in range(2)]
+
+
+def times(matrix: Matrix, vector: Sequence[Poly]) -> list[Poly]:
+    return [vector[0] * row[0] + vector[1] * row[1] for row in matrix]
+
+
 @dataclass(frozen=True)
 class Cell:
     signs: Signs
@@ -30,12 +45,18 @@ class Inclusion:
         states, rhs, at = keys(subject, "states rhs at", "order")
         order = subject.get("order", 0)
         need(type(order) is int and 0 <= order <= 4, "further terms of sines and cosines")
-        within, listed, empty = keys(cells, "within surfaces empty")
+        within, listed, empty = keys(cells, "within surfaces empty", "frame")
         need(all(type(own) is list for own in (states, at, rhs, listed, empty)), "lists")
         need(len(states) == len(at) == 2 and states[0] != states[1] and rhs, "a system in two states")
         self.bounded, self.radius = within is not None, fmpq(1) if within is None else number(within)
         need(self.radius > 0, "a cube of positive size")
-        away = {name: GENS[k] * self.radius for k, name in enumerate(states)}
+        self.frame = [unit_matrix(), unit_matrix()]
+        if cells.get("frame") is not None:
+            self.frame = [[[number(c) for c in row] for row in own] for own in cells["frame"]]
+            need(all(len(own) == 2 and all(len(row) == 2 for row in own) for own in self.frame), "square matrices")
+        need(len(self.frame) == 2 and matrix_product(*self.frame) == unit_matrix(), "a matrix and its inverse")
+        units = [GENS[k] * self.radius for k in range(2)]
+        away = dict(zip(states, times(self.frame[0], units), strict=True))
         place = {name: z + number(x) for (name, z), x in zip(away.items(), at, strict=True)}
         self.surfaces = [Reading(away).value(own) for own in listed]
         need(all(degree(g) for g in self.surfaces), "surfaces that are not constant")
@@ -48,8 +69,9 @@ class Inclusion:
             if any(agrees(self.marked(mark), signs) for mark in empty):
                 continue
             reading = Reading(place, partial(self.sign_on, signs), order)
-            fields = [field for side in rhs for field in reading.fields(side)]
-            need(all(len(own) == 2 for own in fields), "two formulas in every right-hand side")
+            stated = [field for side in rhs for field in reading.fields(side)]
+            need(all(len(own) == 2 for own in stated), "two formulas in every right-hand side")
+            fields = [times(self.frame[1], field) for field in stated]
             different = [(k, f) for k, f in enumerate(fields) if f not in fields[:k]]
             self.cells.append(Cell(signs, different, self.function_on(signs, function, away)))
         self.bending = sorted(self.bending_surfaces())

@@ -168,6 +168,8 @@ def statements(subject: Any, entry: Any) -> list[Any]:
     need(type(everywhere) is type(below) is bool, "everywhere and below as true or false")
     proofs = Proofs(evidence)
     inclusion = Inclusion(subject, cells, function, proofs)
+    alone = second is None and level is None and rate is None and everywhere is False
+    need(cells.get("frame") is None or alone, "a verdict alone in a frame")
     own = Lyapunov(inclusion, number(level) if below else None, proofs)
     own.show_zero()
     own.show_positive()
