@@ -552,6 +552,7 @@ def centres() -> Iterator[Case]:
 
     prey = [["x + 1", "-1"], ["y/2 + 1", "-1"]]
     yield kept("prey", ["x*(2 - y)", "3*y*(x - 1)"], prey, at=["1", "2"], sense=1)
+    yield kept("spring", ["y + x*y", "-x - y**2/2 + x**2"], [])
     yield kept("exponential", ["y", "-x**3 - y**2/2"], [], exponent="x", weights=steep)
     yield kept("energy", ["y + y**2", "-relu(x) + 3*relu(-x) - x**2"], [], "x")
     lines = [["1 + x", "-1/2"], ["1 + y", "-2/3"], ["1 - 3*x/4 - y/2", "-1/3"]]

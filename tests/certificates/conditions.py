@@ -473,7 +473,7 @@ def of_centres() -> Iterator[Forgery]:
     yield turns("fields that the reflection reverses", [["x + y", "y - x"]], **mirror)
     # x' = -x y - y r^2, y' = -y^2 + x r^2: some solutions run into the point
     run_in = [["-x*y - y*(x**2 + y**2)", "-y**2 + x*(x**2 + y**2)"]]
-    yield turns("turns  field 0", run_in, sense=1, **mirror)
+    yield turns("positive coefficients for turns  field 0", run_in, sense=1, **mirror)
     for weights, words in (({}, "weights for each cell"), ({"": ["-1", "-1"]}, "positive weights")):
         yield turns(words, spring, weights=weights, **mirror)
     quarters = [f"{first}{second}" for first in "-+" for second in "-+"]
