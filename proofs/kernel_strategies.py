@@ -7,17 +7,18 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.choices import choice_words, show_choice_of
-from nonsmooth.proofs.findings.facts import row_fact
+from nonsmooth.proofs.findings.facts import Fact, row_fact
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.centres import factor_text, reflection_text, show_integral_of, show_reversible_of
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
-from nonsmooth.proofs.kernel.search import NotShownError
+from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 from nonsmooth.proofs.many_states.circles import find_energy_on_circles
@@ -183,35 +184,39 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
 
 def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
     """A reflection that reverses time, where all solutions turn about the point."""
-    if known.standing is not None:
+    entry = _centre(point, known, show_reversible_of)
+    if entry is None:
         return None
-    try:
-        entry, _ = show_reversible_of(point.system)
-    except NotShownError:
-        return None
-    hypotheses, states = entry["hypotheses"], point.system.states
-    image = reflection_text(hypotheses["mirror"], states)
-    refutes = f"orbits near it are closed, as they turn, and the reflection to {image} reverses them"
-    reason = f"{NOT_ATTRACTING}{refutes}"
-    facts = (row_fact("on", cube_text(point.system.field(Fraction(hypotheses["cells"]["within"])), states)),)
-    return Finding(Method.SYMMETRY, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
+    image = reflection_text(entry["hypotheses"]["mirror"], point.system.states)
+    return _closed_orbits(point, Method.SYMMETRY, entry, f"the reflection to {image} reverses them")
 
 
 def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
     """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
+    entry = _centre(point, known, show_integral_of)
+    if entry is None:
+        return None
+    factor = row_fact("integrating factor", factor_text(entry["hypotheses"]))
+    return _closed_orbits(point, Method.INTEGRAL, entry, "an integral of motion is kept", factor)
+
+
+def _centre(point: CheckedPoint, known: Known, show: Callable[[SwitchedSystem], Entry]) -> dict[str, Any] | None:
+    """The entry of a theorem on centres; None where it is not shown, or something is known already."""
     if known.standing is not None:
         return None
     try:
-        entry, _ = show_integral_of(point.system)
+        return show(point.system)[0]
     except NotShownError:
         return None
-    hypotheses, states = entry["hypotheses"], point.system.states
-    refutes = "orbits near it are closed, as they turn, and an integral of motion is kept"
-    where = cube_text(point.system.field(Fraction(hypotheses["cells"]["within"])), states)
-    facts = row_fact("integrating factor", factor_text(hypotheses)), row_fact("on", where)
-    return Finding(
-        Method.INTEGRAL, Translation.STABLE, f"{NOT_ATTRACTING}{refutes}", entry=entry, facts=facts, refutes=refutes
-    )
+
+
+def _closed_orbits(point: CheckedPoint, method: Method, entry: dict[str, Any], why: str, *more: Fact) -> Finding:
+    """That the point is stable and does not attract."""
+    refutes = f"orbits near it are closed, as they turn, and {why}"
+    within = point.system.field(Fraction(entry["hypotheses"]["cells"]["within"]))
+    facts = (*more, row_fact("on", cube_text(within, point.system.states)))
+    reason = f"{NOT_ATTRACTING}{refutes}"
+    return Finding(method, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
 
 
 def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:
