@@ -194,7 +194,7 @@ def swept(base: Base, vary: Mapping[str, Any], means: Means, *, draws: int | Non
     from nonsmooth.reports.output.progress import progress
 
     whole, plan = _plan(base, {name: _text(values) for name, values in vary.items()}, draws, seed)
-    with progress("checked") as report, broken_pipes_raised():
+    with progress("sweep") as report, broken_pipes_raised():
         return SweepResult(run_sweep(whole, plan, means, report))
 
 

@@ -171,10 +171,10 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
 
 def _answers_table(sweep: Sweep) -> Block:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
-    shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
     known = _known_numbers(sweep) if sweep.base.is_system else _array_numbers(sweep)
-    rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
+    shorts = [_short_name(name, titles) for name in sweep.plan.names]
+    rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     header = [
         *shorts,
         *titles,
@@ -187,6 +187,14 @@ def _answers_table(sweep: Sweep) -> Block:
         rows.append([*entries, *answers, *([_failure_text(outcome)] if failures else _number_texts(outcome, rates))])
     widest = titles[min(2, len(titles) - 1)]
     return table(header, rows, tuple(2.0 if name == widest else 1.0 for name in header))
+
+
+def _short_name(name: str, taken: Sequence[str]) -> str:
+    """The last part of a key path; all of it where a wheel is named, or where an answer has that name."""
+    last = name.rpartition(".")[2]
+    if name.startswith("wheel"):
+        return name
+    return name.replace(".", " ") if last in taken else last
 
 
 def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
