@@ -8,11 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from nonsmooth.proofs.checker.outside import place_of
 from nonsmooth.proofs.findings.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.quotients import quotient_text
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.systems.basin import CertifiedBasin
+from nonsmooth.proofs.systems.basin_rings import Floats
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
@@ -231,13 +233,16 @@ def basin_words(basin: CertifiedBasin, states: Sequence[str]) -> str:
     if basin.filled is not None and basin.outside is not None:
         sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
         said.append(f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}")
-    if basin.traps:
-        certified, possible, starts = basin.square
-        places = " and ".join(place_text(own, 3) for own, _ in basin.traps)
-        said.append(f"no start inside of a polygon about {places} does")
-        if possible < starts:
-            low, high = (percent_text(count / starts) for count in (certified, possible))
-            said.append(f"so {low} to {high} of the sampled starts do")
+    traps, saddles = (" and ".join(place_text(own, 3) for own, _ in found) for found in (basin.traps, basin.saddles))
+    if traps:
+        said.append(f"no start inside of a polygon about {traps} does")
+    if saddles:
+        beside = "lines beside the saddles" if len(basin.saddles) > 1 else "a line beside the saddle"
+        said.append(f"no start beyond {beside} {saddles} does")
+    certified, possible, starts = basin.square
+    if possible < starts and (traps or saddles):
+        low, high = (percent_text(count / starts) for count in (certified, possible))
+        said.append(f"so {low} to {high} of the sampled starts do")
     return "; ".join(said)
 
 
@@ -252,8 +257,15 @@ def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
         "unit": basin.mesh["unit"],
         "outside": outside_record(basin),
         **({"traps": [ring_of(own).tolist() for _, own in basin.traps]} if basin.traps else {}),
+        **({"saddles": [_line_record(*own) for own in basin.saddles]} if basin.saddles else {}),
         "text": words,
     }
+
+
+def _line_record(saddle: Floats, hypotheses: dict[str, Any]) -> dict[str, object]:
+    """A line over which all velocities lead to the right: its corners, and where its half-lines go from both ends."""
+    ends = [list(place_of(own)) for own in hypotheses["ends"]]
+    return {"at": saddle.tolist(), "corners": ring_of(hypotheses).tolist(), "ends": ends}
 
 
 def outside_record(basin: CertifiedBasin) -> dict[str, object] | None:

@@ -121,23 +121,26 @@ class Field:
                 total[exponents] = total.get(exponents, 0) + factor * value
         return Field((total,), self.degree, self.bits + max(abs(own).bit_length() for own in vector))
 
-    def on(self, corners: Sequence[Place]) -> list[int]:
+    def on(self, corners: Sequence[Place], end: Place | None = None) -> list[int]:
         """The Bernstein coefficients of one polynomial on a simplex, a side or at a corner, times a positive number.
 
         The coefficient of corners ``v_1, ..., v_d`` is the polar form: of the polynomial, made homogeneous of degree d
-        by a variable that is 1, the derivative in the directions of all of them.
+        by a variable that is 1, the derivative in the directions of all of them.  A half-line from a corner c has its
+        direction e as another corner, where that variable is 0: coefficients of the powers of t at ``c + t e``, times
+        positive numbers, from the lowest on.
         """
         (form,) = self.parts
-        length = self.bits + self.degree * max(abs(own).bit_length() for place in corners for own in place)
-        BUDGET.spend((1 + len(form)) * comb(self.degree + len(corners), len(corners)) * (1 + length**2 // 4096))
+        ends = [(own, 1) for own in corners] + ([] if end is None else [(end, 0)])
+        length = self.bits + self.degree * max(abs(own).bit_length() for place, _ in ends for own in place)
+        BUDGET.spend((1 + len(form)) * comb(self.degree + len(ends), len(ends)) * (1 + length**2 // 4096))
         forms = [(0, form)]
         for left in range(self.degree, 0, -1):
-            forms = [(k, toward(own, left, corners[k])) for j, own in forms for k in range(j, len(corners))]
+            forms = [(k, toward(own, left, *ends[k])) for j, own in forms for k in range(j, len(ends))]
         return [next(iter(own.values()), 0) for _, own in forms]
 
 
-def toward(form: Form, degree: int, place: Place) -> Form:
-    """The derivative of a polynomial, made homogeneous of some degree, in the direction of a place."""
+def toward(form: Form, degree: int, place: Place, weight: int = 1) -> Form:
+    """The derivative of a polynomial, made homogeneous of some degree, toward a place, or with weight 0 a direction."""
     found: dict[Exponents, int] = {}
     for exponents, value in form.items():
         left = degree
@@ -146,7 +149,7 @@ def toward(form: Form, degree: int, place: Place) -> Form:
                 left -= exponent
                 lower = (*exponents[:k], exponent - 1, *exponents[k + 1 :])
                 found[lower] = found.get(lower, 0) + exponent * value * place[k]
-        if left:
+        if left and weight:
             found[exponents] = found.get(exponents, 0) + left * value
     return found
 
@@ -262,16 +265,16 @@ class Plane:
         """The cells that may meet the inside of a simplex: a surface has their sign at some point of it."""
         return self._patterns(any(s * c > 0 for c in own) for own, s in self._on(corners))
 
-    def touching(self, corners: Sequence[Place]) -> frozenset[Pattern]:
-        """The cells whose closures may meet the inside of a side, or hold a corner.
+    def touching(self, corners: Sequence[Place], end: Place | None = None) -> frozenset[Pattern]:
+        """The cells whose closures may meet the inside of a side or of a half-line, or hold a corner.
 
         A polynomial whose Bernstein coefficients are not all zero, and none positive, is negative inside the side.
         """
-        return self._patterns(any(s * c > 0 for c in own) or not any(own) for own, s in self._on(corners))
+        return self._patterns(any(s * c > 0 for c in own) or not any(own) for own, s in self._on(corners, end))
 
-    def _on(self, corners: Sequence[Place]) -> Iterator[tuple[list[int], int]]:
+    def _on(self, corners: Sequence[Place], end: Place | None = None) -> Iterator[tuple[list[int], int]]:
         for own in self._guards:
-            values = own.on(corners)
+            values = own.on(corners, end)
             yield from ((values, -1), (values, 1))
 
     def _patterns(self, allowed: Iterable[bool]) -> frozenset[Pattern]:

@@ -132,6 +132,8 @@ def _attracts(said: Any, system: System) -> str:
 
 
 def _outside(said: Any, system: System) -> str:
+    if "ends" in said:
+        return f"no start to the right of a line of {len(said['corners']) + 1} sides, or on it, comes to the point"
     where = "outside of" if is_counterclockwise(list(map(place_of, said["corners"]))) else "inside"
     return f"no start {where} a polygon of {len(said['corners'])} sides, or on it, comes to the point"
 

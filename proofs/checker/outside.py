@@ -1,9 +1,10 @@
-"""What comes to the point from no start: all to the right of a polygon over which all velocities lead to the right.
+"""What comes to the point from no start: all to the right of a line over which all velocities lead to the right.
 
 *Theorem.*  Let P be a simple closed polygon with the point to its left: counterclockwise with the point inside, or
-clockwise with the point outside.  Let ``n . f > 0`` on each side, with its normal n to the right, for every field f of
-a cell whose closure meets the inside of the side; and at each corner for the normals of both sides and every cell whose
-closure holds it.  Then no solution from a start on P or to its right is ever to its left: none comes to the point.
+clockwise with the point outside; or a simple chain of sides between two half-lines, which parts the plane, with the
+point to its left.  Let ``n . f > 0`` on each side and half-line, with its normal n to the right, for every field f of a
+cell whose closure meets its inside; and at each corner for the normals of both sides and every cell whose closure holds
+it.  Then no solution from a start on P or to its right is ever to its left: none comes to the point.
 
 *Proof.*  Let a solution be on P or right of it first, and left of it at a later time s.  Let t be the last time before
 s at which it is not left of P; then x(t) is on P, and from t to s the solution is left of it.  At x(t), inside of a
@@ -11,6 +12,11 @@ side or at a corner, all velocities of F have positive products with the normals
 upper semicontinuous, so for some d > 0 they are at least d near x(t), and ``n . (x(r) - x(t)) >= d (r - t)`` for r just
 after t and each of these n.  Near the inside of a side the left of P is where ``n . (x - x(t)) < 0``.  Near a corner it
 is where that holds for both of its sides, or, where P turns right there, for at least one.  So x(r) is not left of P.
+
+Half-lines lead along the axes.  A square that holds all corners and the point cuts them off; with its border, taken
+counterclockwise from where the last one leaves it to where the first one enters, they close the chain to a polygon.
+That is simple only where the half-lines meet nothing, beyond the square too, and what is
+to its left is to the left of P.
 """
 
 from __future__ import annotations
@@ -19,7 +25,7 @@ import re
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
 from .basin import Place, Plane
 from .cells import System
@@ -30,37 +36,86 @@ from .work import BUDGET, items, require, take
 MAX_CORNERS = 20_000
 CORNER = re.compile(r"-?[0-9]{1,40} -?[0-9]{1,40}")
 
+Line: TypeAlias = tuple[tuple[Place, ...], Place | None, tuple[int, int]]  # ends, direction of a half-line, normal
+
 
 def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
-    """No start to the right of a polygon, or on it, comes to the point.
+    """No start to the right of a polygon or chain, or on it, comes to the point.
 
-    Hypotheses: ``surfaces`` on which fields switch, ``unit``, and ``corners``, each its place in units from the point.
+    Hypotheses: ``surfaces`` on which fields switch, ``unit``, and ``corners``, each its place in units from the point;
+    of a chain ``ends``, the directions in which the half-lines leave the first corner and the last.
     """
-    surfaces, unit, corners = take(hypotheses, "surfaces unit corners")
+    surfaces, unit, corners, ends = take(hypotheses, "surfaces unit corners", "ends")
     require(system.count == 2 and system.coordinates == system.states, "a system in the plane, in its states")
     require(not system.numbers, "rational numbers, for a polygon")
     ring = [place_of(own) for own in items(corners, most=MAX_CORNERS)]
-    require_simple(ring)
-    require(winding(ring) == (1 if is_counterclockwise(ring) else 0), "the point to the left of the polygon")
-    plane = Plane(system, unit, surfaces, proofs)
-    show_rightward(ring, plane)
-    return [{"outside": {"unit": unit, "corners": corners}}]
+    directions = [] if ends is None else [place_of(own) for own in items(ends, 2)]
+    require(all(abs(x) + abs(y) == 1 for x, y in directions), "half-lines along the axes")
+    whole = closed(ring, directions[0], directions[1]) if directions else ring
+    require_simple(whole)
+    require(winding(whole) == (1 if is_counterclockwise(whole) else 0), "the point to the left of the polygon")
+    show_rightward(ring, directions, Plane(system, unit, surfaces, proofs))
+    return [{"outside": {"unit": unit, "corners": corners, **({} if ends is None else {"ends": ends})}}]
 
 
-def show_rightward(ring: Sequence[Place], plane: Plane) -> None:
-    """All velocities lead to the right on each side, and at each corner for both of its sides."""
-    for first, corner, last in zip(ring, (*ring[1:], ring[0]), (*ring[2:], *ring[:2]), strict=True):
-        own = rightward(first, corner)
-        require_positive(plane, (first, corner), [own])
-        require_positive(plane, (corner,), [own, rightward(corner, last)])
+def closed(chain: Sequence[Place], first: Place, last: Place, least: int = 1) -> list[Place]:
+    """The polygon of a chain with its half-lines in a square, and the border of the square to the left of it."""
+    half = max(least, 1 + max(abs(own) for place in chain for own in place))
+    corners = [(half, half), (-half, half), (-half, -half), (half, -half)]  # each ends a side, counterclockwise
+    enters, leaves = (border_place(*own, half) for own in ((chain[0], first), (chain[-1], last)))
+    begin, end = side_of(leaves, half), side_of(enters, half)
+    after = turn((0, 0), leaves, enters) > 0  # on the same side
+    count = (end - begin) % 4 if begin != end or after else 4
+    return [enters, *chain, leaves, *(corners[(begin + k) % 4] for k in range(count))]
 
 
-def require_positive(plane: Plane, places: Sequence[Place], normals: Sequence[tuple[int, int]]) -> None:
-    """The fields of all cells that meet a side, or a corner, have positive products with normals there."""
-    for cell in plane.touching(places):
+def border_place(corner: Place, direction: Place, half: int) -> Place:
+    """Where a half-line along an axis leaves the square ``|x|, |y| <= half``."""
+    x, y = (half * step if step else own for own, step in zip(corner, direction, strict=True))
+    return x, y
+
+
+def side_of(place: Place, half: int) -> int:
+    """The side of the square on which a place is: right, upper, left or lower."""
+    x, y = place
+    return [x == half, y == half, x == -half, y == -half].index(True)
+
+
+def show_rightward(chain: Sequence[Place], ends: Sequence[Place], plane: Plane) -> None:
+    """All velocities lead to the right on each side, and at each corner for both of its sides.
+
+    Args:
+        chain: corners, of a closed polygon where there are no ends.
+        ends: the directions of both half-lines, or none.
+        plane: the cells.
+    """
+    sides: list[Line] = [((a, b), None, rightward(a, b)) for a, b in pairwise(chain)]
+    if ends:
+        require(not any(plane.waves), "half-lines without sines and cosines")
+        (first, last), still = ends, (0, 0)
+        begin: Line = ((chain[0],), first, rightward(first, still))
+        end: Line = ((chain[-1],), last, rightward(still, last))
+    else:
+        begin = end = ((chain[-1], chain[0]), None, rightward(chain[-1], chain[0]))
+    sides = [begin, *sides, end]
+    for places, direction, normal in sides:
+        require_positive(plane, places, [normal], direction)
+    for corner, (before, after) in zip(chain, pairwise(sides), strict=True):
+        require_positive(plane, (corner,), [before[2], after[2]])
+
+
+def require_positive(
+    plane: Plane, places: Sequence[Place], normals: Sequence[tuple[int, int]], direction: Place | None = None
+) -> None:
+    """The fields of all cells that meet a side, a half-line or a corner have positive products with normals there."""
+    for cell in plane.touching(places, direction):
         for field in plane.fields(cell, places):
             for normal in normals:
-                require(min(field.along(normal).on(places)) > 0, f"velocities that lead to the right at {places}")
+                first, *others = field.along(normal).on(places, direction)
+                least = 0 if direction is not None else 1  # further on a half-line the first one is enough
+                require(
+                    first > 0 and min(others, default=least) >= least, f"velocities that lead to the right at {places}"
+                )
 
 
 def place_of(data: Any) -> Place:

@@ -39,6 +39,7 @@ from nonsmooth.proofs.systems.basin_rings import (
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as IN_SPACE
 from nonsmooth.proofs.systems.basin_shells import Front, inside_polyhedron
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, ring_of
+from nonsmooth.proofs.systems.saddle_borders import find_borders, left_of
 
 INSIDE = 0.9  # of the level: the first ring
 POWERS, NEARLY_ALL = (2, 0), 0.95  # tried in turn, until triangles fill so much of the last ring
@@ -84,8 +85,9 @@ class CertifiedBasin:
         outside: the hypotheses of theorem ``outside``: a polygon around the triangles, such that no start outside of it
             comes to the point; None where none is known, and in space.
         traps: other places of rest, in floats, each with such hypotheses: no start inside of a polygon about it does.
-        square: of the starts of that grid, how many are certified, how many are in no trap and not outside of the
-            polygon, and how many there are.
+        saddles: in floats, each with such hypotheses: no start beyond a line beside it does.
+        square: of the starts of that grid, how many are certified, how many are in no trap, not outside of the polygon
+            and beyond no line, and how many there are.
         window: that grid: the least and the largest value of each state, in the displacement from the point.
     """
 
@@ -93,13 +95,15 @@ class CertifiedBasin:
     sampled: tuple[int, int]
     outside: dict[str, Any] | None = None
     traps: tuple[tuple[Floats, dict[str, Any]], ...] = ()
+    saddles: tuple[tuple[Floats, dict[str, Any]], ...] = ()
     square: tuple[int, int, int] = (0, 0, 0)
     window: tuple[tuple[float, float], ...] = ()
 
     @property
     def never(self) -> tuple[dict[str, Any], ...]:
-        """The hypotheses of all polygons on one side of which no start comes to the point."""
-        return (*(own for _, own in self.traps), *([] if self.outside is None else [self.outside]))
+        """The hypotheses of all polygons and lines on one side of which no start comes to the point."""
+        polygons = () if self.outside is None else (self.outside,)
+        return (*(own for _, own in (*self.traps, *self.saddles)), *polygons)
 
     @property
     def mesh(self) -> dict[str, Any]:
@@ -195,8 +199,9 @@ def find_basin(
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
     border = last_ring(best.corners)
-    outside, traps = None, list[tuple[Floats, dict[str, Any]]]()
+    outside, traps, saddles = None, list[tuple[Floats, dict[str, Any]]](), list[tuple[Floats, dict[str, Any]]]()
     if limit is None:
+        saddles = find_borders(system, surfaces, border, effort.pace)
         outside = find_outer_ring(system, surfaces, border, effort.pace, effort.outward)
         traps = find_traps(system, surfaces, border, effort.pace, effort.outward)
     starts = _grid(border, effort.starts, limit)
@@ -204,11 +209,14 @@ def find_basin(
     open_ones = np.ones(len(starts), dtype=bool)
     for _, own in traps:
         open_ones &= ~inside_ring(ring_of(own), starts)
+    for _, own in saddles:
+        open_ones &= left_of(own, starts)
     if outside is not None:
         open_ones &= inside_ring(ring_of(outside), starts)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
     came = _come(field, is_home, border, starts[~certified])
-    return CertifiedBasin(hypotheses, (square[0], square[0] + came), outside, tuple(traps), square, _ends(starts))
+    sampled = square[0], square[0] + came
+    return CertifiedBasin(hypotheses, sampled, outside, tuple(traps), tuple(saddles), square, _ends(starts))
 
 
 def find_basin_in_space(

@@ -61,8 +61,8 @@ def find_outer_ring(
             inward = Pace(-own, min(pace.gap, SLENDER * own), pace.move)
             taken, nearer = _shrunk(field, ring, border, inward, min(steps, STEPS))
             steps -= taken
-            hypotheses = None if nearer is None else _on_lattice(nearer, surfaces)
-            if nearer is not None and hypotheses is not None and _is_shown(system, hypotheses):
+            hypotheses = None if nearer is None else on_lattice(nearer, surfaces)
+            if nearer is not None and hypotheses is not None and is_shown(system, hypotheses):
                 best, rings = hypotheses, [nearer]
                 break
         if best is None:  # a smaller angle is harder; after one that is shown it may be shown where another was not
@@ -91,6 +91,12 @@ def find_traps(
 
 def other_rests(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
     """Places in a square at which velocities vanish and nearby ones lead to them, with their slopes, in floats."""
+    found = places_of_rest(field, half)
+    return [(place, slope) for place, slope in found if (np.linalg.eigvals(slope).real < 0).all()]
+
+
+def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
+    """Places in a square, but the point itself, at which velocities vanish, with their slopes, in floats."""
     lines = np.linspace(-half, half, GRID)
     x = np.stack(np.meshgrid(lines, lines), axis=-1).reshape(-1, 2)
     width = 2.0**-20 * half
@@ -109,8 +115,7 @@ def other_rests(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
     for place in x[np.argsort(sizes, kind="stable")]:
         apart = all(np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(own for own, _ in found)))
         if apart and np.abs(place).max() < half:
-            slope = _slopes(field, place[None], width)[0]
-            found += [(place, slope)] if (np.linalg.eigvals(slope).real < 0).all() else []
+            found.append((place, _slopes(field, place[None], width)[0]))
     return found
 
 
@@ -130,8 +135,8 @@ def _grown_about(
     field = FloatField(Plane(moved, "1", _moved(system, surfaces, away), Proofs({})))
 
     def shown(ring: Floats) -> dict[str, Any] | None:
-        own = _on_lattice(ring[::-1] + middle, surfaces)
-        return own if _is_shown(system, own) else None
+        own = on_lattice(ring[::-1] + middle, surfaces)
+        return own if is_shown(system, own) else None
 
     ellipse = _small_ring(slope) * distance
     first = next((ellipse / share for share in SMALLER if shown(ellipse / share)), None)
@@ -172,7 +177,8 @@ def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) ->
     return [names.sub(lambda own: moved[own[0]], surface) for surface in surfaces]
 
 
-def _is_shown(system: System, hypotheses: dict[str, Any]) -> bool:
+def is_shown(system: System, hypotheses: dict[str, Any]) -> bool:
+    """Whether the checker's theorem takes a polygon or a line."""
     try:
         show_outside(system, hypotheses, Proofs({}))
     except RejectedError:
@@ -198,7 +204,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
     return most, ring
 
 
-def _on_lattice(ring: Floats, surfaces: Sequence[str]) -> dict[str, Any]:
+def on_lattice(ring: Floats, surfaces: Sequence[str]) -> dict[str, Any]:
     """A ring in whole numbers, as a certificate holds it."""
     power = BITS - int(np.ceil(np.log2(float(np.abs(ring).max()))))
     places = np.rint(ring * 2.0**power).astype(np.int64)
@@ -208,6 +214,10 @@ def _on_lattice(ring: Floats, surfaces: Sequence[str]) -> dict[str, Any]:
 
 def ring_of(hypotheses: dict[str, Any]) -> Floats:
     """The corners of a polygon in floats: shape (corners, 2)."""
-    numerator, _, denominator = hypotheses["unit"].partition("/")
     places = np.array([own.split(" ") for own in hypotheses["corners"]], dtype=float)
-    return np.asarray(places * float(numerator) / float(denominator or 1))
+    return np.asarray(places * unit_of(hypotheses))
+
+
+def unit_of(hypotheses: dict[str, Any]) -> float:
+    """The unit of the corners."""
+    return float(Fraction(hypotheses["unit"]))
