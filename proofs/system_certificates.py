@@ -43,7 +43,8 @@ from nonsmooth.proofs.system_facts import (
 )
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, Reach
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verified import verified
@@ -233,10 +234,11 @@ class Draft:
 
         V may stand still on the border of a largest region.
         """
-        level = Fraction(option.hypotheses["level"])
-        for share in (Fraction(1), NEARLY):
+        level = option.hypotheses["level"]
+        for share in (Fraction(1), *([] if level is None else [NEARLY])):
+            own = None if level is None else str(Fraction(level) * share)
             try:
-                self.add_entry(system, "lyapunov", {**option.hypotheses, "level": str(level * share)})
+                self.add_entry(system, "lyapunov", {**option.hypotheses, "level": own})
             except NotShownError as error:
                 if share == 1:
                     self.left_out.append(f"{option.words}: {UNSHOWN}: {error}")
@@ -321,7 +323,7 @@ def _candidates(result: DecidedSystem) -> Iterator[Candidate]:
 def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate:
     """A V that falls, on its domain, with its region, its rate and its gain."""
     system, reach, verdict = result.scene, result.reach, str(result.verdict)
-    states, known = system.states, function.known_entry(reach)
+    known = function.known_entry(reach)
     if known is None:
         stated, cells = stated_function(system, function.domain.radius, function)
         hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), {}
@@ -332,16 +334,23 @@ def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate
     homogeneous = reach.everywhere and reach.global_entry is None
     if homogeneous and (known is None or function.domain.radius is None):
         options.append(Option({"everywhere": True}, f"all starts in {_whole(system)} reach the equilibrium"))
-    if reach.near is not None:
-        options.append(Option({"level": exact_text(reach.near.level)}, reached_words(reach.near, states)))
-    if reach.rate is not None and system.by_roots is None:  # rates are in the time of the roots
-        rate = reach.rate.record
-        options.append(Option({"rate": rate}, rate_words(reach, states)))
-        if reach.gain is not None and reach.gain.rate == reach.rate:
-            gain = {"rate": rate, "gain": exact_text(reach.gain.gamma)}
-            options.append(Option(gain, gain_words(reach, states)))
+    options += _options_on(function.domain, reach, system)
     weak = result.deciding.theorem is Method.INVARIANCE
     return Candidate("lyapunov", hypotheses, tuple(options), proofs, needs_second=weak)
+
+
+def _options_on(domain: Domain, reach: Reach, system: SwitchedSystem) -> Iterator[Option]:
+    """Region, rate and gain, of those that hold on a domain."""
+    states = system.states
+    if reach.near is not None and domain.radius is not None:
+        yield Option({"level": exact_text(reach.near.level)}, reached_words(reach.near, states))
+    if reach.rate is None or system.by_roots is not None:  # rates are in the time of the roots
+        return
+    rate = reach.rate.record
+    if reach.rate_domain == domain:
+        yield Option({"rate": rate}, rate_words(reach, states))
+    if reach.gain is not None and reach.gain_domain == domain and reach.gain.rate == reach.rate:
+        yield Option({"rate": rate, "gain": exact_text(reach.gain.gamma)}, gain_words(reach, states))
 
 
 def _whole(system: SwitchedSystem) -> str:
@@ -361,9 +370,19 @@ def _by_stated_function(result: DecidedSystem) -> Iterator[Candidate]:
 
 
 def _further(result: DecidedSystem) -> Iterator[Option]:
-    """A region that reaches beyond the square on which V falls everywhere, and the rate there: asked below a level."""
+    """What holds elsewhere than where V is proved to fall.
+
+    Of a V on the plane, region, rate and gain on a square; and a region that reaches beyond the square on which V falls
+    everywhere, with the rate there, asked below a level.
+    """
     system, reach, function = result.scene, result.reach, result.function
     region, far = reach.region, reach.region_rate
+    if function is not None and function.domain.radius is None and reach.gain_domain is not None:
+        own = _stated_on(result, reach.gain_domain)
+        if reach.gain is not None and reach.gain.level is not None:
+            own["level"] = exact_text(reach.gain.level)
+        for option in _options_on(reach.gain_domain, reach, system):
+            yield Option(own | option.hypotheses, option.words)
     if region is None or function is None or region == reach.near:
         return
     own = _stated_region(result, region)
@@ -376,9 +395,14 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
 def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
     radius = result.scene.field(region.radius) if isinstance(region.radius, Fraction) else region.radius
-    stated, cells = stated_function(result.scene, radius, result.function)
-    own = stability_hypotheses(cells.record, stated, str(result.verdict))
+    own = _stated_on(result, Domain(radius))
     return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
+
+
+def _stated_on(result: DecidedSystem, domain: Domain) -> Record:
+    """The hypotheses of theorem ``lyapunov`` with the V that decides, on a square."""
+    stated, cells = stated_function(result.scene, domain.radius, result.function)
+    return stability_hypotheses(cells.record, stated, str(result.verdict))
 
 
 def _shown_region(system: System, local: Record, search: Search) -> Record:

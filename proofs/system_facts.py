@@ -6,6 +6,7 @@ Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.checker.outside import place_of
@@ -307,7 +308,7 @@ def _below_words(reach: Reach, states: Sequence[str]) -> str:
 
 def gain_words(reach: Reach, states: Sequence[str]) -> str:
     """What a disturbance does to V on its domain, and to the starts whose solutions stay there."""
-    gain, domain = reach.gain, reach.rate_domain
+    gain, domain = reach.gain, reach.gain_domain
     if gain is None or domain is None:
         raise TypeError("required a gain")
     return "; ".join(filter(None, (f"{gain} on {domain.text(states)}", gain.on_starts)))
@@ -322,7 +323,7 @@ def _rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | Non
         "kind": rate.decay.name.lower(),
         "kappa": Quantity(rate.kappa),
         "text": rate_words(reach, states),
-        "within": _within(reach, states),
+        "within": _within(reach.rate_domain, None if reach.near is None else reach.near.level, states),
     }
     return record | ({"region": _region_rate_record(reach, states)} if len(states) == len(PLANE) else {})
 
@@ -345,14 +346,13 @@ def _gain_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | Non
         "largest": Quantity(gain.largest),
         "ultimate": Quantity(gain.ultimate),
         "text": gain_words(reach, states),
-        "within": _within(reach, states),
+        "within": _within(reach.gain_domain, gain.level, states),
     }
 
 
-def _within(reach: Reach, states: Sequence[str]) -> dict[str, object]:
-    """Where a rate and a gain hold: the cube of V; solutions from V below the level stay in it."""
-    domain = reach.rate_domain or Domain(None)
-    level = None if reach.near is None else reach.near.level
+def _within(domain: Domain | None, level: Fraction | None, states: Sequence[str]) -> dict[str, object]:
+    """Where a rate or a gain holds: the cube of V; solutions from V below the level stay in it."""
+    domain = domain or Domain(None)
     return {"radius": Quantity(domain.radius), "level": Quantity(level), "text": domain.text(states)}
 
 

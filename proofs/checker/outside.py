@@ -50,7 +50,8 @@ def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     require(not system.numbers, "rational numbers, for a polygon")
     ring = [place_of(own) for own in items(corners, most=MAX_CORNERS)]
     directions = [] if ends is None else [place_of(own) for own in items(ends, 2)]
-    require(all(abs(x) + abs(y) == 1 for x, y in directions), "half-lines along the axes")
+    along_axes = all(abs(x) + abs(y) == 1 for x, y in directions)
+    require(bool(ring) and along_axes, "corners, and half-lines along the axes")
     whole = closed(ring, directions[0], directions[1]) if directions else ring
     require_simple(whole)
     require(winding(whole) == (1 if is_counterclockwise(whole) else 0), "the point to the left of the polygon")

@@ -96,6 +96,24 @@ def decay_rate(cells: Sequence[LyapunovCell]) -> DecayRate | None:
     return None
 
 
+def rate_scales(cells: Sequence[LyapunovCell], rate: DecayRate) -> bool:
+    """Whether a rate on a square is one on the plane: on cones V and V' are forms, of the degrees of the rate.
+
+    ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
+
+    Args:
+        cells: cones at the point, of the plane.
+        rate: proved on a square about it.
+    """
+    for cell in cells:
+        degree = cell.potential.degree if rate.decay is DecayKind.EXPONENTIAL else 0
+        if not all(form.is_homogeneous for form in (cell.potential, *cell.rates)):
+            return False
+        if any(own and own.degree != degree for own in cell.rates):
+            return False
+    return True
+
+
 def rates_below(largest: Fraction) -> Iterator[Fraction]:
     """Short rates to be tried in turn, of the largest that samples allow."""
     for share in SHARES:

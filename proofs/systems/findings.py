@@ -225,7 +225,9 @@ class Reach:
         rate: of V where it is proved to fall, hence from the starts of ``near``.
         rate_domain: where this rate holds; None without one.
         region_rate: of V on the region, where that is larger than ``near``.
-        gain: of a disturbance, on the square on which V is proved.
+        gain: of a disturbance.
+        gain_domain: where it holds, with the rate without it: the square on which V is proved, or of a V that is proved
+            on the plane the checked one.
         basin: triangles around the region of which every start reaches the point, where they were asked for.
         reshaped: a larger region of another V, in three states and more, where it was asked for.
         in_finite_time: of a system in roots of states, whether solutions near the point are known to arrive in time.
@@ -238,6 +240,7 @@ class Reach:
     rate_domain: Domain | None = None
     region_rate: RegionRate | None = None
     gain: DisturbanceGain | None = None
+    gain_domain: Domain | None = None
     in_finite_time: bool = False
     reshaped: ReshapedRegion | None = field(default=None, hash=False)
     global_entry: dict[str, Any] | None = field(default=None, hash=False)

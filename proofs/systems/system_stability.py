@@ -31,7 +31,7 @@ from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effor
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
-from nonsmooth.proofs.systems.decay_rate import decay_rate, disturbance_gain, region_rate
+from nonsmooth.proofs.systems.decay_rate import decay_rate, disturbance_gain, rate_scales, region_rate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
@@ -74,22 +74,43 @@ def cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
 
 @shared_effort(EFFORT)
 def certified_reach(scene: SwitchedSystem, function: PlaneFunction) -> Reach:
-    """The reach of a V that is proved on a square; on the plane the region is the plane."""
-    domain, cells = function.domain, function.result.cells
-    if domain.radius is None or not axes_are_crossed_within(scene, scene.check.radius):
+    """The region, rate and gain of a V that is proved on a square.
+
+    Of a V that is proved on the plane the region is the plane, and rate and gain are looked for on the checked square;
+    the rate holds on the plane where V and V' are forms of the degrees of its kind.
+    """
+    domain = function.domain
+    if not axes_are_crossed_within(scene, scene.check.radius):
         return Reach()
-    near = largest_sublevel(cells, domain.radius)
-    far = _beyond(scene, function)
+    if domain.radius is None:
+        cells, square, far = cells_of_checked_square(scene, function), Domain(scene.check.radius), None
+    else:
+        cells, square, far = function.result.cells, domain, _beyond(scene, function)
+    if not cells:
+        return Reach()
+    radius = scene.check.radius if square.radius is None else square.radius
+    near = largest_sublevel(cells, radius)
     region = near if far is None or (near is not None and near.level >= far.level) else far
     # a scaled field has another rate
     rate = None if scene.scale is not None or scene.by_roots is not None else decay_rate(cells)
     if rate is None:
-        return Reach(near=near, region=region)
-    gain = disturbance_gain(cells, domain.radius, rate, near)
+        return Reach(near=near, region=region) if domain.radius is not None else Reach()
+    gain = disturbance_gain(cells, radius, rate, near)
+    if domain.radius is None:
+        scales = are_cones(function.result.cells) and rate_scales(function.result.cells, rate)
+        return Reach(
+            near=None if scales else near,
+            rate=rate,
+            rate_domain=domain if scales else square,
+            gain=gain,
+            gain_domain=square,
+        )
     on_region = None
     if region is not None and region is not near:
         on_region = region_rate(cells_of_checked_square(scene, function), region)
-    return Reach(near=near, region=region, rate=rate, rate_domain=domain, region_rate=on_region, gain=gain)
+    return Reach(
+        near=near, region=region, rate=rate, rate_domain=domain, region_rate=on_region, gain=gain, gain_domain=domain
+    )
 
 
 def cells_of_checked_square(scene: SwitchedSystem, function: PlaneFunction) -> tuple[LyapunovCell, ...]:

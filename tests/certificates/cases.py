@@ -488,6 +488,14 @@ def polygons() -> Iterator[Case]:
         yield Case(f"outside-{name}-{shape}", subject(sides), "outside", hypotheses)
     trap = {"surfaces": ["x - 1"], "unit": "1/4", "corners": ["6 4", "14 4", "14 -4", "6 -4"]}
     yield Case("outside-trap", subject(["-x + 3*(1 + sign(x - 1))/2", "-y"]), "outside", trap)
+    lines = {
+        "saddle": (["-x + x**3", "-y"], [], ["9 -8", "9 8"], ["0 -1", "0 1"]),
+        "spring": (["y", "-x + x**3 - y"], [], ["6 -1", "5 1"], ["1 0", "0 1"]),
+        "cone": (["x + sign(x - 1)", "y + x/8"], ["x - 1"], ["8 8"], ["1 0", "0 1"]),
+    }
+    for name, (rhs, surfaces, corners, ends) in lines.items():
+        about = {"surfaces": surfaces, "unit": "1/8" if name == "saddle" else "1/4", "corners": corners, "ends": ends}
+        yield Case(f"outside-line-{name}", subject(rhs), "outside", about)
 
 
 def quotients() -> Iterator[Case]:

@@ -514,6 +514,13 @@ def of_polygons() -> Iterator[Forgery]:
     yield outside("a unit of lengths", ["x", "y"], square, [], unit=None)
     yield outside("sines and cosines of affine functions", ["x + 0*sin(x*y)", "y"], square, [])
     yield outside("sines and cosines that are not multiplied by each other", ["x + sin(x)*sin(y)/9", "y"], square, [])
+    spring, line = ["y", "-x + x**3 - y"], ["6 -1", "5 1"]
+    for corners, ends in ((line, ["1 0", "1 1"]), ([], ["1 0", "0 1"])):
+        yield outside("corners, and half-lines along the axes", spring, corners, [], ends=ends)
+    yield outside("the point to the left of the polygon", ["-y", "-x + x**3"], line[::-1], [], ends=["0 1", "1 0"])
+    yield outside("sides that do not meet", spring, ["6 -1", "5 1", "5 -2"], [], ends=["1 0", "0 1"])
+    yield outside(f"{away} ((6, -1),)", ["y", "-x + x**3 - y - x**5/99"], line, [], ends=["1 0", "0 1"])
+    yield outside("half-lines without sines and cosines", ["y + 0*sin(x)", spring[1]], line, [], ends=["1 0", "0 1"])
     numbers: Path = ["statement", "subject", "numbers"]
     root = {"name": "r", "polynomial": ["-2", "0", "1"], "above": "0"}
     for name, words in (("outside-plain-square", "a polygon"), ("basin-plain-1", "a mesh")):

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.system_facts import rate_words
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.proofs.forged import with_reach
@@ -21,7 +23,7 @@ STEP = 1e-3
 DIRECTIONS = np.array([[np.cos(a), np.sin(a)] for a in np.linspace(0, 2 * np.pi, 24, endpoint=False)])
 
 # Right-hand sides with a V that has a rate: smooth ones, bends along sliding edges (slanted fields too), crossings.
-# None is a system of cones, whose V is proved on the plane, without a rate.
+# The last ones are systems of cones, whose V is proved on the plane; their gain holds on the checked square.
 SYSTEMS = [
     (("-x - x**3", "-y"), "x**2 + y**2"),
     (("-2*sgn(x) + y", "-3*sgn(y) + sgn(x) - x"), "x**2 + y**2"),
@@ -32,7 +34,11 @@ SYSTEMS = [
     (("-sgn(x) + sgn(y)/2 - x**3", "-sgn(y) - sgn(x)/2"), "Max(Abs(x), Abs(y))"),
     (("-sgn(x) + sgn(y)/2 - x**3", "-sgn(y) - sgn(x)/2"), "Abs(x) + Abs(y)"),
     (("y - 2*x", "-x - y - sgn(x + y)/4"), "x**2 + y**2 + Abs(x + y)/8"),
+    (("-2*sgn(x) + sgn(y)/2", "-sgn(y) - sgn(x)/4"), "x**2 + y**2"),
+    (("-2*sgn(x) + sgn(y)/2", "-sgn(y) - sgn(x)/4"), "Abs(x) + Abs(y)"),
+    (("-x + Abs(y)/2", "-y - x/2"), "x**2 + y**2"),
 ]
+FAR = np.random.default_rng(2).normal(size=(400, 2)) * 10.0 ** np.linspace(-3, 4, 400)[:, None]
 
 
 def checked(rhs: tuple[str, str], lyapunov: str) -> StabilityResult:
@@ -128,3 +134,34 @@ def test_a_corner_at_which_a_disturbance_may_hold_a_solution_counts() -> None:
     assert gain.rate.decay is DecayKind.FINITE
     least = np.hypot(0.5, 0.5)  # the shortest velocity there
     assert kappa <= gamma * least + 1e-12
+
+
+@pytest.mark.parametrize(("rhs", "lyapunov"), SYSTEMS[-2:])
+def test_rates_of_forms_hold_on_the_plane(rhs: tuple[str, str], lyapunov: str) -> None:
+    """V' is at most ``-kappa``, or ``-kappa V``, far out and near the point; the gain holds on the checked square."""
+    result = checked(rhs, lyapunov)
+    rate, gain = result.reach.rate, result.reach.gain_domain
+    assert result.reach.rate_domain is not None
+    assert result.reach.rate_domain.radius is None
+    assert gain is not None
+    assert gain.radius == result.scene.check.radius
+    assert rate is not None
+    x, y = FAR.T
+    step = 1e-7 * np.hypot(x, y)
+    f, g = (value(text, x, y) for text in rhs)
+    speed = np.hypot(f, g)
+    rise = (value(lyapunov, x + step * f / speed, y + step * g / speed) - value(lyapunov, x, y)) * speed / step
+    size = value(lyapunov, x, y) if rate.decay is DecayKind.EXPONENTIAL else 1.0
+    assert (rise <= -float(rate.kappa) * size * (1 - 1e-5)).all()
+    claims = certificate_of(result)["statement"]["claims"]
+    assert any(own.get("rate", {}).get("within", "") is None for own in claims)
+    assert any(own.get("gain", {}).get("within") == str(gain.radius) for own in claims)
+
+
+def test_a_quadratic_v_of_relays_has_a_rate_on_the_square() -> None:
+    """V' has another degree than V: far out V falls more slowly than ``-kappa V``."""
+    reach = checked(*SYSTEMS[-3]).reach
+    assert reach.everywhere
+    assert reach.rate_domain == reach.gain_domain
+    assert reach.near is not None
+    assert "every start with V < " in rate_words(reach, ("x", "y"))

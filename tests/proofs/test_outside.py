@@ -16,7 +16,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.descriptions import describe
-from nonsmooth.proofs.checker.outside import is_counterclockwise, meet, require_simple, show_outside, winding
+from nonsmooth.proofs.checker.outside import closed, is_counterclockwise, meet, require_simple, show_outside, winding
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import refusal
@@ -26,6 +26,7 @@ from nonsmooth.proofs.system_certificates import certificate_of, certificate_tex
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
 from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, next_ring
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, other_rests, ring_of
+from nonsmooth.proofs.systems.saddle_borders import AXES, find_borders, left_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 
@@ -246,3 +247,123 @@ def test_a_ring_that_folds_onto_itself_grows_on() -> None:
     field = FloatField(Plane(system, "1", [], Proofs({})))
     ring = np.array([[1.0, 0.0], [2.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     assert np.isfinite(next_ring(field, ring, Pace(0.1, 0.1, 0.1), 10.0, 0)).all()
+
+
+SPRING = ["y", "-x + x**3 - y"]  # saddles at (-1, 0) and (1, 0); the basin between their stable manifolds is unbounded
+STEPS, STEP = 2_000, 0.01
+
+
+def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
+    """Which starts come near the origin in floats, by the midpoint rule."""
+    x = starts.T.copy()
+    with np.errstate(all="ignore"):
+        for _ in range(STEPS):
+            x = x + STEP * np.stack(field(*(x + STEP / 2 * np.stack(field(*x)))))
+    return np.hypot(*x) < 0.2
+
+
+@cache
+def spring() -> Any:
+    """The check of a spring that weakens."""
+    document = {"system": {"states": ["x", "y"], "rhs": SPRING}}
+    return check_system(build_system(document, "spring", Path("spring.toml"))).with_region("fast")
+
+
+def test_lines_beside_saddles_bound_the_basin_of_a_spring() -> None:
+    """In words, in JSON, in a picture and in a certificate; the true share lies between the lower and the upper one."""
+    record, basin = spring().facts()["basin"], spring().evidence.reach.basin
+    assert "no start beyond lines beside the saddles (-1, 0) and (1, 0) does" in record["text"]
+    low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    _, coming = basin.sampled
+    assert low < 100 * coming / basin.square[2] < high < 1.1 * 100 * coming / basin.square[2]
+    assert sorted(own["at"][0] for own in record["saddles"]) == pytest.approx([-1, 1], abs=1e-5)
+    assert {len(own["ends"]) for own in record["saddles"]} == {2}
+    axes = spring().plot()
+    assert axes.get_xlim() == pytest.approx(basin.window[0])
+    own = certificate(spring)
+    assert sum("no start to the right of a line" in line for line in describe(own["statement"])) == 2
+    assert not refused(own)
+
+
+@pytest.mark.parametrize("way", ["back", "nearer", "ends turned", "ends exchanged", "without ends"])
+def test_other_lines_are_refused(way: str) -> None:
+    forged = certificate(spring)
+    entry = next(own["hypotheses"] for own in forged["evidence"] if own["theorem"] == "outside")
+    if way == "back":
+        entry.update(corners=entry["corners"][::-1], ends=entry["ends"][::-1])
+    elif way == "nearer":
+        entry["unit"] = str(Fraction(entry["unit"]) * Fraction(49, 50))
+    elif way == "ends turned":
+        entry["ends"] = [" ".join(str(-int(x)) for x in own.split(" ")) for own in entry["ends"]]
+    elif way == "ends exchanged":
+        entry["ends"] = entry["ends"][::-1]
+    else:
+        del entry["ends"]
+    next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own).update(
+        {key: entry[key] for key in ("unit", "corners", *(["ends"] if "ends" in entry else []))}
+    )
+    assert refused(forged)
+
+
+SADDLES: dict[str, tuple[list[str], Callable[[Any, Any], Any]]] = {
+    "a place of rest that meets another": (["-x + x**2", "-y"], lambda x, y: (-x + x**2, -y)),
+    "turning": (["y", "-x - y/2 + x**2 - x*y/2"], lambda x, y: (y, -x - y / 2 + x**2 - x * y / 2)),
+    "two nonlinear parts": (["-x + y + x**3", "-y + x**2"], lambda x, y: (-x + y + x**3, -y + x**2)),
+    "saturated": (
+        ["y", "-y + x - (Abs(3*x/2 + 1) - Abs(3*x/2 - 1))"],
+        lambda x, y: (y, -y + x - 2 * np.clip(1.5 * x, -1, 1)),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SADDLES)
+def test_no_start_beyond_a_line_comes(name: str) -> None:
+    """Followed in floats; near the saddle some do, and the line is nearly there."""
+    rhs, field = SADDLES[name]
+    surfaces = ["3*x/2 + 1", "3*x/2 - 1"] if name == "saturated" else []
+    system = read_subject({"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]})
+    angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    border = 0.8 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    found = find_borders(system, surfaces, border, Pace(0.04, 0.012, 0.04))
+    assert found
+    for saddle, hypotheses in found:
+        random = np.random.default_rng(1)
+        starts = np.concatenate([random.uniform(-2, 2, (300, 2)), saddle + random.normal(0, 0.05, (300, 2))])
+        before = left_of(hypotheses, starts)
+        coming = comes(field, starts)
+        assert not (coming & ~before).any()
+        assert coming[300:].any()
+        assert np.linalg.norm(ring_of(hypotheses) - saddle, axis=1).min() < 0.02
+
+
+def test_the_side_of_a_chain_with_half_lines() -> None:
+    """The point is to the left of random chains where the nearest side says so."""
+    random, tried = np.random.default_rng(1), 0
+    for _ in range(3_000):
+        chain = [(int(x), int(y)) for x, y in random.integers(-9, 10, (random.integers(1, 5), 2))]
+        first, last = (AXES[k] for k in random.integers(0, 4, 2))
+        whole = closed(chain, first, last)
+        try:
+            require_simple(whole)
+        except RejectedError:
+            continue
+        side = nearest_side(
+            np.array([np.add(chain[0], np.multiply(99, first)), *chain, np.add(chain[-1], np.multiply(99, last))])
+        )
+        if side is not None:
+            tried += 1
+            assert (winding(whole) == 1) == (side > 0), (chain, first, last)
+            assert is_counterclockwise(whole)
+    assert tried > 200
+
+
+def nearest_side(chain: Any) -> float | None:
+    """Positive where the origin is to the left of the side nearest to it; None where a corner is as near."""
+    a, b = chain[:-1].astype(float), chain[1:].astype(float)
+    along = b - a
+    share = np.clip(-(a * along).sum(axis=1) / (along**2).sum(axis=1), 0, 1)
+    distance = np.hypot(*(a + share[:, None] * along).T)
+    k = int(distance.argmin())
+    if not 0 < share[k] < 1 or distance[k] == 0:
+        return None
+    return float(along[k, 1] * a[k, 0] - along[k, 0] * a[k, 1])
