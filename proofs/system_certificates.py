@@ -334,7 +334,7 @@ def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate
     homogeneous = reach.everywhere and reach.global_entry is None
     if homogeneous and (known is None or function.domain.radius is None):
         options.append(Option({"everywhere": True}, f"all starts in {_whole(system)} reach the equilibrium"))
-    options += _options_on(function.domain, reach, system)
+    options += _options_on(function.stated_on, reach, system)
     weak = result.deciding.theorem is Method.INVARIANCE
     return Candidate("lyapunov", hypotheses, tuple(options), proofs, needs_second=weak)
 
@@ -349,8 +349,11 @@ def _options_on(domain: Domain, reach: Reach, system: SwitchedSystem) -> Iterato
     rate = reach.rate.record
     if reach.rate_domain == domain:
         yield Option({"rate": rate}, rate_words(reach, states))
-    if reach.gain is not None and reach.gain_domain == domain and reach.gain.rate == reach.rate:
-        yield Option({"rate": rate, "gain": exact_text(reach.gain.gamma)}, gain_words(reach, states))
+    gain = reach.gain
+    if gain is not None and reach.gain_domain == domain and gain.rate == reach.rate:
+        # Where everything comes no region is stated, but the one that a disturbance does not leave.
+        level = {} if gain.level is None or reach.near is not None else {"level": exact_text(gain.level)}
+        yield Option({"rate": rate, "gain": exact_text(gain.gamma), **level}, gain_words(reach, states))
 
 
 def _whole(system: SwitchedSystem) -> str:
@@ -370,20 +373,22 @@ def _by_stated_function(result: DecidedSystem) -> Iterator[Candidate]:
 
 
 def _further(result: DecidedSystem) -> Iterator[Option]:
-    """What holds elsewhere than where V is proved to fall.
+    """What holds elsewhere than where the theorem states V.
 
-    Of a V on the plane, region, rate and gain on a square; and a region that reaches beyond the square on which V falls
-    everywhere, with the rate there, asked below a level.
+    Rate and gain that hold in the whole space, or on a cube alone; and a region that reaches beyond the square on which
+    V falls everywhere, with the rate there, asked below a level.
     """
     system, reach, function = result.scene, result.reach, result.function
     region, far = reach.region, reach.region_rate
-    if function is not None and function.domain.radius is None and reach.gain_domain is not None:
-        own = _stated_on(result, reach.gain_domain)
-        if reach.gain is not None and reach.gain.level is not None:
-            own["level"] = exact_text(reach.gain.level)
-        for option in _options_on(reach.gain_domain, reach, system):
+    if function is None:
+        return
+    for domain in dict.fromkeys((reach.rate_domain, reach.gain_domain)):
+        if domain is None or domain == function.stated_on:
+            continue
+        own = _stated_on(result, domain)
+        for option in _options_on(domain, reach, system):
             yield Option(own | option.hypotheses, option.words)
-    if region is None or function is None or region == reach.near:
+    if region is None or region == reach.near:
         return
     own = _stated_region(result, region)
     yield Option(own, reached_words(region, system.states))

@@ -21,7 +21,6 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
@@ -38,7 +37,7 @@ from nonsmooth.proofs.many_states.first_terms import (
     unstable_mixture,
 )
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_growth, find_lyapunov
-from nonsmooth.proofs.many_states.reach import decay_rate, largest_sublevel, rate_scales
+from nonsmooth.proofs.many_states.reach import decay_rate, disturbance_gain, largest_sublevel, rate_scales
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.denominators import require_denominators
@@ -144,10 +143,23 @@ class SpacePoint(CheckedPoint):
         function = found.function
         if function is None or function.decrease is not Decrease.STRICT:
             return Reach(everywhere)
-        region = largest_sublevel(function)
+        near = largest_sublevel(function)
+        region = None if function.is_homogeneous else near
         # a scaled field has another rate
         rate = None if self.system.scale else decay_rate(function)
-        return Reach(everywhere, region, region, rate, self._rate_domain(found, rate))
+        if rate is None:
+            return Reach(everywhere, region, region)
+        whole, cube = rate_scales(rate, function), function.stated_on
+        gain = disturbance_gain(function, rate, near)
+        return Reach(
+            everywhere,
+            near=None if whole else near,
+            region=region,
+            rate=rate,
+            rate_domain=Domain(None) if whole else cube,
+            gain=gain,
+            gain_domain=cube,
+        )
 
     def _holds_everywhere(self, found: Finding) -> bool:
         """Whether every start of the space reaches the point."""
@@ -155,12 +167,6 @@ class SpacePoint(CheckedPoint):
             return False
         linear = self.linear is not None and self.linear.is_whole
         return linear or (found.function is not None and found.function.is_homogeneous)
-
-    def _rate_domain(self, found: Finding, rate: Any) -> Domain | None:
-        """Where a rate of V holds."""
-        if rate is None or found.function is None:
-            return None
-        return Domain(None if rate_scales(rate, found.function) else found.function.radius)
 
 
 def first_cells(scene: SwitchedSystem) -> SignCells:

@@ -112,6 +112,11 @@ class ExaminedLyapunov(ExaminedFunction):
         return Domain(None if self.is_homogeneous else self.radius)
 
     @property
+    def stated_on(self) -> Domain:
+        """The cube."""
+        return Domain(self.radius)
+
+    @property
     def decrease(self) -> Decrease:
         """What follows from them."""
         if self.failure is not None:
@@ -160,7 +165,7 @@ class ExaminedLyapunov(ExaminedFunction):
             "rate": None if rate is None else rate.record,
         }
         proofs = {**self.stated.proofs, **self.proofs}
-        for more in (region, rate):
+        for more in (reach.near, region, rate, reach.gain):
             proofs |= {} if more is None else more.proofs
         return {"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": proofs}
 

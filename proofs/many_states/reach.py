@@ -3,6 +3,8 @@
 *Region*: if ``V >= c`` on the border of the cube, a solution that starts inside with ``V < c`` stays inside and reaches
 the point.
 
+*Gain*: ``V' <= -kappa V + gamma |d|`` along ``x' in F(x) + d`` where ``|grad V| <= gamma`` on the cube.
+
 *Rate*: ``V' <= -kappa`` or ``V' <= -kappa V``, by the sums of squares that show that V falls: each claim ``p > 0``
 about ``-V'`` is asked again for ``p - kappa`` or ``p - kappa V``, on faces with the same functions mu.  Floats propose.
 """
@@ -18,6 +20,7 @@ import numpy as np
 
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import show_rate
+from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.kernel.claims import Collected
 from nonsmooth.proofs.kernel.search import SQUARES, decide_claim
@@ -26,7 +29,14 @@ from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import Asked, ExaminedLyapunov, are_about_forms
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, rates_below
+from nonsmooth.proofs.systems.decay_rate import (
+    GAIN_SHARES,
+    DecayKind,
+    DecayRate,
+    DisturbanceGain,
+    gain_above,
+    rates_below,
+)
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -37,8 +47,6 @@ LEVEL_SHARES = tuple(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4))  # of the
 
 def largest_sublevel(function: ExaminedLyapunov) -> SublevelRegion | None:
     """A certified level near the least value on the border; None where none is proved."""
-    if function.is_homogeneous:
-        return None
     sides = [condition_of(claim, claim.inequalities[0], ()) for claim in border_claims(function, Fraction(0))]
     least = min(map(_least, sides), default=0.0)
     if not least > 0:
@@ -114,6 +122,38 @@ def rate_claims(function: ExaminedLyapunov, decay: DecayKind, kappa: Fraction) -
     conditions = function.conditions
     conditions.proofs = collected = Collected()
     show_rate(conditions, {"kind": decay.name.lower(), "kappa": str(kappa)})
+    return collected.claims
+
+
+def disturbance_gain(
+    function: ExaminedLyapunov, rate: DecayRate, region: SublevelRegion | None
+) -> DisturbanceGain | None:
+    """The gain of a V with a rate on the cube; None where none is proved, and where V bends on surfaces that meet.
+
+    Args:
+        function: V.
+        rate: proved on the cube.
+        region: certified there; None without one.
+    """
+    try:
+        squares = [condition_of(own, own.inequalities[0], ()) for own in _gradient_claims(function, Fraction(0))]
+    except RejectedError:
+        return None
+    needed = float(np.sqrt(max(-_least(own) for own in squares))) / float(function.radius)
+    for share in GAIN_SHARES:
+        gamma = gain_above(needed * float(share))
+        found = {own.name: find(own, Effort.HASTY) for own in _gradient_claims(function, gamma)}
+        if None not in found.values():
+            proofs = {name: own.evidence for name, own in found.items() if own is not None}
+            return DisturbanceGain(gamma, rate, None if region is None else region.level, proofs)
+    return None
+
+
+def _gradient_claims(function: ExaminedLyapunov, gamma: Fraction) -> list[Claim]:
+    """``|grad V| <= gamma`` on all cells of the cube, in units of its half-width."""
+    conditions = function.conditions
+    conditions.proofs = collected = Collected()
+    conditions.show_gradient(gamma * as_fraction(function.cells.radius))
     return collected.claims
 
 

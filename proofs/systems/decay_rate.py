@@ -211,17 +211,19 @@ GAIN_SHARES = (Fraction(65, 64), Fraction(5, 4), Fraction(2))  # of what samples
 class DisturbanceGain:
     """A proved gain.
 
-    It holds on the square on which V and its rate are proved.
+    It holds on the square, or the cube, on which V and its rate are proved.
 
     Attributes:
         gamma: of the disturbance.
         rate: of V without it.
         level: of the region that is certified on that square; None where there is none.
+        proofs: the evidence by the names of the checker's claims, where it is found in that form.
     """
 
     gamma: Fraction
     rate: DecayRate
     level: Fraction | None
+    proofs: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     @property
     def largest(self) -> Fraction | None:
@@ -258,22 +260,27 @@ def disturbance_gain(
     """The gain of a V with a proved rate on cells of a square.
 
     Args:
-        cells: of the square, with one field each.
+        cells: of the square.
         radius: half the side of the square.
         rate: proved on these cells.
         region: certified with this V, which falls on all of this square; None without.
 
     Returns:
-        None where no gain is proved, and under arbitrary switching.
+        None where no gain is proved, and for a V that bends under arbitrary switching.
     """
-    if any(len(cell.velocities) > 1 for cell in cells):
+    if any(len(cell.velocities) > 1 for cell in cells) and len({cell.potential for cell in cells}) > 1:
         return None
     needed = max([_largest_gradient(cells), *_corner_needs(cells, rate, radius)])
     for share in GAIN_SHARES:
-        gamma = Fraction(int(needed * share * DENOMINATOR) + 1, DENOMINATOR)
+        gamma = gain_above(needed * share)
         if _gain_holds(cells, rate, gamma, radius):
             return DisturbanceGain(gamma, rate, None if region is None else region.level)
     return None
+
+
+def gain_above(needed: Fraction | float) -> Fraction:
+    """A short number above another one."""
+    return Fraction(int(needed * DENOMINATOR) + 1, DENOMINATOR)
 
 
 def _largest_gradient(cells: Sequence[LyapunovCell]) -> Fraction:

@@ -91,6 +91,11 @@ class ExaminedFunction(ABC):
         """Where its conditions are looked at."""
 
     @property
+    def stated_on(self) -> Domain:
+        """Where a certificate states them, which may be less: forms on a cube say as much as in the whole space."""
+        return self.domain
+
+    @property
     @abstractmethod
     def decrease(self) -> Decrease:
         """What follows from them: of the reversed system for a V that grows."""

@@ -165,3 +165,28 @@ def test_a_quadratic_v_of_relays_has_a_rate_on_the_square() -> None:
     assert reach.rate_domain == reach.gain_domain
     assert reach.near is not None
     assert "every start with V < " in rate_words(reach, ("x", "y"))
+
+
+def test_three_states() -> None:
+    """``|grad V|`` stays below the gain on the cube and comes near it; the certificate states rate and gain."""
+    document = {"system": {"states": ["x", "y", "z"], "rhs": ["-x + y - x**3", "-x - y", "-z - sign(z)"]}}
+    result = decide_system(build_system(document, "t", Path("t.toml")))
+    gain, half = result.reach.gain, float(result.scene.check.radius)
+    assert gain is not None
+    assert result.reach.gain_domain == result.reach.rate_domain
+    assert gain.largest is not None
+    potential = result.function.text
+    corners = np.array([[x, y, z] for x in (-half, half) for y in (-half, half) for z in (-half, half)])
+    steps = 1e-6 * np.eye(3)
+    slopes = [
+        [(value3(potential, corner + step) - value3(potential, corner - step)) / 2e-6 for step in steps]
+        for corner in corners
+    ]
+    steepest = np.linalg.norm(slopes, axis=1).max()
+    assert steepest <= float(gain.gamma) < 1.1 * steepest
+    claims = certificate_of(result)["statement"]["claims"]
+    assert any(own.get("gain", {}).get("gamma") == str(gain.gamma) for own in claims)
+
+
+def value3(text: str, point: np.ndarray) -> float:
+    return float(eval(text, dict(NAMES), dict(zip("xyz", point, strict=True))))  # noqa: S307 - this file's
