@@ -171,15 +171,21 @@ class HeadingsResult(Result):
 
     def draw(self, ax: Axes) -> None:
         """The heading at the end over that at the start, in the scene's unit; a dashed line where it would be kept."""
+        from matplotlib.ticker import MaxNLocator
+
         units = self.scene.units
         of_radian = shown_angle(units, 1.0)
         begins = of_radian * self.found.starts[:, 2]
         stands = np.array([self._stands(k) for k in range(len(begins))])
         ends = of_radian * turned_heading(self.found.poses[:, 2])
         ax.plot(begins[stands], ends[stands], "o", color="#0072B2", markersize=3, label="upright")
-        ax.plot(begins[~stands], begins[~stands], "x", color="#D55E00", markersize=4, label="falls")
+        if not stands.all():
+            ax.plot(begins[~stands], begins[~stands], "x", color="#D55E00", markersize=4, label="falls")
         ax.plot(begins, begins, "--", color="0.6", linewidth=1, label="kept")
         ax.set(xlabel=f"heading at the start [{units.angle}]", ylabel=f"heading at the end [{units.angle}]")
+        if units.angle == "deg":
+            for axis in (ax.xaxis, ax.yaxis):
+                axis.set_major_locator(MaxNLocator(steps=[1, 1.5, 3, 4.5, 9, 10]))
         title_axes(ax, f"{one_line(self.scene.name)}: which headings return")
 
     def figure(self) -> Figure:
