@@ -18,11 +18,8 @@ from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, stated_cells
 from nonsmooth.proofs.kernel.search import Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.findings import DecidedSystem
-from nonsmooth.proofs.systems.scalar_stability import clear_distance
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.proofs.systems.scalar_stability import clear_distance, within
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-
-FINE = 1 << 20  # an end with roots is certified up to this part of its distance
 
 Theorem: TypeAlias = tuple[str, dict[str, Any]]  # its name, and its hypotheses
 
@@ -88,20 +85,3 @@ def _leaving(result: DecidedSystem, name: str, stated: StatedCells, radius: Frac
     start = {"within": str(radius), "surfaces": cells["surfaces"], "signs": signs, "direction": [str(turn)]}
     rising = name if turn > 0 else f"-{name}"
     return "escape", {**start, "along": [], "mixture": [field], "barriers": [], "function": rising}
-
-
-def within(reach: Number | Fraction) -> Fraction:
-    """A rational distance: the same, or where it has roots one a little smaller."""
-    known = reach if isinstance(reach, Fraction) else reach.as_rational()
-    if known is not None:
-        return Fraction(int(known.numerator), int(known.denominator))
-    unit = Fraction(1)
-    while not reach > unit * FINE:
-        unit /= 2
-    while reach > unit * FINE * 2:
-        unit *= 2
-    below, above = FINE, 2 * FINE  # reach > unit * below
-    while above - below > 1:
-        middle = (below + above) // 2
-        below, above = (middle, above) if reach > unit * middle else (below, middle)
-    return unit * below

@@ -45,6 +45,7 @@ from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, 
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, Reach
+from nonsmooth.proofs.systems.line_reach import distance_hypotheses
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verified import verified
@@ -380,15 +381,15 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     """
     system, reach, function = result.scene, result.reach, result.function
     region, far = reach.region, reach.region_rate
-    if function is None:
+    if function is None and len(system.states) > 1:
         return
     for domain in dict.fromkeys((reach.rate_domain, reach.gain_domain)):
-        if domain is None or domain == function.stated_on:
+        if domain is None or (function is not None and domain == function.stated_on):
             continue
         own = _stated_on(result, domain)
         for option in _options_on(domain, reach, system):
             yield Option(own | option.hypotheses, option.words)
-    if region is None or region == reach.near:
+    if region is None or function is None or region == reach.near:
         return
     own = _stated_region(result, region)
     yield Option(own, reached_words(region, system.states))
@@ -405,7 +406,9 @@ def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
 
 
 def _stated_on(result: DecidedSystem, domain: Domain) -> Record:
-    """The hypotheses of theorem ``lyapunov`` with the V that decides, on a square."""
+    """The hypotheses of theorem ``lyapunov`` with the V that decides, on a domain; in one state with the distance."""
+    if result.function is None:
+        return distance_hypotheses(result.scene, domain)
     stated, cells = stated_function(result.scene, domain.radius, result.function)
     return stability_hypotheses(cells.record, stated, str(result.verdict))
 

@@ -44,7 +44,7 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     check, states = scene.check, scene.states
     holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
     yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
-    if len(states) > 1:  # in one state no V is looked at
+    if len(states) > 1 or result.reach.rate is not None:  # in one state a V is looked at for a rate alone
         yield from displacement_facts(scene)
     if scene.written or scene.others:
         yield row_fact("field", rewriting_words(scene))
@@ -71,11 +71,15 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if reach.basin is not None:
         words = basin_words(reach.basin, states)
         yield Fact("basin", basin_record(reach.basin, words), words, row="triangles")
-    if reach.rate is not None:
+    if reach.rate is not None and len(states) == 1:
+        yield Fact("rate", _rate_record(reach, states), rate_words(reach, states), row="rate")
+    elif reach.rate is not None:
         yield row_fact("rate", rate_words(reach, states))
     if reach.region_rate is not None:
         yield row_fact("rate farther out", region_rate_words(reach, states))
-    if reach.gain is not None:
+    if reach.gain is not None and len(states) == 1:
+        yield Fact("gain", _gain_record(reach, states), gain_words(reach, states), row="disturbed")
+    elif reach.gain is not None:
         yield row_fact("disturbed", gain_words(reach, states))
 
 
@@ -156,8 +160,7 @@ def _potential(result: DecidedSystem) -> Iterator[Fact]:
     yield Fact("proves", function is not None)
     yield Fact("region", None if reach.region is None else _region_record(reach.region, states))
     yield Fact("rate", _rate_record(reach, states))
-    if len(states) == len(PLANE):
-        yield Fact("gain", _gain_record(reach, states))
+    yield Fact("gain", _gain_record(reach, states))
     other = None if function is None or given is function else given
     yield Fact("tried", None if other is None else unsaid(_conditions(other, states)))
 
@@ -281,9 +284,11 @@ def rate_words(reach: Reach, states: Sequence[str]) -> str:
     rate, domain, near = reach.rate, reach.rate_domain, reach.near
     if rate is None or domain is None:
         raise TypeError("required a rate")
-    where = f"{rate} on {domain.text(states)}"
+    where = f"{_potential_words(states)}{rate} on {domain.text(states)}"
     if domain.radius is None:
         return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start')}"
+    if len(states) == 1:
+        return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start there')}"
     if near is None:
         return f"{where}, as long as a solution stays there"
     return f"{where}: {rate.decay.on_starts(rate.kappa, f'every start with V < {near.level} there')}"
@@ -311,7 +316,12 @@ def gain_words(reach: Reach, states: Sequence[str]) -> str:
     gain, domain = reach.gain, reach.gain_domain
     if gain is None or domain is None:
         raise TypeError("required a gain")
-    return "; ".join(filter(None, (f"{gain} on {domain.text(states)}", gain.on_starts)))
+    return "; ".join(filter(None, (f"{_potential_words(states)}{gain} on {domain.text(states)}", gain.on_starts)))
+
+
+def _potential_words(states: Sequence[str]) -> str:
+    """What V is, in one state, where nothing else names it."""
+    return f"V = abs({states[0]}): " if len(states) == 1 else ""
 
 
 def _rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:

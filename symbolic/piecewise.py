@@ -138,6 +138,8 @@ def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
         case ast.Call(func=ast.Name(id=name), keywords=[]) if _takes(name, len(node.args)):
             for argument in node.args:
                 _check(argument, whole, depth - 1)
+        case ast.Call(func=ast.Name(id=name)) if name in SWITCHES:
+            raise ExpressionError(f"required {name}({', '.join(_arguments(name))}), received {shown(whole.text)}")
         case _:
             raise _OutsideError
 
@@ -147,6 +149,11 @@ def _takes(name: str, count: int) -> bool:
     if name in EXTREMES:
         return count >= 2
     return name in SWITCHES and count == LIMITERS.get(name, 1)
+
+
+def _arguments(name: str) -> Sequence[str]:
+    """Names of what a function takes."""
+    return ("a", "b", "...") if name in EXTREMES else ("a", "low", "high")[: LIMITERS.get(name, 1)]
 
 
 def _constant(node: ast.expr, whole: PiecewiseExpression) -> Expression:

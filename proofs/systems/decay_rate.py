@@ -239,7 +239,8 @@ class DisturbanceGain:
         return None if self.rate.decay is DecayKind.FINITE else self.gamma / self.rate.kappa
 
     def __str__(self) -> str:
-        return f"with x' in F + d: {self.rate} + {self.gamma} abs(d)"
+        factor = "" if self.gamma == 1 else f"{self.gamma} "
+        return f"with x' in F + d: {self.rate} + {factor}abs(d)"
 
     @property
     def on_starts(self) -> str:

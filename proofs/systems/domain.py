@@ -24,6 +24,9 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 SHRINKING = Fraction(1, 16)  # of the checked square, where V fails on all of it
 
 
+WHOLE = {1: "the line", len(PLANE): "the plane"}
+
+
 @dataclass(frozen=True)
 class Domain:
     """Where the conditions on a V are proved: a cube about the equilibrium, in two states a square, or the whole space.
@@ -37,7 +40,7 @@ class Domain:
     def text(self, states: Sequence[str]) -> str:
         """In words, with the names of the states."""
         if self.radius is None:
-            return "the plane" if len(states) == len(PLANE) else "the whole space"
+            return WHOLE.get(len(states), "the whole space")
         return cube_text(self.radius, states)
 
     def kind(self, states: Sequence[str]) -> str:

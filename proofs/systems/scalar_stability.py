@@ -12,12 +12,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
-from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method
+from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.line_reach import line_reach
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -25,6 +27,8 @@ from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
+PLACES, HALVINGS = 4, 20  # at which speeds are looked at: so many in each quarter of the distance, and quarters
+FINE = 1 << 20  # an end with roots is certified up to this part of its distance
 LINE = ("x",)  # the displacement of one state, measured away from the point on either side
 
 
@@ -83,6 +87,13 @@ class LinePoint(CheckedPoint):
     def equilibrium(self) -> Equilibrium:
         """Whether 0 is in F."""
         return _equilibrium(self.sides.right, self.sides.left)
+
+    def reach(self, found: Finding) -> Reach:
+        """Whether every start comes to the point, and how fast."""
+        right, left = self.sides.right.reach, self.sides.left.reach
+        if right is None or left is None:
+            return Reach()
+        return line_reach(self.system, min(within(right), within(left)), partial(slowest, self.system))
 
 
 def decide_by_signs(point: LinePoint, known: Known) -> Finding:
@@ -174,6 +185,18 @@ def _marks(scene: SwitchedSystem, turn: int) -> list[RealRoot]:
     return _inside(scene, [*surfaces, *(f for f in fields if f.degree)])
 
 
+def slowest(scene: SwitchedSystem, farthest: Fraction, decay: DecayKind) -> Fraction:
+    """The least speed toward the point at some places, over the distance for an exponential rate; proves nothing."""
+    places = [farthest * Fraction(k, PLACES) / 4**j for k in range(1, PLACES + 1) for j in range(HALVINGS)]
+    speeds = (
+        -_value(_outward(member, turn, _sign_at(place)), place) / (1 if decay is DecayKind.FINITE else place)
+        for place in places
+        for turn in (1, -1)
+        for member in scene.members
+    )
+    return Fraction(float(min(speeds)))
+
+
 def clear_distance(scene: SwitchedSystem) -> Number | Fraction:
     """A distance up to which nothing switches, and no field vanishes, beside the point."""
     distances: list[Number | Fraction] = [scene.check.radius]
@@ -231,3 +254,20 @@ def _is_positive(scene: SwitchedSystem, formula: PiecewiseExpression, turn: int)
 
 def _sign_at_or_one(place: Number | Fraction) -> SignOf:
     return lambda polynomial: _value(polynomial, place).sign() or 1
+
+
+def within(reach: Number | Fraction) -> Fraction:
+    """A rational distance: the same, or where it has roots one a little smaller."""
+    known = reach if isinstance(reach, Fraction) else reach.as_rational()
+    if known is not None:
+        return Fraction(int(known.numerator), int(known.denominator))
+    unit = Fraction(1)
+    while not reach > unit * FINE:
+        unit /= 2
+    while reach > unit * FINE * 2:
+        unit *= 2
+    below, above = FINE, 2 * FINE  # reach > unit * below
+    while above - below > 1:
+        middle = (below + above) // 2
+        below, above = (middle, above) if reach > unit * middle else (below, middle)
+    return unit * below

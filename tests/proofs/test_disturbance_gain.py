@@ -190,3 +190,35 @@ def test_three_states() -> None:
 
 def value3(text: str, point: np.ndarray) -> float:
     return float(eval(text, dict(NAMES), dict(zip("xyz", point, strict=True))))  # noqa: S307 - this file's
+
+
+ONE_STATE = {  # right-hand side: kind, whether everywhere, the largest kappa there is
+    "-x": (DecayKind.EXPONENTIAL, True, 1.0),
+    "-sign(x) - x": (DecayKind.FINITE, True, 1.0),
+    "-x + x**2": (DecayKind.EXPONENTIAL, False, 0.5),
+    "-2*x + Abs(x)/2 - x**3": (DecayKind.EXPONENTIAL, True, 1.5),
+    "-3*x*(x - 1/4)**2 - x/8": (DecayKind.EXPONENTIAL, True, 0.125),
+    "-sin(3*x)": (DecayKind.EXPONENTIAL, False, 2 * float(np.sin(1.5))),
+}
+
+
+@pytest.mark.parametrize("rhs", ONE_STATE)
+def test_one_state(rhs: str) -> None:
+    """The distance falls at least as fast as is said, which is nearly as fast as can be; the certificate states it."""
+    decay, everywhere, largest = ONE_STATE[rhs]
+    result = decide_system(build_system({"system": {"states": ["x"], "rhs": [rhs]}}, "t", Path("t.toml")))
+    reach = result.reach
+    assert reach.everywhere is everywhere
+    assert reach.rate is not None
+    assert reach.rate.decay is decay
+    assert 0.7 * largest < float(reach.rate.kappa) <= largest
+    assert rate_words(reach, ("x",)).startswith("V = abs(x): ")
+    claims = certificate_of(result)["statement"]["claims"]
+    assert ({"attracts": "everywhere"} in claims) is everywhere
+    assert any(own.get("gain", {}).get("gamma") == "1" for own in claims)
+
+
+def test_one_state_without_a_rate() -> None:
+    for rhs in ("-x**3", "-Max(x, x**3)"):
+        result = decide_system(build_system({"system": {"states": ["x"], "rhs": [rhs]}}, "t", Path("t.toml")))
+        assert result.reach.rate is None

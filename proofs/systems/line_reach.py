@@ -1,0 +1,81 @@
+"""How far and how fast solutions of a system in one state come to a point that attracts.
+
+V is the distance from the point.  ``V' <= -kappa`` or ``V' <= -kappa V`` is asked on the whole line where every start
+comes to the point, then on an interval about it; ``|grad V| = 1``, so a disturbance d adds ``|d|`` at most.  The claims
+are those of theorem ``lyapunov``; floats propose kappa.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.whole_space import find_global_attraction
+from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, DisturbanceGain, rates_below
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.findings import Reach
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+FAR = 1 << 10  # half-widths of the interval, for rates on the whole line
+
+Slowest: TypeAlias = Callable[[Fraction, DecayKind], Fraction]
+
+
+def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach:
+    """Whether every start comes to the point, with a rate and a gain of the distance.
+
+    Args:
+        scene: in one state; of right-hand sides that were scaled, or in the root of the state, no rate is known.
+        half: every start nearer than this comes to the point.
+        slowest: about how fast solutions come from as far as a distance, at least.
+    """
+    (name,) = scene.states
+    entry = find_global_attraction(scene, [parse_piecewise(f"{name}**2", scene.states)])
+    everywhere = Reach(everywhere=entry is not None, global_entry=entry)
+    if scene.scale is not None or scene.by_roots is not None:
+        return everywhere
+    try:
+        system = enclose_numbers(scene)
+        subject, search = started(system, None)
+    except (NoEnclosureError, NotShownError):
+        return everywhere
+    on = [(Domain(None), FAR * half)] if entry is not None else []
+    for domain, farthest in (*on, (Domain(scene.field(half)), half)):
+        for decay in DecayKind:
+            for kappa in rates_below(max(slowest(farthest, decay), Fraction(0))):
+                rate = DecayRate(decay, kappa)
+                level = None if domain.radius is None else half
+                if _is_shown(system, subject, search, domain, rate, level):
+                    gain = DisturbanceGain(Fraction(1), rate, level)
+                    return replace(everywhere, rate=rate, rate_domain=domain, gain=gain, gain_domain=domain)
+    return everywhere
+
+
+def distance_hypotheses(scene: SwitchedSystem, domain: Domain) -> dict[str, Any]:
+    """Of theorem ``lyapunov``, with the distance from the point, which attracts.
+
+    Raises:
+        BeyondReachError: for too many cells.
+    """
+    text = f"Abs({scene.states[0]})"
+    cells = stated_cells(scene, domain.radius, surfaces_of(scene, parse_piecewise(text, scene.states)))
+    return stability_hypotheses(cells.record, text, ASYMPTOTICALLY_STABLE)
+
+
+def _is_shown(
+    scene: SwitchedSystem, subject: System, search: Search, domain: Domain, rate: DecayRate, level: Fraction | None
+) -> bool:
+    try:
+        own = distance_hypotheses(scene, domain)
+        search.entry(subject, "lyapunov", {**own, "rate": rate.record, "gain": "1", "level": level and str(level)})
+    except (BeyondReachError, NotShownError):
+        return False
+    return True
