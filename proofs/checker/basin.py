@@ -52,7 +52,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property, partial
 from itertools import product
-from math import comb, lcm
+from math import comb, factorial, lcm, prod
 from operator import add, mul, sub
 from typing import Any, Protocol, TypeAlias, TypeVar
 
@@ -133,25 +133,48 @@ class Field:
         ends = [(own, 1) for own in corners] + ([] if end is None else [(end, 0)])
         length = self.bits + self.degree * max(abs(own).bit_length() for place, _ in ends for own in place)
         BUDGET.spend((1 + len(form)) * comb(self.degree + len(ends), len(ends)) * (1 + length**2 // 4096))
-        forms = [(0, form)]
+        count = len(corners[0])
+        weighted = [form.get(own, 0) * weight for own, weight in listed_powers(self.degree, count).items()]
+        forms = [(0, weighted)]
         for left in range(self.degree, 0, -1):
             forms = [(k, toward(own, left, *ends[k])) for j, own in forms for k in range(j, len(ends))]
-        return [next(iter(own.values()), 0) for _, own in forms]
+        return [value for _, (value,) in forms]
 
 
-def toward(form: Form, degree: int, place: Place, weight: int = 1) -> Form:
-    """The derivative of a polynomial, made homogeneous of some degree, toward a place, or with weight 0 a direction."""
-    found: dict[Exponents, int] = {}
-    for exponents, value in form.items():
-        left = degree
-        for k, exponent in enumerate(exponents):
-            if exponent:
-                left -= exponent
-                lower = (*exponents[:k], exponent - 1, *exponents[k + 1 :])
-                found[lower] = found.get(lower, 0) + exponent * value * place[k]
-        if left and weight:
-            found[exponents] = found.get(exponents, 0) + left * value
-    return found
+@cache
+def listed_powers(degree: int, count: int) -> dict[Exponents, int]:
+    """The powers in some variables up to a degree, each with the product of the factorials of all its exponents.
+
+    These include that of the variable which is 1.  A coefficient times this product is the derivative by all of them.
+    """
+    powers = (own for own in product(range(degree + 1), repeat=count) if sum(own) <= degree)
+    return {own: prod(map(factorial, own)) * factorial(degree - sum(own)) for own in powers}
+
+
+@cache
+def raised_powers(degree: int, count: int) -> list[tuple[int, ...]]:
+    """For each power below a degree where those higher by one variable stand in the list, last that higher by 1."""
+    at = {own: number for number, own in enumerate(listed_powers(degree, count))}
+    raised = [
+        [(*own[:k], own[k] + 1, *own[k + 1 :]) for k in range(count)] + [own]
+        for own in listed_powers(degree - 1, count)
+    ]
+    return [tuple(at[power] for power in own) for own in raised]
+
+
+def toward(form: Sequence[int], degree: int, place: Place, weight: int = 1) -> list[int]:
+    """A homogeneous polynomial of some degree, given by all its derivatives, in the direction of a place once less.
+
+    The variable that is 1 is the weight there: 0 of a direction.
+    """
+    listed = raised_powers(degree, len(place))
+    if not weight:
+        return [sum(step * form[i] for step, i in zip(place, own, strict=False)) for own in listed]
+    if len(place) == 2:
+        x, y = place
+        return [x * form[i] + y * form[j] + form[k] for i, j, k in listed]
+    x, y, z = place
+    return [x * form[i] + y * form[j] + z * form[k] + form[m] for i, j, k, m in listed]
 
 
 @dataclass(frozen=True)
@@ -254,12 +277,10 @@ class Plane:
                 error = interpolation_error([v for v, _ in at]) * twice_area
                 mean = added([scaled(own, value) for own, (_, value) in zip(weights, at, strict=True)])
                 bounds.append([added([mean, {(0,) * len(corners[0]): error * sign}]) for sign in (-1, 1)])
-            whole = still.times(twice_area << BITS)
-            for chosen in product(*bounds):
-                field = whole
-                for part, own in zip(moved, chosen, strict=True):
-                    field = field.plus(part, own)
-                yield field
+            whole = [still.times(twice_area << BITS)]
+            for part, own in zip(moved, bounds, strict=True):
+                whole = [field.plus(part, bound) for field in whole for bound in own]
+            yield from whole
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Pattern]:
         """The cells that may meet the inside of a simplex: a surface has their sign at some point of it."""

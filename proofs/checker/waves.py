@@ -36,7 +36,7 @@ def wave_value(name: str, v: Fraction) -> int:
     n, term = (1, x) if name == "sin" else (0, one)
     total, least = term, 2 * abs(v)
     while abs(term) > 1 or n <= least:
-        term = -(term * square // (one * one * (n + 1) * (n + 2)))
+        term = -((term * square >> 2 * (BITS + GUARD)) // ((n + 1) * (n + 2)))
         n += 2
         total += term
     return total >> GUARD
@@ -45,5 +45,4 @@ def wave_value(name: str, v: Fraction) -> int:
 def interpolation_error(values: Sequence[Fraction]) -> int:
     """A bound of the distance between a wave and what its values at some points mean, times ``2^60``, rounded up."""
     width = max(values) - min(values)
-    scaled = width * width * (1 << BITS) / 8
-    return -(-scaled.numerator // scaled.denominator) + 3
+    return -(-(width.numerator**2 << BITS) // (8 * width.denominator**2)) + 3

@@ -291,7 +291,7 @@ class Bernstein:
 
     def places(self, triangles: Floats) -> Floats:
         """The points at which a polynomial is looked at: shape (simplices, nodes, states)."""
-        return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
+        return np.asarray(self.nodes @ triangles)
 
     def weights(self, own: Floats) -> Floats:
         """The affine functions with some values at the corners, of shape (simplices, corners), at these points."""

@@ -37,6 +37,7 @@ HALVINGS, WIDELY, ROUNDS = 3, 6, 40  # of the way of corners beside a bad side; 
 STILL = 2.0**-12  # mean growth of a polyhedron at which there is an end
 AHEAD = (64, 48, 32, 24, 16, 12, 8, 6, 4, 3, 2, 1)  # polyhedra, of which the farthest that serves is the next
 MENDINGS, FEW, MENDED = 16, 0.02, 0.3  # rounds; bad tetrahedra at most; of the way that their corners go
+TOGETHER = 1000  # tetrahedra that are looked at, before others are
 APART = 2.0**-24  # of their sizes: what polyhedra are apart at least
 BITS = 40  # of coordinates
 
@@ -301,21 +302,27 @@ class Front:
 
     def _mended(self, inner: Floats, outer: Floats, few: float, margin: float) -> Floats | None:
         """An outer polyhedron of which few corners go a part of their way only, so that W falls; None without one."""
-        shares = np.ones(self.count)
+        shares, most = np.ones(self.count), few * len(self.between)
+        touched = np.arange(len(self.between))
         for _ in range(MENDINGS):
             after = np.maximum(inner + shares * (outer - inner), inner + APART)
-            failing = self._failing(inner, after, margin)
+            failing = np.zeros(len(self.between), dtype=bool)
+            for part in (touched[own] for own in _parts(len(touched), TOGETHER)):
+                failing[part] = self._failing(inner, after, margin, self.between[part])
+                if failing.sum() > most:
+                    return None
             if not failing.any():
                 return np.asarray(after)
-            if failing.mean() > few:
-                return None
-            shares[self.between[failing].ravel() % self.count] *= MENDED
+            slower = np.zeros(self.count, dtype=bool)
+            slower[self.between[failing].ravel() % self.count] = True
+            shares[slower] *= MENDED
+            touched = np.nonzero(slower[self.between % self.count].any(axis=1))[0]
         return None
 
-    def _failing(self, inner: Floats, outer: Floats, margin: float) -> NDArray[np.bool_]:
-        """The tetrahedra between two polyhedra on which floats do not see W fall."""
-        places = np.concatenate([self.places(inner), self.places(outer)])[self.between]
-        sizes, slopes = gradients(places, (self.between >= self.count).astype(float))
+    def _failing(self, inner: Floats, outer: Floats, margin: float, own: Triples) -> NDArray[np.bool_]:
+        """Those of some tetrahedra between two polyhedra on which floats do not see W fall."""
+        places = np.concatenate([self.places(inner), self.places(outer)])[own]
+        sizes, slopes = gradients(places, (own >= self.count).astype(float))
         good = sizes > 0
         for velocities, points in self.field.velocities((), places):
             rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes))
