@@ -16,7 +16,7 @@ from nonsmooth.proofs.kernel.quotients import quotient_text
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.basin_rings import Floats
-from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
 from nonsmooth.proofs.systems.findings import (
@@ -27,6 +27,7 @@ from nonsmooth.proofs.systems.findings import (
     PotentialPiece,
     Reach,
 )
+from nonsmooth.proofs.systems.line_reach import distance_text
 from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formula_text import tidied
@@ -284,7 +285,7 @@ def rate_words(reach: Reach, states: Sequence[str]) -> str:
     rate, domain, near = reach.rate, reach.rate_domain, reach.near
     if rate is None or domain is None:
         raise TypeError("required a rate")
-    where = f"{_potential_words(states)}{rate} on {domain.text(states)}"
+    where = f"{_potential_words(rate, states)}{rate} on {domain.text(states)}"
     if domain.radius is None:
         return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start')}"
     if len(states) == 1:
@@ -316,12 +317,13 @@ def gain_words(reach: Reach, states: Sequence[str]) -> str:
     gain, domain = reach.gain, reach.gain_domain
     if gain is None or domain is None:
         raise TypeError("required a gain")
-    return "; ".join(filter(None, (f"{_potential_words(states)}{gain} on {domain.text(states)}", gain.on_starts)))
+    where = f"{_potential_words(gain.rate, states)}{gain} on {domain.text(states)}"
+    return "; ".join(filter(None, (where, gain.on_starts)))
 
 
-def _potential_words(states: Sequence[str]) -> str:
+def _potential_words(rate: DecayRate, states: Sequence[str]) -> str:
     """What V is, in one state, where nothing else names it."""
-    return f"V = abs({states[0]}): " if len(states) == 1 else ""
+    return f"V = {distance_text(states[0], rate.decay)}: ".replace("Abs", "abs") if len(states) == 1 else ""
 
 
 def _rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:

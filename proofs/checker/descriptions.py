@@ -139,7 +139,7 @@ def _outside(said: Any, system: System) -> str:
 
 
 def _rate(said: Any, system: System) -> str:
-    fall = f"{said['kappa']} V" if said["kind"] == "exponential" else said["kappa"]
+    fall = said["kappa"] + {"finite": "", "exponential": " V", "algebraic": " V**2"}[said["kind"]]
     where = "the whole space" if said["within"] is None else _cube(said, system)
     below = f" where V < {said['below']}" if "below" in said else ""
     rise = f" + {said['gamma']} |d|" if "gamma" in said else ""

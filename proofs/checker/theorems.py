@@ -17,6 +17,8 @@ Statement: TypeAlias = dict[str, Any]
 
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
+RATES = {"finite": 0, "exponential": 1, "algebraic": 2}  # p in V' <= -kappa V^p
+
 
 def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """V is positive and does not rise: stable; it falls: asymptotically stable.
@@ -84,7 +86,7 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
 
 
 def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
-    """``V' <= -kappa V`` (exponential) or ``V' <= -kappa`` (finite) off the point, on the domain; less ``gain |d|``.
+    """``V' <= -kappa V^p`` off the point, on the domain; less ``gain |d|``.  p is the number in RATES.
 
     The derivative is taken here in units of the half-width of the cube.  Let ``x' = v + d`` with v in F(x).  At almost
     all times at which V bends on one surface g it has the derivative ``q . (v + d)`` for every
@@ -94,11 +96,14 @@ def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
     """
     kind, kappa = take(rate, "kind kappa")
     speed = rational(kappa) * own.inclusion.domain.radius
-    require(speed > 0 and kind in ("finite", "exponential"), "a positive rate, finite or exponential")
-    whole_rate = constant(own.count, speed)
+    known = type(kind) is str and kind in RATES
+    require(speed > 0 and known, "a positive rate, finite, exponential or algebraic")
 
     def shift(cell: Cell) -> Polynomial:
-        return whole_rate if kind == "finite" else whole_rate * own.potential(cell)
+        value = constant(own.count, speed)
+        for _ in range(RATES[kind]):
+            value *= own.potential(cell)
+        return value
 
     own.show_falls("rate ", shift, strict=False)
     if gain is not None:

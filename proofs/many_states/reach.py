@@ -5,8 +5,8 @@ the point.
 
 *Gain*: ``V' <= -kappa V + gamma |d|`` along ``x' in F(x) + d`` where ``|grad V| <= gamma`` on the cube.
 
-*Rate*: ``V' <= -kappa`` or ``V' <= -kappa V``, by the sums of squares that show that V falls: each claim ``p > 0``
-about ``-V'`` is asked again for ``p - kappa`` or ``p - kappa V``, on faces with the same functions mu.  Floats propose.
+*Rate*: ``V' <= -kappa V^q`` with q = 0, 1 or 2, by the sums of squares that show that V falls: each claim ``p > 0``
+about ``-V'`` is asked again for ``p - kappa V^q``, on faces with the same functions mu.  Floats propose.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def _brief(value: float) -> Fraction:
 def rate_scales(rate: DecayRate, function: ExaminedLyapunov) -> bool:
     """Whether a rate on the cube is one on the whole space: V and V' are forms, of the degrees of the rate.
 
-    ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
+    ``V' <= -kappa V^p`` scales where V' has p times the degree of V.
     """
     return function.is_homogeneous and are_about_forms(rate_claims(function, rate.decay, rate.kappa))
 
@@ -128,13 +128,17 @@ def rate_claims(function: ExaminedLyapunov, decay: DecayKind, kappa: Fraction) -
 def disturbance_gain(
     function: ExaminedLyapunov, rate: DecayRate, region: SublevelRegion | None
 ) -> DisturbanceGain | None:
-    """The gain of a V with a rate on the cube; None where none is proved, and where V bends on surfaces that meet.
+    """The gain of a V with a rate on the cube.
+
+    None where none is proved, for an algebraic rate, and where V bends on surfaces that meet.
 
     Args:
         function: V.
         rate: proved on the cube.
         region: certified there; None without one.
     """
+    if rate.decay is DecayKind.ALGEBRAIC:
+        return None
     try:
         squares = [condition_of(own, own.inequalities[0], ()) for own in _gradient_claims(function, Fraction(0))]
     except RejectedError:

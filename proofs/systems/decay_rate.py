@@ -1,6 +1,7 @@
 """How fast a proved V falls, and how much an additive disturbance can do.
 
-*Rates*: ``V' <= -kappa`` (arrival within ``V/kappa``) or ``V' <= -kappa V`` (exponentially).  A rate holds where it is
+*Rates*: ``V' <= -kappa`` (arrival within ``V/kappa``), ``V' <= -kappa V`` (exponentially), or ``V' <= -kappa V^2``
+(``V <= V_0/(1 + kappa V_0 t)``, where terms of higher order alone lead to the point).  A rate holds where it is
 proved: on the closed cells that it is asked of.  What it says of solutions (when they arrive, how V falls with time)
 holds of those that stay there, as all do that start where V is below its values on the border.  On closed cells both
 are inequalities between polynomials.  On edges where V bends, the values of the set-valued derivative are shifted by
@@ -50,15 +51,23 @@ LEVEL_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, tried 
 
 
 class DecayKind(StrEnum):
-    """The two kinds of rates, as inequalities."""
+    """The kinds of rates, as inequalities, the fastest first."""
 
     FINITE = "V' <= -{0}"
     EXPONENTIAL = "V' <= -{0} V"
+    ALGEBRAIC = "V' <= -{0} V**2"
+
+    @property
+    def power(self) -> int:
+        """P in ``V' <= -kappa V^p``."""
+        return list(DecayKind).index(self)
 
     def on_starts(self, kappa: Fraction, starts: str) -> str:
         """What the inequality says of starts whose solutions stay where it holds."""
         if self is DecayKind.FINITE:
             return f"{starts} arrives within V/({kappa})"
+        if self is DecayKind.ALGEBRAIC:
+            return f"from {starts} V falls at least like V0/(1 + {kappa} V0 t), V0 its value there"
         return f"from {starts} V falls at least like exp(-{kappa} t)"
 
 
@@ -99,14 +108,14 @@ def decay_rate(cells: Sequence[LyapunovCell]) -> DecayRate | None:
 def rate_scales(cells: Sequence[LyapunovCell], rate: DecayRate) -> bool:
     """Whether a rate on a square is one on the plane: on cones V and V' are forms, of the degrees of the rate.
 
-    ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
+    ``V' <= -kappa V^p`` scales where V' has p times the degree of V.
 
     Args:
         cells: cones at the point, of the plane.
         rate: proved on a square about it.
     """
     for cell in cells:
-        degree = cell.potential.degree if rate.decay is DecayKind.EXPONENTIAL else 0
+        degree = rate.decay.power * cell.potential.degree
         if not all(form.is_homogeneous for form in (cell.potential, *cell.rates)):
             return False
         if any(own and own.degree != degree for own in cell.rates):
@@ -167,7 +176,7 @@ def _largest_rate(cells: Sequence[LyapunovCell], decay: DecayKind) -> Fraction:
         if not len(points):
             continue
         falls = np.min([-values_at(rate, points) for rate in cell.rates], axis=0)
-        sizes = np.ones(len(points)) if decay is DecayKind.FINITE else values_at(cell.potential, points)
+        sizes = values_at(cell.potential, points) ** decay.power
         usable = (sizes > 0) & np.isfinite(sizes) & np.isfinite(falls)
         if not usable.any():  # a square beyond the range of floats: nothing is proposed
             return Fraction(0)
@@ -199,9 +208,7 @@ def _falls_along(kink: Kink) -> bool:
 
 
 def _shift(cell: LyapunovCell, decay: DecayKind, kappa: Fraction) -> Polynomial:
-    if decay is DecayKind.EXPONENTIAL:
-        return cell.potential * kappa
-    return Polynomial.constant(cell.potential.field, cell.potential.variables, kappa)
+    return cell.potential**decay.power * kappa
 
 
 GAIN_SHARES = (Fraction(65, 64), Fraction(5, 4), Fraction(2))  # of what samples need, tried in turn
@@ -267,8 +274,10 @@ def disturbance_gain(
         region: certified with this V, which falls on all of this square; None without.
 
     Returns:
-        None where no gain is proved, and for a V that bends under arbitrary switching.
+        None where no gain is proved, for an algebraic rate, and for a V that bends under arbitrary switching.
     """
+    if rate.decay is DecayKind.ALGEBRAIC:
+        return None
     if any(len(cell.velocities) > 1 for cell in cells) and len({cell.potential for cell in cells}) > 1:
         return None
     needed = max([_largest_gradient(cells), *_corner_needs(cells, rate, radius)])

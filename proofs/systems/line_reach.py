@@ -1,8 +1,9 @@
 """How far and how fast solutions of a system in one state come to a point that attracts.
 
 V is the distance from the point.  ``V' <= -kappa`` or ``V' <= -kappa V`` is asked on the whole line where every start
-comes to the point, then on an interval about it; ``|grad V| = 1``, so a disturbance d adds ``|d|`` at most.  The claims
-are those of theorem ``lyapunov``; floats propose kappa.
+comes to the point, then on an interval about it; ``|grad V| = 1``, so a disturbance d adds ``|d|`` at most.  Where
+neither holds, ``V' <= -kappa V^2`` is asked of its square.  The claims are those of theorem ``lyapunov``; floats
+propose kappa.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.cells import System
@@ -48,34 +50,45 @@ def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach
     except (NoEnclosureError, NotShownError):
         return everywhere
     on = [(Domain(None), FAR * half)] if entry is not None else []
-    for domain, farthest in (*on, (Domain(scene.field(half)), half)):
-        for decay in DecayKind:
-            for kappa in rates_below(max(slowest(farthest, decay), Fraction(0))):
-                rate = DecayRate(decay, kappa)
-                level = None if domain.radius is None else half
-                if _is_shown(system, subject, search, domain, rate, level):
-                    gain = DisturbanceGain(Fraction(1), rate, level)
-                    return replace(everywhere, rate=rate, rate_domain=domain, gain=gain, gain_domain=domain)
+    for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
+        for kappa in rates_below(max(slowest(farthest, decay), Fraction(0))):
+            rate = DecayRate(decay, kappa)
+            level = None if domain.radius is None else half
+            gain = None if decay is DecayKind.ALGEBRAIC else DisturbanceGain(Fraction(1), rate, level)
+            if _is_shown(system, subject, search, domain, rate, gain):
+                gain_domain = None if gain is None else domain
+                return replace(everywhere, rate=rate, rate_domain=domain, gain=gain, gain_domain=gain_domain)
     return everywhere
 
 
-def distance_hypotheses(scene: SwitchedSystem, domain: Domain) -> dict[str, Any]:
-    """Of theorem ``lyapunov``, with the distance from the point, which attracts.
+def distance_text(state: str, decay: DecayKind) -> str:
+    """V as a formula: the distance, or its square."""
+    return f"{state}**2" if decay is DecayKind.ALGEBRAIC else f"Abs({state})"
+
+
+def distance_hypotheses(scene: SwitchedSystem, domain: Domain, decay: DecayKind) -> dict[str, Any]:
+    """Of theorem ``lyapunov``, with the distance from the point, which attracts, or its square.
 
     Raises:
         BeyondReachError: for too many cells.
     """
-    text = f"Abs({scene.states[0]})"
+    text = distance_text(scene.states[0], decay)
     cells = stated_cells(scene, domain.radius, surfaces_of(scene, parse_piecewise(text, scene.states)))
     return stability_hypotheses(cells.record, text, ASYMPTOTICALLY_STABLE)
 
 
 def _is_shown(
-    scene: SwitchedSystem, subject: System, search: Search, domain: Domain, rate: DecayRate, level: Fraction | None
+    scene: SwitchedSystem,
+    subject: System,
+    search: Search,
+    domain: Domain,
+    rate: DecayRate,
+    gain: DisturbanceGain | None,
 ) -> bool:
+    level = None if gain is None or gain.level is None else str(gain.level)
+    more = {"rate": rate.record, "level": level} | ({} if gain is None else {"gain": str(gain.gamma)})
     try:
-        own = distance_hypotheses(scene, domain)
-        search.entry(subject, "lyapunov", {**own, "rate": rate.record, "gain": "1", "level": level and str(level)})
+        search.entry(subject, "lyapunov", distance_hypotheses(scene, domain, rate.decay) | more)
     except (BeyondReachError, NotShownError):
         return False
     return True

@@ -186,10 +186,15 @@ def _marks(scene: SwitchedSystem, turn: int) -> list[RealRoot]:
 
 
 def slowest(scene: SwitchedSystem, farthest: Fraction, decay: DecayKind) -> Fraction:
-    """The least speed toward the point at some places, over the distance for an exponential rate; proves nothing."""
+    """The largest kappa that some places allow; proves nothing.
+
+    In ``V' <= -kappa V^p`` V is the distance s, or for an algebraic rate its square: then kappa is at most 2/s^3 times
+    the speed toward the point.
+    """
+    factor, power = {DecayKind.FINITE: (1, 0), DecayKind.EXPONENTIAL: (1, 1), DecayKind.ALGEBRAIC: (2, 3)}[decay]
     places = [farthest * Fraction(k, PLACES) / 4**j for k in range(1, PLACES + 1) for j in range(HALVINGS)]
     speeds = (
-        -_value(_outward(member, turn, _sign_at(place)), place) / (1 if decay is DecayKind.FINITE else place)
+        -_value(_outward(member, turn, _sign_at(place)), place) * factor / place**power
         for place in places
         for turn in (1, -1)
         for member in scene.members

@@ -31,7 +31,7 @@ from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effor
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
-from nonsmooth.proofs.systems.decay_rate import decay_rate, disturbance_gain, rate_scales, region_rate
+from nonsmooth.proofs.systems.decay_rate import DecayKind, decay_rate, disturbance_gain, rate_scales, region_rate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
@@ -145,7 +145,9 @@ def arrives_in_finite_time(
         return True
     if function is None or function.decrease is not Decrease.STRICT or are_cones(function.result.cells):
         return False
-    return decay_rate(function.result.cells) is not None and arrives_in_time(scene, cells, falls_exponentially=True)
+    rate = decay_rate(function.result.cells)
+    exponential = rate is not None and rate.decay is not DecayKind.ALGEBRAIC
+    return exponential and arrives_in_time(scene, cells, falls_exponentially=True)
 
 
 def holds_everywhere(scene: SwitchedSystem, verdict: Translation, cells: Sequence[FieldCell]) -> bool:

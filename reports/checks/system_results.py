@@ -54,6 +54,13 @@ MEANINGS = {
 }  # of the verdicts, for solutions of the inclusion
 
 
+KINDS_OF_RATES = {
+    DecayKind.FINITE: "in finite time",
+    DecayKind.EXPONENTIAL: "exponentially",
+    DecayKind.ALGEBRAIC: "algebraically",
+}
+
+
 class SystemAnswer(NamedTuple):
     """What somebody wants to know of a plain system.
 
@@ -324,7 +331,7 @@ def _how_fast(result: StabilityResult) -> SystemAnswer:
     """The rate at which solutions come to an asymptotically stable point."""
     question, reach, states = "how fast", result.reach, result.scene.states
     if reach.rate is not None:
-        kind = "in finite time" if reach.rate.decay is DecayKind.FINITE else "exponentially"
+        kind = KINDS_OF_RATES[reach.rate.decay]
         farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""
         return SystemAnswer(question, kind, f"{rate_words(reach, states)}{farther}")
     if reach.in_finite_time:

@@ -137,6 +137,7 @@ SYSTEM_QUESTIONS = ("stability",)
 # everywhere); every start with `V < level` in the square of half-width `within` arrives; in one state every start
 # between `from` and `to` does.
 SYSTEM_NUMBERS = ("rate", "fall", "rate_within", "level", "within", "from", "to")
+RATES = {DecayKind.EXPONENTIAL: "rate", DecayKind.FINITE: "fall"}
 SYSTEM_TEXTS = ("method", "V")
 SYSTEM_COLUMNS = (*SYSTEM_QUESTIONS, *SYSTEM_TEXTS, *SYSTEM_NUMBERS)
 
@@ -180,8 +181,8 @@ def _texts(result: StabilityResult) -> dict[str, str | None]:
 def _numbers(result: StabilityResult) -> dict[str, Any]:
     found: dict[str, Any] = {}
     reach = result.reach
-    if reach.rate is not None and reach.rate_domain is not None:
-        found["rate" if reach.rate.decay is DecayKind.EXPONENTIAL else "fall"] = reach.rate.kappa
+    if reach.rate is not None and reach.rate_domain is not None and reach.rate.decay in RATES:
+        found[RATES[reach.rate.decay]] = reach.rate.kappa
         found["rate_within"] = reach.rate_domain.radius
     if reach.region is not None:
         found |= {"level": reach.region.level, "within": reach.region.radius}

@@ -104,6 +104,7 @@ def in_one_state() -> Iterator[Case]:
         "linear-and-square": ("-x + x**2/2", "x**2", rate("exponential", "1")),
         "relay": ("-sign(x)", "x**2", None),
         "relay-and-drift": ("-2*sign(x) + x", "Abs(x)", rate("finite", "1")),
+        "cubic-friction": ("-x**3", "x**2", rate("algebraic", "2")),
         "steep-side": ("-x - relu(x)", "x**2 + x*Abs(x)/2", rate("exponential", "2")),
         "saturated": ("-sat(2*x, -1, 1)", "x**2", None),
     }
@@ -124,6 +125,18 @@ def in_one_state() -> Iterator[Case]:
     moved = subject(["-sign(x - 3/4)"], at=["3/4"])
     yield Case("one-moved", moved, "lyapunov", lyapunov("Abs(x)", cells("x"), rate=rate("finite", "1"), level="1/2"))
     yield Case("one-rests", subject(["-relu(x)"]), "lyapunov", lyapunov("x**2", cells("x"), STAYS))
+
+
+def slow_rates() -> Iterator[Case]:
+    """``V' <= -kappa V**2`` on a cube, and in the whole space."""
+    own = {"rate": rate("algebraic", "1/2")}
+    for count in (2, 3):
+        names = NAMES[:count]
+        rhs = ["-y - x**3", "x - y**3", "-z**3"][:count]
+        function = " + ".join(f"{name}**2" for name in names)
+        for where in ("1/2", None):
+            about = {**lyapunov(function, cells(within=where)), **own}
+            yield Case(f"slow-{count}-{'space' if where is None else 'cube'}", subject(rhs), "lyapunov", about)
 
 
 def linear_systems() -> Iterator[Case]:
@@ -569,6 +582,7 @@ def centres() -> Iterator[Case]:
 
 GROUPS = (
     in_one_state,
+    slow_rates,
     linear_systems,
     relays,
     nonlinear_systems,

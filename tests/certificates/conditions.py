@@ -102,7 +102,7 @@ def of_lyapunov() -> Iterator[Forgery]:
     rated = {**FALLS, "rate cell  field 0": ON_PARTS}
     for rate in ({"kind": "exponential", "kappa": "0"}, {"kind": "hyperbolic", "kappa": "1"}):
         claims: list[Record] = [ATTRACTS, {"rate": {**about, **rate}}]
-        yield of_one_state("a positive rate, finite or exponential", "-x", claims, rated, {"rate": rate})
+        yield of_one_state("a positive rate, finite, exponential or algebraic", "-x", claims, rated, {"rate": rate})
     rate = {"kind": "exponential", "kappa": "1"}
     claims = [ATTRACTS, {"rate": {**about, **rate}}, {"gain": {**about, **rate, "gamma": "-3"}}]
     yield of_one_state("a positive gain", "-x", claims, {**rated, "gradient ": ON_PARTS}, {"rate": rate, "gain": "-3"})

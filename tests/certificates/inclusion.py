@@ -293,6 +293,8 @@ def judge_rate(own: FloatInclusion, said: Record, half: float) -> str:
     bound = before * np.exp(-kappa * time)
     if said["kind"] == "finite":
         bound = np.maximum(before - kappa * time, 0) + 0.1 * before
+    if said["kind"] == "algebraic":
+        bound = before / (1 + kappa * before * time)
     late = stays & (after > 1.3 * bound)
     return f"V falls to {after[late][0]:.3g} and not to {bound[late][0]:.3g}" if late.any() else ""
 
@@ -306,7 +308,7 @@ def judge_gain(own: FloatInclusion, said: Record, half: float) -> str:
     v = own.members(z, np.full(len(z), 1e-9))
     d = own.random.normal(size=z.shape)
     slope = (levels(own, said, z + 1e-7 * (v + d)) - before) / 1e-7
-    fall = float(Fraction(said["kappa"])) * (before if said["kind"] == "exponential" else 1.0)
+    fall = float(Fraction(said["kappa"])) * before ** {"finite": 0, "exponential": 1, "algebraic": 2}[said["kind"]]
     bound = float(Fraction(said["gamma"])) * np.linalg.norm(d, axis=1) - fall
     wrong = (before < top) & (slope > bound + 1e-3 * (1 + np.abs(bound)))
     return f"V rises at {slope[wrong][0]:.3g}, not {bound[wrong][0]:.3g}" if wrong.any() else ""

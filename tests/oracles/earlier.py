@@ -58,6 +58,9 @@ def translated(certificate: Record) -> Record:
         raise NoWordError("sines and cosines")
     if any("denominator" in entry["hypotheses"] for entry in certificate["evidence"]):
         raise NoWordError("a V with a denominator")
+    rates = [entry["hypotheses"].get("rate") or {} for entry in certificate["evidence"]]
+    if any(own.get("kind") == "algebraic" for own in rates):
+        raise NoWordError("algebraic rates")
     states = len(subject["states"])
     return {1: _in_one_state, 2: _in_the_plane}.get(states, _in_many_states)(certificate)
 

@@ -188,10 +188,10 @@ def statements(subject: Any, entry: Any) -> list[Any]:
     if rate is not None:
         kind, kappa = keys(rate, "kind kappa")
         speed = number(kappa) * inclusion.radius
-        need(speed > 0 and kind in ("exponential", "finite"), "a rate")
+        need(speed > 0 and kind in ("exponential", "finite", "algebraic"), "a rate")
 
         def shift(v: Poly) -> Poly:
-            return v * speed if kind == "exponential" else ZERO + speed
+            return {"finite": ZERO + speed, "exponential": v * speed, "algebraic": v * v * speed}[kind]
 
         own.show_falls("rate ", shift, strict=False, gain=gain is not None)
         shown.append({"rate": {**about, **rate, **({"below": level} if below else {})}})

@@ -218,7 +218,28 @@ def test_one_state(rhs: str) -> None:
     assert any(own.get("gain", {}).get("gamma") == "1" for own in claims)
 
 
-def test_one_state_without_a_rate() -> None:
-    for rhs in ("-x**3", "-Max(x, x**3)"):
-        result = decide_system(build_system({"system": {"states": ["x"], "rhs": [rhs]}}, "t", Path("t.toml")))
-        assert result.reach.rate is None
+SLOW = {  # the largest kappa in V' <= -kappa V**2 near the point, and whether it holds everywhere
+    ("-x**3",): (2.0, True),
+    ("-Max(x, x**3)",): (2.0, False),
+    ("-x**3 + y**3", "-x**3 - y**3"): (1.0, True),
+    ("-y - x**3", "x - y**3"): (1.0, False),
+    ("-x**3 - z**3", "-y**3", "x**3 - z**3"): (2 / 3, True),
+}
+
+
+@pytest.mark.parametrize("rhs", SLOW)
+def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
+    """Where linear terms are missing, or turn only, V is the square of the distance, and no gain is known."""
+    largest, everywhere = SLOW[rhs]
+    names = ["x", "y", "z"][: len(rhs)]
+    result = decide_system(build_system({"system": {"states": names, "rhs": list(rhs)}}, "t", Path("t.toml")))
+    reach = result.reach
+    assert reach.rate is not None
+    assert reach.rate.decay is DecayKind.ALGEBRAIC
+    assert 0.5 * largest < float(reach.rate.kappa) <= largest
+    assert reach.rate_domain is not None
+    assert (reach.rate_domain.radius is None) is everywhere
+    assert reach.gain is None
+    assert "V0/(1 + " in rate_words(reach, names)
+    claims = certificate_of(result)["statement"]["claims"]
+    assert any(own.get("rate", {}).get("kind") == "algebraic" for own in claims)

@@ -53,6 +53,7 @@ NO_WORDS = {
     "theorem reversible",
     "theorem integral",
     "a V with a denominator",
+    "algebraic rates",
     "surfaces and pieces without a common point",
 }
 PLANAR = {known.name: known for known in families()}

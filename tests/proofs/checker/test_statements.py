@@ -212,7 +212,11 @@ PLANE = "x**2 + y**2"
         (["-x", "-y + y**2"], lyapunov(PLANE, cells(within="2"), level="2"), "cell  field 0"),
         (["-x", "-y"], lyapunov(PLANE, cells(), rate=rate("exponential", "3")), "rate cell  field 0"),
         (["-x", "-y"], lyapunov(PLANE, cells(), rate=rate("finite", "1")), "rate cell  field 0"),
-        (["-x", "-y"], lyapunov(PLANE, cells(), rate=rate("finite", "0")), "a positive rate, finite or exponential"),
+        (
+            ["-x", "-y"],
+            lyapunov(PLANE, cells(), rate=rate("finite", "0")),
+            "a positive rate, finite, exponential",
+        ),
         (["-x + x**3", "-y"], lyapunov(PLANE, cells(within="1/2"), everywhere=True), "cones and forms"),
         (["-x", "-y"], lyapunov(PLANE, cells("x - 3"), everywhere=True), "cones and forms"),
         (["y", "-x"], lyapunov(PLANE, cells(), "stable", everywhere=True), "an attracting point"),
