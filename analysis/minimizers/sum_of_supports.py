@@ -45,6 +45,7 @@ GAP = 1e-13  # relative to the value: rounding of the sum
 GAP_FLOOR = 2e-18  # relative to the value at y = 0: below lies the rounding of the slips themselves
 EXCESS = 1e-15  # of a force over its set: rounding of a unit vector
 IMBALANCE = 4e-15  # relative to the sum of the weights: rounding of the sum
+SLIP_NOISE = 1e-15  # of slips: rounding.  Where all are no larger nothing slips, and no gap is small beside the value
 
 
 class SupportSums:
@@ -103,7 +104,8 @@ class SupportSums:
         values = (self.weights * sizes).sum(axis=0)
         gap = np.abs((self.weights * (sizes - slips[0] * forces[0] - slips[1] * forces[1])).sum(axis=0))
         beyond, imbalance = np.maximum(excess.max(axis=0), 0.0), np.abs(self.total(forces)).max(axis=0)
-        proved = (beyond <= EXCESS) & (imbalance <= IMBALANCE) & (gap <= GAP * values + GAP_FLOOR * self.start)
+        proved = (gap <= GAP * values + GAP_FLOOR * self.start) | (sizes.max(axis=0) <= SLIP_NOISE)
+        proved &= (beyond <= EXCESS) & (imbalance <= IMBALANCE)
         lacks = gap + beyond * values + imbalance  # of power, at speeds of order one
         return Judgement(values, excess, np.where(np.isfinite(lacks), lacks, np.inf), proved)
 
@@ -130,8 +132,7 @@ class Solutions:
 
     def keep(self, at: NDArray[np.int_], y: Floats, forces: Floats, lacks: Floats, proved: NDArray[np.bool_]) -> None:
         """Keep solutions of problems ``at`` that are proved, the last ones of them, or lack less than before."""
-        better = proved | (~self.proved[at] & (lacks < self.lacks[at]))
-        chosen = np.flatnonzero(better)
+        chosen = np.flatnonzero(proved | (~self.proved[at] & (lacks < self.lacks[at])))
         at = at[chosen]
         self.y[:, at], self.forces[..., at] = y.take(chosen, axis=-1), forces.take(chosen, axis=-1)
         self.lacks[at], self.proved[at] = lacks[chosen], proved[chosen]
@@ -147,7 +148,6 @@ STIFFEST = 1e12
 LESS_STIFF = 1e8  # where loads differ by many orders of magnitude rounding of more hides the small ones
 FALL = 0.1  # what it should lack after a multiplier step, relative to before
 LOOSE = 0.1  # imbalance, times c, at which p takes the place of multipliers
-SLIP_NOISE = 1e-15  # of slips: imbalance, over c, that is rounding
 ANCHOR = 1e-3  # weight of the distance to the last y, over c: a curvature for all directions
 FLATTER = 0.5  # share of the first slope along a step up to which it may rise at its end
 PASSES = 3000  # from nothing: most problems take some forty, those with weights of many magnitudes a thousand
@@ -279,8 +279,6 @@ def _solved(sums: SupportSums, sets: FrictionSets, passes: int) -> Solutions:
     found, at = Solutions(n, m), np.arange(m)
     if isinstance(sets, UnitDiscs):
         at, sums = _smoothed(found, at, sums, sets)
-        if not len(at):
-            return found
     stiffness = np.full(len(at), FIRST_STIFFNESS)
     rest = by_multipliers(sums, np.zeros((3, len(at))), np.zeros((2, n, len(at))), stiffness, passes)
     found.keep(at, rest.y, rest.forces, rest.lacks, rest.proved)
@@ -307,8 +305,8 @@ def _smoothed(
 
 def _finish(found: Solutions, at: NDArray[np.int_], sums: SupportSums, state: Smoothed, stiffest: float) -> None:
     """Keep what the iterates are worth, and what multipliers make of them."""
-    _, _, lacks, proved = sums.judge(sums.slips(state.y), state.forces)
-    found.keep(at, state.y, state.forces, lacks, proved)
+    judged = sums.judge(sums.slips(state.y), state.forces)
+    found.keep(at, state.y, state.forces, judged.lacks, judged.proved)
     better = finished(sums, state.y, state.forces, state.g, FINISH_PASSES, stiffest)
     found.keep(at, better.y, better.forces, better.lacks, better.proved)
 

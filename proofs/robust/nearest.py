@@ -23,9 +23,11 @@ Inside the disc nothing is said: several zeros, slides and rotations may be ther
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import NamedTuple
 
 from flint import arb, ctx, fmpq
@@ -263,23 +265,34 @@ def outer_cells(wheels: Sequence[Wheel], radius: fmpq, step: arb) -> Iterator[Ou
         step: tolerance of every coordinate of every wheel.
     """
     near = _among_the_nearest(wheels, radius, step)
+    places = {k: tuple(map(float, wheels[k].position)) for k in near}
+
+    def gap(i: int, k: int) -> float:
+        return math.dist(places[i], places[k])
+
+    others = {i: sorted(set(near) - {i}, key=partial(gap, i)) for i in near}
+
+    def kept(polygon: Polygon | None, i: int, further: Iterable[int], signs: tuple[int, int]) -> Polygon | None:
+        """Where wheel i may be nearer than further ones, which are sorted by their distance from it.
+
+        What is farther from it than twice the polygon cuts nothing off; if rounding hides that, the cell is too large.
+        """
+        for k in further:
+            if polygon is None:
+                break
+            reach = max(math.dist(places[i], (float(x), float(y))) for x, y in polygon.vertices)
+            if gap(i, k) > 2 * reach:
+                break
+            polygon = polygon.clipped(_nearer(wheels[i], wheels[k], step, signs))
+        return polygon
+
     for signs in QUADRANTS:
-        nearer = {(i, k): _nearer(wheels[i], wheels[k], step, signs) for i in near for k in near if i != k}
         for i in near:
-            cell = _clipped(_quadrant(radius, signs), [nearer[i, k] for k in near if k != i])
+            cell = kept(_quadrant(radius, signs), i, others[i], signs)
             for j in near if cell is not None else ():
-                if j != i:
-                    pair = _clipped(cell, [nearer[j, k] for k in near if k not in (i, j)])
-                    if pair is not None:
-                        yield OuterCell(i, j, signs, pair)
-
-
-def _clipped(polygon: Polygon | None, half_planes: Sequence[HalfPlane]) -> Polygon | None:
-    for half_plane in half_planes:
-        if polygon is None:
-            return None
-        polygon = polygon.clipped(half_plane)
-    return polygon
+                pair = kept(cell, j, (k for k in others[j] if k != i), signs) if j != i else None
+                if pair is not None:
+                    yield OuterCell(i, j, signs, pair)
 
 
 def _quadrant(radius: fmpq, signs: tuple[int, int]) -> Polygon:
@@ -314,11 +327,10 @@ def _among_the_nearest(wheels: Sequence[Wheel], radius: fmpq, step: arb) -> list
     for wheel in wheels:
         sizes = [abs(entry.ball()) for entry in wheel.position]
         gaps = [max(size - edge - step, arb(0), key=float) for size in sizes]
-        least = lower_end(gaps[0] * gaps[0] + gaps[1] * gaps[1])
-        most = upper_end(sum(((size + edge + step) ** 2 for size in sizes), arb(0)))
-        reaches.append((least, most))
-    second = sorted(most for _, most in reaches)[1]
-    return [k for k, (least, _) in enumerate(reaches) if least <= second]
+        most = sum(((size + edge + step) ** 2 for size in sizes), arb(0))
+        reaches.append((gaps[0] * gaps[0] + gaps[1] * gaps[1], most))
+    nearest = sorted((most for _, most in reaches), key=float)[:2]
+    return [k for k, (least, _) in enumerate(reaches) if not all(least > most for most in nearest)]
 
 
 def lower_end(ball: arb) -> fmpq:

@@ -394,6 +394,18 @@ def test_a_rigid_motion_that_all_wheels_want_costs_nothing(minimizer: Minimizer)
     np.testing.assert_allclose(minima.values, 0, atol=1e-9)
 
 
+def test_slips_that_are_rounding_prove_that_nothing_slips() -> None:
+    """With a gap of that size, beside a sum of that size: further passes would find the same."""
+    angles = np.array([0.1, 1.2, 3.5])
+    maps = np.array([[(1, 0, -np.sin(angle)), (0, 1, np.cos(angle))] for angle in angles])
+    wanted = np.array([0.3, -0.2, -np.sqrt(3) / 2])
+    sums = SupportSums(np.ones((3, 1)), maps, (maps @ wanted).T[..., None], UnitDiscs(np.ones(3)))
+    for error, proved in ((1e-16, True), (1e-13, False)):
+        slips = sums.slips(wanted[:, None] + error)
+        assert np.abs(slips).max() > 0
+        assert sums.judge(slips, np.zeros((2, 3, 1))).proved == proved
+
+
 @pytest.mark.parametrize("minimizer", [m for m in MINIMIZERS if not isinstance(m, BoxEnumeration)], ids=label)
 def test_one_loaded_wheel(minimizer: Minimizer) -> None:
     """The body may turn about it: no dissipation, and the wheel sticks.

@@ -12,14 +12,18 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import pytest
+from flint import arb, fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.robust import nearest
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.tolerances import Tolerance
+from tests.conftest import Arrays as Builders
 from tests.thorough import few, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -180,6 +184,22 @@ def test_the_radius_goes_to_zero_with_the_tolerances(tmp_path: Path) -> None:
         assert bound is not None
         ratios.append(float(bound.squared) ** 0.5 * parts)
     assert ratios[0] == pytest.approx(ratios[1], rel=0.05)
+
+
+def test_cells_of_many_wheels_ask_their_neighbours_alone(arrays: Builders, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not every wheel for every other one: of a hundred thousand some hundreds lie near."""
+    wheels, asked = arrays.grid(12, 12).recentred().wheels, 0
+
+    def counted(near: Wheel, far: Wheel, step: arb, signs: tuple[int, int]) -> HalfPlane:
+        nonlocal asked
+        asked += 1
+        return nearer(near, far, step, signs)
+
+    nearer = nearest._nearer
+    monkeypatch.setattr(nearest, "_nearer", counted)
+    cells = list(nearest.outer_cells(wheels, fmpq(3), arb(0)))
+    assert sum(cell.polygon.area for cell in cells) == 6 * 6
+    assert asked < len(wheels) ** 2
 
 
 def test_what_is_not_followed_is_undecided(tmp_path: Path) -> None:
