@@ -77,7 +77,7 @@ def widest_square(positions: Sequence[Vector], point: Vector) -> Number | None:
     None where the point is not strictly inside the polygon.
     """
     corners, widths = support_polygon(positions), list[Number]()
-    for corner, following in pairwise([*corners, corners[0]]):
+    for corner, following in pairwise([*corners, *corners[:1]]):
         e = minus(following, corner)
         widths.append(cross(e, minus(point, corner)) / (abs(e[0]) + abs(e[1])))
     if len(corners) < 3 or min(width.sign() for width in widths) <= 0:

@@ -164,7 +164,7 @@ def position_and_ends(printed: Printed) -> Iterator[Contradiction]:
     if ends is None or printed.equilibrium is not Equilibrium.FAILS:
         return
     at_point = ends.stays & (ends.distances[1] <= AT_POINT * printed.radius)
-    if at_point.any():
+    if at_point.any() and not _rests_beside(printed):
         seen = f"{at_point.sum()} of {len(at_point)} sampled starts come to rest at the point"
         yield Contradiction("position and destinations", (printed.said("position"), seen), PLACE)
 
@@ -290,7 +290,7 @@ def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
         if not (entry.is_every_heading or float(entry.low) < 0 < float(entry.high)):
             continue
         said = f'in the list of headings, at the checked one: "{entry.position}", heading: "{entry.verdict}"'
-        is_none = printed.equilibrium is Equilibrium.FAILS
+        is_none = printed.equilibrium is Equilibrium.FAILS and not _rests_beside(printed)
         if is_none or _opposite(printed.answers["position"].verdict, entry.position):
             yield Contradiction("position and headings of rest", (printed.said("position"), said), PLACE)
         if {printed.answers["heading"].verdict, entry.verdict} == {Heading.KEEPS, Heading.DRIFTS}:
@@ -582,6 +582,16 @@ def _is_place(check: Check, place: Iterable[SupportsFloat]) -> bool:
     within = AT_POINT * float(check.scene.check.radius)
     pairs = zip(place, check.scene.check.equilibrium, strict=True)
     return all(abs(float(one) - float(two)) <= within for one, two in pairs)
+
+
+def _rests_beside(printed: Printed) -> bool:
+    """Whether a body rests, by proof, so near the checked point that no path tells the two apart.
+
+    So it is where the point is a place of rest that was rounded to a float; the point itself does not count.
+    """
+    within = AT_POINT * printed.radius
+    places = [one.found.points for one in printed.check.other_equilibria or ()]
+    return any(len(points) == 1 and all(abs(float(x)) <= within for x in points[0]) for points in places)
 
 
 def _opposite(one: object, two: object) -> bool:

@@ -180,7 +180,8 @@ class BalancedForces:
             slope = slope + (2.0**-36 * trace + 2.0**-60 * scale / self.fastest) * np.eye(3)
             step = -np.linalg.solve(slope, gradient[:, :, None])[:, :, 0]
             # far away D has no curvature, and steps would lead farther still
-            size = np.minimum(LONGEST * self.fastest / np.maximum(np.abs(step).max(axis=1, keepdims=True), TINY), 1.0)
+            length = np.maximum(np.abs(step).max(axis=1, keepdims=True), TINY)
+            size = np.minimum(LONGEST * self.fastest, length) / length
             # D is convex along the step: its slope there must not be steeper ahead than it was behind
             steepest = 0.5 * np.abs((gradient * step).sum(axis=1)) + 2.0**-44 * scale * np.abs(step).sum(axis=1)
             long = np.arange(len(now))

@@ -274,7 +274,10 @@ def _standing(scene: Scene) -> float:
         return 0.0
     places = np.array([[float(entry) for entry in corner] for corner in corners])
     along = np.roll(places, -1, axis=0) - places
-    distances = (places[:, 0] * along[:, 1] - places[:, 1] * along[:, 0]) / np.hypot(along[:, 0], along[:, 1])
+    lengths = np.hypot(along[:, 0], along[:, 1])
+    if not lengths.all():  # floats do not tell corners apart that are far away
+        return 0.0
+    distances = (places[:, 0] * along[:, 1] - places[:, 1] * along[:, 0]) / lengths
     return float(distances.min()) * (1 - 2.0**-30)
 
 

@@ -78,10 +78,7 @@ class PlaneMinima:
         z = np.zeros(2)
         pull, slope = self._derivatives(fixed, plane, loads)
         for _ in range(STEPS):
-            if not np.isfinite(slope).all():
-                return None
-            least, largest = np.linalg.eigvalsh(slope)
-            if least <= SINGULAR * largest:
+            if not _curves(slope):
                 return None
             if np.abs(pull).max() <= enough:
                 break
@@ -91,6 +88,8 @@ class PlaneMinima:
                 move /= 2
                 pull, slope = self._derivatives(fixed + (z + move) @ plane, plane, loads)
             z = z + move
+        if not _curves(slope):
+            return None
         columns = np.linalg.inv(np.linalg.cholesky(slope)).T
         columns[1] /= self._rows.length
         return PlaneMinimum(kappa, float(z[0]), float(z[1]) / self._rows.length, *columns.ravel().tolist())
@@ -105,6 +104,14 @@ class PlaneMinima:
         mixed = along.T @ (both[:, None] * across)
         slope = along.T @ (by_r[:, None] * along) + mixed + mixed.T + across.T @ (by_s[:, None] * across)
         return along.T @ f + across.T @ g, slope
+
+
+def _curves(slope: Floats) -> bool:
+    """Whether a Hessian shows curvature in every direction, beyond rounding."""
+    if not np.isfinite(slope).all():
+        return False
+    least, largest = np.linalg.eigvalsh(slope)
+    return bool(least > SINGULAR * largest)
 
 
 def _middle(piece: AnnulusPiece) -> tuple[float, float]:

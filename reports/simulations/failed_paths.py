@@ -19,6 +19,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.path import BodyPath
+from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.ending import EndMotion
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -413,13 +414,16 @@ def _followed(
     lifted = failed.kind is FailureKind.LIFTED
     try:
         array = _on_the_others(scene, failed.wheels) if lifted else stopped(scene, failed.wheels)
-        if lifted and scene.body is None and _leaves_support(array, [start[:2]]) is not None:
+        on_others = lifted and (scene.body is None or not array.wheels)
+        if on_others and _leaves_support(array, [start[:2]]) is not None:
             return FailedPath(failed, start, None, "the body does not stand on the wheels that are left", 0.0)
         if _never_carry(scene, failed, before.path):
             return replace(before, failed=failed)
         path = rule_path(array, scene.contact.rule, start, until)
     except NoLoadsError:
         return FailedPath(failed, start, None, NO_TABLE)
+    except StartTipsError as error:
+        return FailedPath(failed, start, None, one_line(str(error)), 0.0)
     except (RefusalError, SceneError, TrajectoryError, ValueError) as error:
         return FailedPath(failed, start, None, one_line(str(error)))
     out = _leaves_support(array, [state[:2] for state in path.states]) if lifted and scene.body is None else None

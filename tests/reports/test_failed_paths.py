@@ -174,6 +174,15 @@ def test_a_body_tips_where_a_check_says_so(invoke: Invoke) -> None:
     assert {row["kind"] for row in rows if row["end"] is not None} == {None, "stopped"}
 
 
+@pytest.mark.parametrize("body", ["", 'body = { shape = "disc", radius = 1.4 }\n'])
+@pytest.mark.parametrize("wheels", ["1,2,3,4", "1,2,3"])
+def test_a_body_tips_on_too_few_wheels(invoke: Invoke, tmp_path: Path, body: str, wheels: str) -> None:
+    (tmp_path / "few.toml").write_text(f"friction = {{ mu_roll = 1, mu_side = 0.4 }}\nring = {{ count = 4 }}\n{body}")
+    shown = invoke("simulate", str(tmp_path / "few.toml"), "--from", "0.1,0,0", "--fail", wheels)
+    assert any("lifted" in line and "tips" in line for line in shown.out.splitlines())
+    assert "not followed" not in shown.out
+
+
 def test_wheels_fail_together() -> None:
     found = ns.load("four-wheel").simulate((0.2, 0.1, 0.0), fail="1,2").to_dict()
     assert [failure["wheels"] for failure in found["failures"]] == [[1, 2], [1, 2]]

@@ -93,6 +93,13 @@ def test_a_rest_point_of_cells_that_is_said_to_be_none() -> None:
     assert "position and destinations" in noticed(planted)
 
 
+def test_a_place_of_rest_that_was_rounded_to_a_float_contradicts_nothing() -> None:
+    """Bodies rest 1e-12 beside the checked point: no sampled path tells the two apart, and both are right."""
+    check = check_theorem4(load_scene("off-center", at="0.500000000001,1/4"))
+    assert not noticed(check)
+    assert answers_of(check)[0].verdict is Position.COMES_NEAR
+
+
 @pytest.mark.parametrize(
     ("name", "rule"), keep(2, [("four-wheel", "nearest"), ("ring-6", "nearest"), ("spiral-30", "nearest")])
 )

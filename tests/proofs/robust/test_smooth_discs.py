@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof
 from nonsmooth.proofs.robust.friction_forces import ellipse_force, roller_force
 from nonsmooth.proofs.robust.nearest import inner_radius
+from nonsmooth.proofs.robust.plane_minimum import PlaneMinima
 from nonsmooth.proofs.robust.rings import EndDisc, RingProof
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
@@ -288,3 +290,16 @@ def test_a_sum_of_intervals_holds_the_sum_of_their_ends() -> None:
     low, high = ([sum(Fraction(entry) for entry in row) for row in part] for part in ends)
     assert all(a <= b for a, b in zip(found.low, low, strict=True))
     assert all(a >= b for a, b in zip(found.high, high, strict=True))
+
+
+def test_no_minimum_is_guessed_where_the_last_step_ends_without_curvature(tmp_path: Path) -> None:
+    (tmp_path / "wheels.csv").write_text(
+        "x,y,heading,speed,mu_side\n229.1,-10.4,-170,143.3,0.2\n2.7,221.7,-40,200,0.9\n-277.9,-3.8,16,200,0.2\n"
+        "-166.4,-193.3,-67.1,200,0.2\n203.3,-185.9,-159.8,224.8,0.2\n"
+    )
+    (tmp_path / "five.toml").write_text(
+        "units = { length = 'mm' }\nfriction = { mu_roll = 0.8 }\ncontact = { rule = 'roller' }\n"
+        "wheels = { file = 'wheels.csv' }\n"
+    )
+    piece = AnnulusPiece(Fraction(75, 2), Fraction(40), Fraction(1, 32), Fraction(1, 32))
+    assert PlaneMinima(load_scene(str(tmp_path / "five.toml"))).on_plane(piece, 0.05) is None
