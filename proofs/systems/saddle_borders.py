@@ -8,11 +8,12 @@ ends in half-lines along the axes over which they lead, too.  Floats propose; th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.cells import System
@@ -46,15 +47,17 @@ def find_borders(
     if any(plane.waves):
         return []
     field, half, found = FloatField(plane), float(np.abs(border).max()), list[tuple[Floats, dict[str, Any]]]()
-    saddles = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.linalg.det(slope) < 0]
-    for saddle, slope in saddles[:MOST_SADDLES]:
-        search = _Search(field, saddle, slope, half, SHARPER * pace.angle)
-        shown = next((own for own in search.lines(surfaces) if is_shown(system, own)), None)
-        found += [] if shown is None else [(saddle, shown)]
+    rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.isfinite(slope).all()]
+    saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < 0]
+    with np.errstate(all="ignore"):  # far out, and where velocities vanish
+        for saddle, slope in saddles[:MOST_SADDLES]:
+            search = _Search(field, saddle, slope, half, SHARPER * pace.angle)
+            shown = next((own for own in search.lines(surfaces) if is_shown(system, own)), None)
+            found += [] if shown is None else [(saddle, shown)]
     return found
 
 
-def left_of(hypotheses: dict[str, Any], x: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:
+def left_of(hypotheses: dict[str, Any], x: Floats) -> NDArray[np.bool_]:
     """Which places are to the left of a line, in floats: shape (places, 2)."""
     unit = unit_of(hypotheses)
     half = 1 + int(np.abs(x).max() / unit)
@@ -81,8 +84,8 @@ class _Search:
     half: float
     angle: float
 
-    def lines(self, surfaces: Sequence[str]) -> Any:
-        """Hypotheses: with the side away from the point first, and then the other one."""
+    def lines(self, surfaces: Sequence[str]) -> Iterator[dict[str, Any]]:
+        """Hypotheses of lines on either side of the stable manifold, that away from the point first."""
         values, vectors = np.linalg.eig(self.slope)
         order = np.argsort(values.real)
         (falls, grows), (stable, unstable) = values.real[order], vectors.real.T[order]
