@@ -95,14 +95,15 @@ def show_rightward(chain: Sequence[Place], ends: Sequence[Place], plane: Plane) 
         require(not any(plane.waves), "half-lines without sines and cosines")
         (first, last), still = ends, (0, 0)
         begin: Line = ((chain[0],), first, rightward(first, still))
-        end: Line = ((chain[-1],), last, rightward(still, last))
+        sides = [begin, *sides, ((chain[-1],), last, rightward(still, last))]
+        before = sides
     else:
-        begin = end = ((chain[-1], chain[0]), None, rightward(chain[-1], chain[0]))
-    sides = [begin, *sides, end]
+        sides.append(((chain[-1], chain[0]), None, rightward(chain[-1], chain[0])))
+        before = [sides[-1], *sides]
     for places, direction, normal in sides:
         require_positive(plane, places, [normal], direction)
-    for corner, (before, after) in zip(chain, pairwise(sides), strict=True):
-        require_positive(plane, (corner,), [before[2], after[2]])
+    for corner, (one, other) in zip(chain, pairwise(before), strict=True):
+        require_positive(plane, (corner,), [one[2], other[2]])
 
 
 def require_positive(

@@ -177,7 +177,7 @@ def test_dependent_generators_hide_no_zero() -> None:
 def test_a_false_bound_of_a_rate_is_refused() -> None:
     """``V' = -2 sqrt(2) V`` is at most ``-2.828 V``, and not ``-2.829 V``."""
     record = certificate_of(decide_system(ns.System(["x", "y"], ["-sqrt(2)*x", "-sqrt(2)*y"], radius="1").system))
-    (entry,) = record["evidence"]
+    entry, *_ = record["evidence"]
     for kappa, holds in (("2828/1000", True), ("2829/1000", False)):
         claimed = copy.deepcopy(record)
         hypotheses = {**entry["hypotheses"], "everywhere": False, "level": None}
