@@ -218,27 +218,32 @@ GAIN_SHARES = (Fraction(65, 64), Fraction(5, 4), Fraction(2))  # of what samples
 class DisturbanceGain:
     """A proved gain.
 
-    It holds on the square, or the cube, on which V and its rate are proved.
+    It holds on the square, or the cube, on which V and its rate are proved, or everywhere.
 
     Attributes:
         gamma: of the disturbance.
         rate: of V without it.
-        level: of the region that is certified on that square; None where there is none.
+        level: of the region that is certified on that square; None where there is none, and everywhere.
         proofs: the evidence by the names of the checker's claims, where it is found in that form.
+        everywhere: whether it holds in the whole space.
     """
 
     gamma: Fraction
     rate: DecayRate
     level: Fraction | None
     proofs: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    everywhere: bool = False
 
     @property
     def largest(self) -> Fraction | None:
-        """Disturbances below it leave the certified region invariant; None without one."""
-        if self.level is None:
-            return None
+        """Disturbances below it leave the certified region invariant, or let solutions arrive all the same.
+
+        None without a region, and where solutions stay bounded under any.
+        """
         whole = self.rate.kappa / self.gamma
-        return whole if self.rate.decay is DecayKind.FINITE else whole * self.level
+        if self.rate.decay is DecayKind.FINITE and (self.everywhere or self.level is not None):
+            return whole
+        return None if self.level is None else whole * self.level
 
     @property
     def ultimate(self) -> Fraction | None:
@@ -246,20 +251,23 @@ class DisturbanceGain:
         return None if self.rate.decay is DecayKind.FINITE else self.gamma / self.rate.kappa
 
     def __str__(self) -> str:
-        factor = "" if self.gamma == 1 else f"{self.gamma} "
-        return f"with x' in F + d: {self.rate} + {factor}abs(d)"
+        return f"with x' in F + d: {self.rate} + {self._times_gamma('abs(d)')}"
+
+    def _times_gamma(self, size: str) -> str:
+        return size if self.gamma == 1 else f"{self.gamma} {size}"
 
     @property
     def on_starts(self) -> str:
-        """What it says of starts below the level; empty without one."""
-        kappa, gamma = self.rate.kappa, self.gamma
-        if self.largest is None:
+        """What it says of starts below the level, or of all; empty where it says nothing."""
+        if self.largest is None and not self.everywhere:
             return ""
         if self.rate.decay is DecayKind.FINITE:
-            ends = f"arrives all the same, within V/({kappa} - {gamma} delta)"
+            ends = f"arrives all the same, within V/({self.rate.kappa} - {self._times_gamma('delta')})"
         else:
             ends = f"ends in V <= {self.ultimate} delta"
-        return f"where abs(d) <= delta < {self.largest} every start with V < {self.level} there {ends}"
+        below = "" if self.largest is None else f" < {self.largest}"
+        starts = "every start" if self.everywhere else f"every start with V < {self.level} there"
+        return f"where abs(d) <= delta{below} {starts} {ends}"
 
 
 def disturbance_gain(

@@ -54,7 +54,9 @@ def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach
         for kappa in rates_below(max(slowest(farthest, decay), Fraction(0))):
             rate = DecayRate(decay, kappa)
             level = None if domain.radius is None else half
-            gain = None if decay is DecayKind.ALGEBRAIC else DisturbanceGain(Fraction(1), rate, level)
+            gain = None
+            if decay is not DecayKind.ALGEBRAIC:
+                gain = DisturbanceGain(Fraction(1), rate, level, everywhere=domain.radius is None)
             if _is_shown(system, subject, search, domain, rate, gain):
                 gain_domain = None if gain is None else domain
                 return replace(everywhere, rate=rate, rate_domain=domain, gain=gain, gain_domain=gain_domain)

@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.system_facts import rate_words
+from nonsmooth.proofs.system_facts import gain_words, rate_words
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.proofs.forged import with_reach
@@ -213,6 +213,7 @@ def test_one_state(rhs: str) -> None:
     assert reach.rate.decay is decay
     assert 0.7 * largest < float(reach.rate.kappa) <= largest
     assert rate_words(reach, ("x",)).startswith("V = abs(x): ")
+    assert ("every start with V < " in gain_words(reach, ("x",))) is not everywhere
     claims = certificate_of(result)["statement"]["claims"]
     assert ({"attracts": "everywhere"} in claims) is everywhere
     assert any(own.get("gain", {}).get("gamma") == "1" for own in claims)
