@@ -180,6 +180,8 @@ def _evidence(claim: Claim, known: Shown | None) -> dict[str, Any] | None:
     if known is None or known.mu is None:
         outcome = None if known is None else decide_claim(claim, but=SQUARES)
         return outcome.evidence if isinstance(outcome, Proof) else None
+    if len(known.mu) != len(mu_shapes([claim])):  # of an algebraic rate, whose claims have a higher degree
+        return None
     found = find(claim, Effort.HASTY, known.mu)
     return None if found is None else found.evidence
 

@@ -244,3 +244,10 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     assert "V0/(1 + " in rate_words(reach, names)
     claims = certificate_of(result)["statement"]["claims"]
     assert any(own.get("rate", {}).get("kind") == "algebraic" for own in claims)
+
+
+def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
+    """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``."""
+    rhs = ["-x + 3/2*y - sign(z)", "-3*sign(y) + 3*x", "-2*z - Abs(x) + 2*sign(y)"]
+    decided = decide_system(build_system({"system": {"states": ["x", "y", "z"], "rhs": rhs}}, "t", Path("t.toml")))
+    assert decided.reach.rate is None or decided.reach.rate.decay is not DecayKind.ALGEBRAIC
