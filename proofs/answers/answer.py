@@ -127,6 +127,16 @@ def has_dynamics(scene: Scene) -> bool:
     return scene.inertia is not None and isinstance(rule_of(scene), SmoothRule)
 
 
+def require_tolerances(scene: Scene) -> None:
+    """Refuse to ask what holds within tolerances of a scene that states none.
+
+    Raises:
+        SceneError: of such a scene.
+    """
+    if scene.tolerances is None:
+        raise SceneError(scene.origin, "tolerance", "a table of tolerances to require them", StatedFact("none"))
+
+
 def require_dynamics(scene: Scene, key: str) -> None:
     """Refuse to ask of a body with inertia.
 

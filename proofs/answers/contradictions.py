@@ -13,6 +13,7 @@ from there, along every border of cells, speak against it; "stays near" may be "
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -27,6 +28,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck, Check, Contradiction
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.plane import Vector, around, cross, dot
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
@@ -164,7 +166,7 @@ def position_and_ends(printed: Printed) -> Iterator[Contradiction]:
     if ends is None or printed.equilibrium is not Equilibrium.FAILS:
         return
     at_point = ends.stays & (ends.distances[1] <= AT_POINT * printed.radius)
-    if at_point.any() and not _rests_beside(printed):
+    if at_point.any() and not _is_rounded(printed):
         seen = f"{at_point.sum()} of {len(at_point)} sampled starts come to rest at the point"
         yield Contradiction("position and destinations", (printed.said("position"), seen), PLACE)
 
@@ -290,7 +292,7 @@ def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
         if not (entry.is_every_heading or float(entry.low) < 0 < float(entry.high)):
             continue
         said = f'in the list of headings, at the checked one: "{entry.position}", heading: "{entry.verdict}"'
-        is_none = printed.equilibrium is Equilibrium.FAILS and not _rests_beside(printed)
+        is_none = printed.equilibrium is Equilibrium.FAILS and not _is_rounded(printed)
         if is_none or _opposite(printed.answers["position"].verdict, entry.position):
             yield Contradiction("position and headings of rest", (printed.said("position"), said), PLACE)
         if {printed.answers["heading"].verdict, entry.verdict} == {Heading.KEEPS, Heading.DRIFTS}:
@@ -584,14 +586,22 @@ def _is_place(check: Check, place: Iterable[SupportsFloat]) -> bool:
     return all(abs(float(one) - float(two)) <= within for one, two in pairs)
 
 
-def _rests_beside(printed: Printed) -> bool:
-    """Whether a body rests, by proof, so near the checked point that no path tells the two apart.
+def _is_rounded(printed: Printed) -> bool:
+    """Whether the checked point is not on a border of cells, and so near to one that no path tells.
 
-    So it is where the point is a place of rest that was rounded to a float; the point itself does not count.
+    So it is where it is a place of rest that was rounded to a float: bodies rest beside it, on that border.
     """
-    within = AT_POINT * printed.radius
-    places = [one.found.points for one in printed.check.other_equilibria or ()]
-    return any(len(points) == 1 and all(abs(float(x)) <= within for x in points[0]) for points in places)
+    partition, within = printed.check.partition, AT_POINT * printed.radius
+    sides = [side for cell in (() if partition is None else partition.cells) for side in around(cell.polygon.vertices)]
+    return any(_float_distance(p, q) <= within and (bool(cross(p, q)) or dot(p, q).sign() > 0) for p, q in sides)
+
+
+def _float_distance(start: Vector, end: Vector) -> float:
+    """Of the checked point from a side of a cell."""
+    (px, py), (qx, qy) = ((float(x), float(y)) for x, y in (start, end))
+    x, y = qx - px, qy - py
+    share = min(max(-(px * x + py * y) / (x * x + y * y or 1.0), 0.0), 1.0)
+    return math.hypot(px + share * x, py + share * y)
 
 
 def _opposite(one: object, two: object) -> bool:

@@ -134,6 +134,10 @@ class CheckStudy(SceneStudy[CheckOptions]):
                 from nonsmooth.proofs.answers.answer import require_dynamics
 
                 require_dynamics(scene, "--require inertia")
+            if scene.kind is SceneKind.ARRAY and "tolerances" in options.required:
+                from nonsmooth.proofs.answers.answer import require_tolerances
+
+                require_tolerances(scene)
             if scene.kind is SceneKind.SYSTEM:
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
                 _require_array(scene, "--at auto" * (options.at == AUTO), "a plain system")

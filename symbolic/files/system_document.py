@@ -43,7 +43,8 @@ def read_states(value: object) -> tuple[str, ...]:
     if not 1 <= len(set(fit)) == len(names) <= MAX_STATES:
         texts = [name for name in names if isinstance(name, str)]
         other = next((name for name in texts if name in RESERVED or iskeyword(name)), None)
-        words = ', of letters a to z, digits and "_"' if texts else ""
+        is_odd = any(_STATE.fullmatch(name) is None for name in texts)
+        words = ', of letters a to z, digits and "_"' if is_odd else ""
         words = words if other is None else f"; {other} means something else in formulas"
         raise ValueError(f'required 1 to {MAX_STATES} different names such as ["x", "y"]{words}')
     return tuple(fit)

@@ -69,6 +69,12 @@ def number(text: str, field: NumberField) -> Number:
     return parse(text).value(field)
 
 
+@pytest.mark.parametrize("wanted", ["tolerances", "inertia"])
+def test_what_cannot_be_required_is_refused_before_anything_is_checked(invoke: Invoke, wanted: str) -> None:
+    outcome = invoke("check", "four-wheel", "--require", wanted)
+    assert (outcome.status, outcome.out, outcome.err.count("\n")) == (BAD_INPUT, "", 1)
+
+
 @pytest.mark.parametrize("name", ["outward", "saddle"])
 def test_witness_against_translation(invoke: Invoke, name: str) -> None:
     """At the witness some cell's velocity has the claimed positive product: 2 c . v from the cell list alone."""

@@ -130,7 +130,7 @@ def test_plain_systems_are_told_from_arrays() -> None:
     ("states", "rhs", "named"),
     [
         ([], [], "1 to 8 different names"),
-        (["x", "x"], ["1", "1"], "1 to 8 different names"),
+        (["x", "x"], ["1", "1"], """names such as ["x", "y"], received ['x', 'x']"""),
         (["x", "sign"], ["1", "1"], "1 to 8 different names"),
         (["x", "max"], ["1", "1"], "1 to 8 different names"),
         (["x", "lambda"], ["1", "1"], "; lambda means something else in formulas"),
