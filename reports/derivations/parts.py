@@ -75,13 +75,16 @@ def chosen_parts(only: Collection[str], without: Collection[str], kind: SceneKin
     """Names of the sections to write: those of ``only``, or all, less those of ``without``.
 
     Raises:
-        ValueError: for a name that is none.
+        ValueError: for a name that is none, and where nothing is left.
     """
     names = names_of(kind)
     unknown = next((name for name in (*only, *without) if name not in names), None)
     if unknown is not None:
         raise ValueError(f"required names among {', '.join(names)}, received {unknown[:60]!r}")
-    return tuple(name for name in names if (not only or name in only) and name not in without)
+    left = tuple(name for name in names if (not only or name in only) and name not in without)
+    if not left:
+        raise ValueError("without: required fewer than all sections that are asked for, received all of them")
+    return left
 
 
 def sections_of(subject: ReportSubject) -> Iterator[Section]:

@@ -66,7 +66,7 @@ def header(law: LawTable, at: str, language: Language) -> list[str]:
     named = [f"{w.index:d} {_plain(str(w.index))}" for w in law.scene.wheels if str(w.index) != f"{w.index:d}"]
     said += [f"The wheels by number and name: {', '.join(named)}."] if named else []
     if units.length:
-        said.append(f"Lengths are in {units.length}, speeds in {units.speed}, times in {units.time}.")
+        said.append(f"Units: {units.length} (lengths), {units.speed} (speeds), {units.time} (times).")
     said += [f"Rate: {law.rate}."] if law.rate else []
     said += [f"No rim is asked for a speed above {law.effort}."] if law.effort else []
     stated = "those of the scene" if law.scene.speed_limits else "the scene states none"

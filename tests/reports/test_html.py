@@ -210,6 +210,8 @@ def test_sections_can_be_chosen() -> None:
     assert chosen_parts((), ()) == PART_NAMES
     assert chosen_parts(("versions", "verdict"), ()) == ("verdict", "versions")
     assert chosen_parts(("versions", "verdict"), ("verdict",)) == ("versions",)
+    with pytest.raises(ValueError, match="without: required fewer"):
+        chosen_parts(("verdict",), ("verdict",))
     with pytest.raises(ValueError, match="received 'verdicts'"):
         chosen_parts(("verdicts",), ())
 

@@ -202,9 +202,9 @@ def test_the_program_needs_nothing_but_python(tmp_path: Path) -> None:
 def test_the_program_states_units_and_the_speed_of_its_wheels() -> None:
     scene = load_scene("ring-5", rule="ellipse")
     text = law_of(check_theorem4(replace(scene, units=Units("mm")))).program()
-    assert "Lengths are in mm, speeds in mm/s, times in s." in text
+    assert "Units: mm (lengths), mm/s (speeds), s (times)." in text
     assert "k sqrt(V), V = |c|^2 + theta^2 (the largest of all regions: all directions)." in " ".join(text.split())
-    assert "Lengths are in" not in law_of(check_theorem4(scene)).program()
+    assert "Units: " not in law_of(check_theorem4(scene)).program()
 
 
 @pytest.mark.parametrize("name", ["four-wheel", 'x\n"""\nregion,where'])

@@ -320,7 +320,7 @@ def test_the_header_says_what_the_program_is(language: Language) -> None:
         "The law: u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i))",
         "The checked point is (0, 0)",
         "It is certified from starts with V < 0.25, V = |c|^2 + theta^2.",
-        "Lengths are in mm, speeds in mm/s, times in s.",
+        "Units: mm (lengths), mm/s (speeds), s (times).",
         "the error sqrt(V) shrinks at least like exp(-0.1909 k t)",
         "1.00001 k sqrt(V), V = |c|^2 + theta^2 (the largest of all regions: cell 1)",
         "which is 0.500001 k mm/s on the border of the certified region.",
