@@ -31,7 +31,14 @@ from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effor
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
-from nonsmooth.proofs.systems.decay_rate import DecayKind, decay_rate, disturbance_gain, rate_scales, region_rate
+from nonsmooth.proofs.systems.decay_rate import (
+    DecayKind,
+    DecayRate,
+    decay_rate,
+    disturbance_gain,
+    rate_scales,
+    region_rate,
+)
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
@@ -74,43 +81,56 @@ def cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
 
 @shared_effort(EFFORT)
 def certified_reach(scene: SwitchedSystem, function: PlaneFunction) -> Reach:
-    """The region, rate and gain of a V that is proved on a square.
-
-    Of a V that is proved on the plane the region is the plane, and rate and gain are looked for on the checked square;
-    the rate holds on the plane where V and V' are forms of the degrees of its kind.
-    """
-    domain = function.domain
+    """The region, rate and gain of a V that is proved."""
     if not axes_are_crossed_within(scene, scene.check.radius):
         return Reach()
-    if domain.radius is None:
-        cells, square, far = cells_of_checked_square(scene, function), Domain(scene.check.radius), None
-    else:
-        cells, square, far = function.result.cells, domain, _beyond(scene, function)
-    if not cells:
-        return Reach()
-    radius = scene.check.radius if square.radius is None else square.radius
+    if function.domain.radius is None:
+        return _reach_on_plane(scene, function)
+    return _reach_on_square(scene, function, function.domain.radius)
+
+
+def _reach_on_square(scene: SwitchedSystem, function: PlaneFunction, radius: Number) -> Reach:
+    """Of a V that is proved on a square: its region may reach beyond that."""
+    domain, cells = function.domain, function.result.cells
     near = largest_sublevel(cells, radius)
+    far = _beyond(scene, function)
     region = near if far is None or (near is not None and near.level >= far.level) else far
-    # a scaled field has another rate
-    rate = None if scene.scale is not None or scene.by_roots is not None else decay_rate(cells)
+    rate = _rate_of(scene, cells)
     if rate is None:
-        return Reach(near=near, region=region) if domain.radius is not None else Reach()
+        return Reach(near=near, region=region)
     gain = disturbance_gain(cells, radius, rate, near)
-    if domain.radius is None:
-        scales = are_cones(function.result.cells) and rate_scales(function.result.cells, rate)
-        return Reach(
-            near=None if scales else near,
-            rate=rate,
-            rate_domain=domain if scales else square,
-            gain=gain,
-            gain_domain=square,
-        )
     on_region = None
     if region is not None and region is not near:
         on_region = region_rate(cells_of_checked_square(scene, function), region)
     return Reach(
         near=near, region=region, rate=rate, rate_domain=domain, region_rate=on_region, gain=gain, gain_domain=domain
     )
+
+
+def _reach_on_plane(scene: SwitchedSystem, function: PlaneFunction) -> Reach:
+    """Of a V that is proved on the plane, which is the region: rate and gain on the checked square.
+
+    The rate holds on the plane where V and V' are forms of the degrees of its kind.
+    """
+    cells, square = cells_of_checked_square(scene, function), Domain(scene.check.radius)
+    rate = _rate_of(scene, cells) if cells else None
+    if rate is None:
+        return Reach()
+    near = largest_sublevel(cells, scene.check.radius)
+    gain = disturbance_gain(cells, scene.check.radius, rate, near)
+    scales = are_cones(function.result.cells) and rate_scales(function.result.cells, rate)
+    return Reach(
+        near=None if scales else near,
+        rate=rate,
+        rate_domain=function.domain if scales else square,
+        gain=gain,
+        gain_domain=square,
+    )
+
+
+def _rate_of(scene: SwitchedSystem, cells: Sequence[LyapunovCell]) -> DecayRate | None:
+    """A rate in the time of the scene: a scaled field has another one."""
+    return None if scene.scale is not None or scene.by_roots is not None else decay_rate(cells)
 
 
 def cells_of_checked_square(scene: SwitchedSystem, function: PlaneFunction) -> tuple[LyapunovCell, ...]:
