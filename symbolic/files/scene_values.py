@@ -30,8 +30,6 @@ from nonsmooth.symbolic.units import AngleUnit
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
 MAX_ROOT_WORK = 2_048  # in a time that grows with their number times the degree of the base field
-LARGEST_DIGITS = 50  # of the numbers of a scene, zeros behind the point likewise: floats hold their sixth powers
-LARGEST = Fraction(10) ** LARGEST_DIGITS
 WITH_UNIT = re.compile(r"(.*\S)\s*(deg(?:rees?)?|rad(?:ians?)?|\N{DEGREE SIGN})", re.DOTALL)
 _PLAIN_DECIMAL = re.compile(r"[+-]?([0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1,3})?|nan|inf(inity)?)", re.I)
 
@@ -216,12 +214,9 @@ class Numbers:
         Raises:
             SceneError: on division by zero, negative square roots and numbers out of bounds.
         """
-        number = self.field.rational(value) if isinstance(value, Fraction) else self.formula(value, key, {})
-        size = abs(number)
-        if number and ((size - LARGEST).sign() > 0 or (size - 1 / LARGEST).sign() < 0):
-            required = f"a number of size 1e-{LARGEST_DIGITS} to 1e{LARGEST_DIGITS}, or 0"
-            raise SceneError(self.file, key, required, StatedFact(short_text(number)))
-        return number
+        if isinstance(value, Fraction):
+            return self.field.rational(value)
+        return self.formula(value, key, {})
 
     def formula(self, formula: Expression, key: str, values: Mapping[str, Number]) -> Number:
         """Exact value of a formula of the given variables; raises as above."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import random
 import subprocess
 import sys
@@ -26,6 +27,9 @@ from tests.proofs.test_scalar_stability import ATTRACTS, LEAVES, NAMES, STAYS, b
 from tests.thorough import keep
 
 LITERAL = {**NAMES, "sign": NAMES["sgn"], "sqrt": np.sqrt, "sat": lambda a, low, high: min(max(a, low), high)}
+
+
+EVERYWHERE, FAR = "everywhere", 1_000.0
 
 
 def rejected(record: Record) -> str:
@@ -60,15 +64,24 @@ def assert_true(record: Record, source: random.Random) -> None:
             fastest = max(map(max, beside))  # no formula of a degree that is read is so slow there that floats see zero
             assert fastest < 0 or (fastest == 0 and verdict == "stable"), record["statement"]
     for own in claims(record, "attracts"):
-        size, level = float(Fraction(own["within"])), float(Fraction(own["below"]))
+        size, level = (
+            (FAR, math.inf) if own == EVERYWHERE else (float(Fraction(own[key])) for key in ("within", "below"))
+        )
         for displacement in (source.uniform(-size, size) for _ in range(60)):
-            if evaluated(own["function"], x=displacement) < level:
+            if own == EVERYWHERE or evaluated(own["function"], x=displacement) < level:
                 assert max(speeds(record, displacement)) < 1e-9, (record["statement"], displacement)
+    for own in claims(record, "rate"):
+        kappa, power = float(Fraction(own["kappa"])), ("finite", "exponential", "algebraic").index(own["kind"])
+        size = FAR if own["within"] is None else float(Fraction(own["within"]))
+        for displacement in (source.uniform(-size, size) for _ in range(60)):
+            value, wider = (evaluated(own["function"], x=displacement * factor) for factor in (1, 1 + 1e-7))
+            fall = -(wider - value) / (1e-7 * abs(displacement)) * max(speeds(record, displacement))
+            assert fall > (1 - 1e-5) * kappa * value**power, (record["statement"], displacement)
 
 
 def starts(record: Record) -> tuple[float, float]:
     """The ends of the largest interval about the point on which V is below the level, to six digits of the cube."""
-    (own,) = claims(record, "attracts")
+    own = next(own for own in claims(record, "attracts") if own != EVERYWHERE)
     at, size = (float(Fraction(text)) for text in (record["statement"]["subject"]["at"][0], own["within"]))
     ends = []
     for side in (-1, 1):
