@@ -171,6 +171,7 @@ def _file(files: dict[str, tuple[str, str]], address: str) -> dict[str, Any]:
 @needs_chromium
 def test_a_wheel_is_dragged_in_a_notebook(cell: tuple[Page, Kernel, list[str]]) -> None:
     page, kernel, said = cell
+    page.locator("#status[data-state=exact]").wait_for()
     words = [word.inner_text() for word in page.locator(".answer-word").all()]
     assert words == ["comes home", "drifts", "can be held"]
     assert page.locator(".layer-cells path").count() == 8
