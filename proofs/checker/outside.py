@@ -15,8 +15,8 @@ is where that holds for both of its sides, or, where P turns right there, for at
 
 Half-lines lead along the axes.  A square that holds all corners and the point cuts them off; with its border, taken
 counterclockwise from where the last one leaves it to where the first one enters, they close the chain to a polygon.
-That is simple only where the half-lines meet nothing, beyond the square too, and what is
-to its left is to the left of P.
+That is simple only where the half-lines meet nothing, beyond the square too, and what is to its left is to the left
+of P.
 """
 
 from __future__ import annotations
@@ -113,11 +113,11 @@ def require_positive(
     for cell in plane.touching(places, direction):
         for field in plane.fields(cell, places):
             for normal in normals:
-                first, *others = field.along(normal).on(places, direction)
-                least = 0 if direction is not None else 1  # further on a half-line the first one is enough
-                require(
-                    first > 0 and min(others, default=least) >= least, f"velocities that lead to the right at {places}"
-                )
+                values = field.along(normal).on(places, direction)
+                known = min(values) > 0
+                if direction is not None:  # powers of t: one that is positive, that of 1, is enough
+                    known = values[0] > 0 and min(values) >= 0
+                require(known, f"velocities that lead to the right at {places}")
 
 
 def place_of(data: Any) -> Place:

@@ -38,7 +38,7 @@ from nonsmooth.proofs.systems.basin_rings import (
 )
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as IN_SPACE
 from nonsmooth.proofs.systems.basin_shells import Front, inside_polyhedron
-from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, ring_of
+from nonsmooth.proofs.systems.outer_ring import Beside, find_outer_ring, find_traps, ring_of
 from nonsmooth.proofs.systems.saddle_borders import find_borders, left_of
 
 INSIDE = 0.9  # of the level: the first ring
@@ -94,8 +94,8 @@ class CertifiedBasin:
     hypotheses: dict[str, Any]
     sampled: tuple[int, int]
     outside: dict[str, Any] | None = None
-    traps: tuple[tuple[Floats, dict[str, Any]], ...] = ()
-    saddles: tuple[tuple[Floats, dict[str, Any]], ...] = ()
+    traps: tuple[Beside, ...] = ()
+    saddles: tuple[Beside, ...] = ()
     square: tuple[int, int, int] = (0, 0, 0)
     window: tuple[tuple[float, float], ...] = ()
 
@@ -199,7 +199,7 @@ def find_basin(
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
     border = last_ring(best.corners)
-    outside, traps, saddles = None, list[tuple[Floats, dict[str, Any]]](), list[tuple[Floats, dict[str, Any]]]()
+    outside, traps, saddles = None, list[Beside](), list[Beside]()
     if limit is None:
         saddles = find_borders(system, surfaces, border, effort.pace)
         outside = find_outer_ring(system, surfaces, border, effort.pace, effort.outward)

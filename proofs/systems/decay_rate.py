@@ -59,7 +59,7 @@ class DecayKind(StrEnum):
 
     @property
     def power(self) -> int:
-        """P in ``V' <= -kappa V^p``."""
+        """The exponent p in ``V' <= -kappa V^p``."""
         return list(DecayKind).index(self)
 
     def on_starts(self, kappa: Fraction, starts: str) -> str:

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from operator import add
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, area, grow, next_ring
+
+Beside: TypeAlias = tuple[Floats, dict[str, Any]]  # another place of rest, in floats, and hypotheses that are shown
 
 WIDER = (1.15, 1.4, 2.0)  # of the certified region: first rings, tried in turn
 TURNS, SLENDER = (3.0, 1.0, 0.5), 0.3  # of the angle, one after the other; the largest gap over it
@@ -70,9 +72,7 @@ def find_outer_ring(
     return best
 
 
-def find_traps(
-    system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int
-) -> list[tuple[Floats, dict[str, Any]]]:
+def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int) -> list[Beside]:
     """Other places of rest, in floats, each with the hypotheses of theorem ``outside``, which are shown, of a polygon.
 
     Args:

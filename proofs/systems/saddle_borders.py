@@ -20,7 +20,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import closed, place_of
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, inside_ring
-from nonsmooth.proofs.systems.outer_ring import AROUND, is_shown, on_lattice, places_of_rest, unit_of
+from nonsmooth.proofs.systems.outer_ring import AROUND, Beside, is_shown, on_lattice, places_of_rest, unit_of
 
 MOST_SADDLES, MOST_POINTS = 3, 4_000  # the nearest ones; points of one branch
 NEAR = 1 / 64  # of its distance from the point: how far from a saddle a line is straight, at most
@@ -32,9 +32,7 @@ SAMPLES = tuple(2.0**k for k in range(-6, 20))  # places on a half-line, in floa
 AXES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
-def find_borders(
-    system: System, surfaces: Sequence[str], border: Floats, pace: Pace
-) -> list[tuple[Floats, dict[str, Any]]]:
+def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: Pace) -> list[Beside]:
     """Saddles, in floats, each with the hypotheses of theorem ``outside``, which are shown, of a line beside it.
 
     Args:
@@ -46,7 +44,7 @@ def find_borders(
     plane = Plane(system, "1", list(surfaces), Proofs({}))
     if any(plane.waves):
         return []
-    field, half, found = FloatField(plane), float(np.abs(border).max()), list[tuple[Floats, dict[str, Any]]]()
+    field, half, found = FloatField(plane), float(np.abs(border).max()), list[Beside]()
     rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.isfinite(slope).all()]
     saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < 0]
     with np.errstate(all="ignore"):  # far out, and where velocities vanish
