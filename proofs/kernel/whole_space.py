@@ -38,11 +38,10 @@ def find_global_attraction(
     """
     if system.waves or system.denominators or system.scale is not None or system.by_roots is not None:
         return None
-    try:
-        system = enclose_numbers(system)
-        subject, _ = started(system, None)
-    except (NoEnclosureError, NotShownError):
+    known = rational_subject(system)
+    if known is None:
         return None
+    system, subject = known
     asked = set[str]()
     for potential in chain(potentials, global_functions(system)):
         if potential is None or potential.text in asked:
@@ -53,6 +52,15 @@ def find_global_attraction(
             return found
     shown = find_quotient(system, everywhere=True)
     return None if shown is None else shown[0]
+
+
+def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | None:
+    """A system in rational numbers that encloses one, and what a certificate is about; None where there is none."""
+    try:
+        enclosing = enclose_numbers(system)
+        return enclosing, started(enclosing, None)[0]
+    except (NoEnclosureError, NotShownError):
+        return None
 
 
 def _shown(system: SwitchedSystem, subject: System, potential: PiecewiseExpression) -> dict[str, Any] | None:

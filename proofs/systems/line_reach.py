@@ -16,13 +16,12 @@ from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.whole_space import find_global_attraction
+from nonsmooth.proofs.kernel.whole_space import find_global_attraction, rational_subject
 from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, DisturbanceGain, rates_below
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import Reach
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -44,11 +43,10 @@ def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach
     everywhere = Reach(everywhere=entry is not None, global_entry=entry)
     if scene.scale is not None or scene.by_roots is not None:
         return everywhere
-    try:
-        system = enclose_numbers(scene)
-        subject, search = started(system, None)
-    except (NoEnclosureError, NotShownError):
+    known = rational_subject(scene)
+    if known is None:
         return everywhere
+    (system, subject), search = known, Search()
     on = [(Domain(None), FAR * half)] if entry is not None else []
     for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
         for kappa in rates_below(max(slowest(farthest, decay), Fraction(0))):
