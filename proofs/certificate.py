@@ -23,10 +23,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol, TypeAlias
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import contact_rule, rule_of
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.contact_rule import contact_rule, rule_of
 from nonsmooth.proofs.certified_bounds import ellipse_record, law_record, turning_factor
 from nonsmooth.proofs.checker.statements import VERSION, show_entry
 from nonsmooth.proofs.checker.theorem4 import CLAUSES

@@ -26,8 +26,8 @@ from typing import Any, TypeAlias
 from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells, system_cells
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import examination as many

@@ -1,7 +1,7 @@
 """Vectors of the plane: products, the quarter turn, and whether zero lies in a convex hull.
 
 Over exact numbers, floats and other numbers that know their sign; for float arrays with the coordinates last see
-:mod:`nonsmooth.analysis.plane_arrays`.
+:mod:`nonsmooth.analysis.fields.plane_arrays`.
 """
 
 from __future__ import annotations

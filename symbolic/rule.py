@@ -1,9 +1,9 @@
 """The contact rules that a scene may name, and where each is written.
 
 This is the registry.  A contact rule is one class on
-:class:`nonsmooth.analysis.contact_rule.ContactRule` and one line here; the commands, their completion,
+:class:`nonsmooth.analysis.cells.contact_rule.ContactRule` and one line here; the commands, their completion,
 scene files, comparisons and reports offer whatever stands here, in this order.  Only names are kept, so that
-a command line can offer them at once; :func:`nonsmooth.analysis.contact_rule.contact_rule` imports the
+a command line can offer them at once; :func:`nonsmooth.analysis.cells.contact_rule.contact_rule` imports the
 class when it is needed.
 
 A rule in ``BY_FRICTION_SET`` gives each wheel a set of forces of its own, so wheels of one array may name different

@@ -26,7 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.path import BodyPath
-from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.fields.contact_model import contacts_under
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.symbolic.body import Body
@@ -277,7 +279,7 @@ def pose_beside_engine(seed: int, reach: float = 1.7) -> Pose:
     except TipsError:
         plate.step(FALLING)
         return Pose(tips=True, fell=plate.has_fallen)
-    minima = ellipse().minima(stands, plate.pose[None, :2])
+    minima = minima_under(ellipse(), stands, plate.pose[None, :2])
     twist, loads = plate.twist, plate.loads()
     expected = np.zeros(len(loads))
     expected[[wheel.index - 1 for wheel in stands.wheels]] = minima.loads[0]
@@ -299,7 +301,7 @@ def lifted_loads(seed: int, speed: float, time_constant: float) -> tuple[Floats,
     plate = plate_engine(scene, (x, y, 0.0), speed, timestep=time_constant / 4, time_constant=time_constant)
     plate.step(1.0)
     carrying = sorted(under(scene, plate.pose))
-    model = ellipse().contacts(replace(scene, wheels=tuple(scene.wheels[k] for k in carrying)))
+    model = contacts_under(ellipse(), replace(scene, wheels=tuple(scene.wheels[k] for k in carrying)))
     springs = elastic_loads(model, plate.pose[None, :2])[0]
     slips = model.friction.reshape(-1, 2) * model.slips(plate.twist / speed)
     planes = np.column_stack([np.ones(len(carrying)), model.positions])
@@ -357,7 +359,7 @@ def run_beside_engine(scene: Scene, until: float) -> Run:
     x, y = (float(entry) for entry in scene.check.equilibrium)
     plate = plate_engine(scene, (x, y, 0.0), BRISK, timestep=TIMESTEP, time_constant=TIME_CONSTANT)
     plate.step(1.0)
-    path = BodyPath(ellipse().contacts(scene), scene).follow(plate.pose.tolist(), until)
+    path = BodyPath(contacts_under(ellipse(), scene), scene).follow(plate.pose.tolist(), until)
     before, changes, error, fell, time = under(scene, plate.pose), list[Change](), 0.0, None, 0.0
     while time < until and fell is None:
         plate.step(SAMPLE)

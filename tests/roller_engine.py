@@ -18,8 +18,8 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -186,7 +186,7 @@ def mixed_errors(seed: int) -> Floats:
         Wheel((x, y), heading=(a, b), speed=u, mu_roll=1, mu_side=repr(side), contact=("ellipse", "roller")[k % 2])
         for k, ((x, y, a, b, u), side) in enumerate(zip(texts, wheels.mu_side.tolist(), strict=True))
     )
-    models = [smooth_rule_of(scene).contacts(scene) for scene in (made.scene, made.scene.under("ellipse"))]
+    models = [contacts_under(smooth_rule_of(scene), scene) for scene in (made.scene, made.scene.under("ellipse"))]
     twists = [EllipseMinimizer().minimize(model, plate.loads).twists[0] for model in models]
     return np.array([np.abs(twist - plate.twist).max() for twist in twists]) / np.abs(plate.twist).max()
 

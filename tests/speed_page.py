@@ -30,7 +30,7 @@ import numpy as np
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.output.files import output_path, write_whole
@@ -182,7 +182,7 @@ def body_beside_mujoco() -> tuple[Work, Work]:
         plate = plate_engine(scene, (x, y, 0.0), BRISK, timestep=TIMESTEP, time_constant=TIME_CONSTANT)
         plate.step(1.0 + until / BRISK)
 
-    return lambda: BodyPath(ellipse().contacts(scene), scene).follow([x, y, 0.0], until), theirs
+    return lambda: BodyPath(contacts_under(ellipse(), scene), scene).follow([x, y, 0.0], until), theirs
 
 
 PAIRS = (

@@ -17,8 +17,8 @@ from flint import arb
 from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers
 from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.contact_rule import SmoothRule
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.symbolic.edge_headings import BallOutline
 from nonsmooth.symbolic.scene import Scene
 
@@ -86,7 +86,7 @@ class RestSearch:
         """
         if scene.body is None:
             raise ValueError("required a scene with a body")
-        self.model: ContactModel = rule.contacts(scene)
+        self.model: ContactModel = contacts_under(rule, scene)
         self._outline = MovingOutline(scene.body, self.model.positions)
         self._balls = BallOutline(scene.body)
         self._point = np.array([float(entry) for entry in scene.check.equilibrium])

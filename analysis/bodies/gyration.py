@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.continuum import moments
+from nonsmooth.analysis.bodies.continuum import moments
 from nonsmooth.symbolic import body
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.spring_loads import spring_loads
 from nonsmooth.symbolic.springs import EqualSprings
 
 Mask = NDArray[np.bool_]

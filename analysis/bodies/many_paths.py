@@ -29,8 +29,8 @@ from nonsmooth.analysis.bodies.many_contacts import (
 from nonsmooth.analysis.bodies.motions_on_sets import LeastTwists
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCells
-from nonsmooth.analysis.contact_rule import CellRule, SmoothRule
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.symbolic.contact_set import require_springs
 from nonsmooth.symbolic.scene import Scene
 
@@ -128,7 +128,7 @@ class ManyPaths:
             require_springs(scene)
         self._numbers = np.array([*(wheel.index for wheel in scene.wheels), 0])
         self._scene, self._rule = scene, rule
-        self._model = rule.contacts(scene) if isinstance(rule, SmoothRule) else contact_model(scene)
+        self._model = contacts_under(rule, scene)
         self._outline = MovingOutline(scene.body, self._model.positions)
         self._turning = 0.0 if rule.keeps_rows or of_places else self._outline.size
         self._fastest = float(np.abs(self._model.speeds).max())

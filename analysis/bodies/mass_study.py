@@ -30,13 +30,13 @@ import numpy as np
 from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
 from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
 from nonsmooth.analysis.bodies.outline_field import CellPath
-from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE
+from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE, smooth_path
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, all_rules, contact_rule, massless_rule
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, all_rules, contact_rule, massless_rule
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import Floats, contact_model, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -143,7 +143,7 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
     chosen = scene.under(rule)
     own = contact_rule(rule)
     if isinstance(own, SmoothRule):
-        return own.path(chosen, start, until)
+        return smooth_path(own, chosen, start, until)
     if scene.body is not None and isinstance(own, CellRule):
         return CellPath(whole(chosen), own).follow(start, until)
     return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
@@ -152,7 +152,7 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
 def body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: float) -> DynamicPath:
     """Full dynamics from rest: on all wheels, or of a body with an outline on those under it.
 
-    Friction forces are those of :func:`nonsmooth.analysis.contact_rule.massless_rule`.
+    Friction forces are those of :func:`nonsmooth.analysis.cells.contact_rule.massless_rule`.
 
     Raises:
         ValueError: for a start at which a body with an outline tips.
@@ -160,7 +160,7 @@ def body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: floa
         TrajectoryError: where the path cannot be followed.
     """
     outlined = None if scene.body is None else whole(scene)
-    contacts = massless_rule(scene).contacts(outlined or scene)
+    contacts = contacts_under(massless_rule(scene), outlined or scene)
     return MassPath(contacts, body, outlined).follow(start, until)
 
 
@@ -286,7 +286,7 @@ def build_masses(scene: Scene) -> StudyPlan:
         LeftOut: where nothing drives the body, or the rule that is the limit has no path.
     """
     rule = massless_rule(scene)
-    model, radius = rule.contacts(scene), float(scene.check.radius)
+    model, radius = contacts_under(rule, scene), float(scene.check.radius)
     speed = float(abs(model.speeds).max())
     if not speed:
         raise LeftOut("no wheel is driven")

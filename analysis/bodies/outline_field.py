@@ -19,7 +19,7 @@ from nonsmooth.analysis.bodies.mixing import subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCell, Side, agrees
 from nonsmooth.analysis.bodies.supports import CarryingWheels, finite_start, tipped_start, tipping_edge, wheel_changes
-from nonsmooth.analysis.contact_rule import CellRule
+from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, unit_normal

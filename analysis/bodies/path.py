@@ -23,9 +23,18 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError, Wheels, with_kinematics
-from nonsmooth.analysis.bodies.supports import LOOKS, CarriedBody, CarryingWheels, SupportMode, finite_start
+from nonsmooth.analysis.bodies.supports import (
+    LOOKS,
+    CarriedBody,
+    CarryingWheels,
+    SupportMode,
+    finite_start,
+    tipping_edge,
+)
 from nonsmooth.analysis.bodies.switching import Switching
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
+from nonsmooth.analysis.cells.loads import LoadError, TipsThereError
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import (
     DenseStep,
@@ -80,6 +89,24 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
             proved to be the motion.
     """
     return BodyPath(model).follow(start, until)
+
+
+def smooth_path(rule: SmoothRule, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
+    """The path under a rule without cells from ``(x, y, theta)`` at time zero, exact kinematics.
+
+    It is the minimizer of D, integrated; of a body with an outline from contact set to contact set.
+
+    Raises:
+        LoadError: for a start without loads; of a body without an outline with the line that it tips over.
+        ValueError: for a last time that is not positive, or numbers that are not finite.
+        TrajectoryError: where the path cannot be followed.
+    """
+    outlined = None if scene.body is None else whole(scene)
+    try:
+        return BodyPath(contacts_under(rule, outlined or scene), outlined).follow(start, until)
+    except TipsThereError as error:
+        edge = tipping_edge(scene, frozenset(range(len(scene.wheels))), np.array(start, float))
+        raise LoadError(f"{error} {edge}") from None
 
 
 class BodyPath(CarriedBody):

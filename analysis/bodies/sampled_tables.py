@@ -22,9 +22,9 @@ from functools import cached_property
 import numpy as np
 
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError
-from nonsmooth.analysis.contact_rule import SmoothRule, friction_sets, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, with_friction_sets
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.friction_set import float_sets

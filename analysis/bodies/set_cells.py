@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from nonsmooth.analysis.contact_rule import CellRule
+from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics

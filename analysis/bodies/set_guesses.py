@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
-from nonsmooth.analysis.contact_rule import SmoothRule
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.symbolic.scene import Scene
 
 STICKS, STICKS_BESIDE_ROLLERS = 1e-4, 1e-2  # slip, of the fastest wheel's speed, below which a wheel may stick
@@ -35,7 +35,7 @@ class SetGuesses:
 
     def __init__(self, scene: Scene, rule: SmoothRule) -> None:
         """For all wheels of a scene; its body is not looked at."""
-        self.model: ContactModel = rule.contacts(scene)
+        self.model: ContactModel = contacts_under(rule, scene)
         self._size = float(np.ptp(self.model.positions, axis=0).max()) or 1.0
         self._motions = MotionsOnSets(self.model, self._size)
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.bodies.mass_study import BROKEN_OFF
-from nonsmooth.analysis.contact_rule import friction_sets
+from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model, with_friction_sets
 from nonsmooth.analysis.trajectories.result import EndReason

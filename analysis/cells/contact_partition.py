@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, cell_rules, rule_of
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, cell_rules, rule_of
 from nonsmooth.symbolic.scene import Scene
 
 

@@ -22,7 +22,7 @@ from flint import fmpq, fmpz
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.analysis.spring_loads import loaded_wheels
+from nonsmooth.analysis.loads.spring_loads import loaded_wheels
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.load_model import LoadModel, carried_loads
 from nonsmooth.symbolic.number_text import float_text

@@ -14,9 +14,9 @@ from itertools import pairwise
 
 from flint import arb
 
+from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import square
-from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import Vector, cross, dot, minus

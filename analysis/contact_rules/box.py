@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.contact_rule import CellRule, LimitedForces
+from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.fields.contact_model import Floats
-    from nonsmooth.analysis.minimizers.dissipation import Functional
+    from nonsmooth.analysis.fields.plane_arrays import Floats
     from nonsmooth.symbolic.friction_set import FrictionSet
     from nonsmooth.symbolic.scene import Friction, Scene
 
@@ -23,20 +22,12 @@ class BoxRule(CellRule, LimitedForces):
     name = "box"
     summary = "friction losses are least, with a limit along and a limit across each rim"
     hardware = "belts with rollers that turn easily (mu_side up to a tenth of mu_roll); see roller, also for rest"
-    needs_loads = True
 
     def remark(self, scene: Scene) -> str:
         """A square limit with equal sides is a rubber wheel's circle, cornered."""
         if all(wheel.friction.roll == wheel.friction.side for wheel in scene.wheels):
             return "friction is equal along and across, as of rubber: its limit is a circle, not a square; see ellipse"
         return ""
-
-    @property
-    def functional(self) -> Functional:
-        """The sum of absolute values."""
-        from nonsmooth.analysis.minimizers.dissipation import Functional
-
-        return Functional.BOX
 
     def friction_set(self, friction: Friction) -> FrictionSet:
         """The box of mu_R along the axis and mu_S across it."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.contact_rules.by_friction_set import FrictionSetRule
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.friction_set import FrictionSet
     from nonsmooth.symbolic.scene import Friction
 
 
-class EllipseRule(FrictionSetRule):
+class EllipseRule(SmoothRule):
     """``D = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, the quasi-static limit of Newton-Euler dynamics."""
 
     name = "ellipse"

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
-from nonsmooth.analysis.contact_rules.by_friction_set import FrictionSetRule
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.symbolic.rule import MIXED
 
 if TYPE_CHECKING:
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Friction
 
 
-class MixedRule(FrictionSetRule):
+class MixedRule(SmoothRule):
     """The friction sets of several rules in one array; which wheel has which stands with its friction."""
 
     name = MIXED

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.contact_rule import CellRule
+from nonsmooth.analysis.cells.contact_rule import CellRule
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.fields.contact_model import Floats
+    from nonsmooth.analysis.fields.plane_arrays import Floats
     from nonsmooth.symbolic.scene import Scene, Wheel
 
 

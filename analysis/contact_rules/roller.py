@@ -16,14 +16,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.contact_rules.by_friction_set import FrictionSetRule
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.friction_set import FrictionSet
     from nonsmooth.symbolic.scene import Friction, Scene
 
 
-class RollerRule(FrictionSetRule):
+class RollerRule(SmoothRule):
     """The friction disc of radius mu_R, cut at mu_S across the rim."""
 
     name = "roller"

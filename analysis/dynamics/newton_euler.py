@@ -36,7 +36,7 @@ import numpy as np
 
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import Trajectory
 
 RELATIVE_TOLERANCE = 1e-8  # of BDF, per step: below the difference between the models for every mass above 1e-7

@@ -17,12 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.cells.contact_rule import ContactRule, SmoothRule
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.load_model import LoadModel
 from nonsmooth.symbolic.notebook import ShortRepr
@@ -30,7 +31,7 @@ from nonsmooth.symbolic.scene import LoadTable, Scene
 from nonsmooth.symbolic.springs import EqualSprings, load_model
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,6 +286,14 @@ def contact_model(scene: Scene) -> ContactModel:
     if isinstance(loads, UnknownLoads):
         return replace(model, unknown_loads=loads.words)
     return replace(model, law=loads) if isinstance(loads, LoadModel) and table is None else model
+
+
+def contacts_under(rule: ContactRule, scene: Scene) -> ContactModel:
+    """The scene in floats; under a rule without cells with the friction sets of that rule, whatever the scene names."""
+    model = contact_model(scene)
+    if not isinstance(rule, SmoothRule):
+        return model
+    return with_friction_sets(model, [rule.friction_set(wheel.friction) for wheel in scene.wheels])
 
 
 def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:

@@ -24,6 +24,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.loads.spring_loads import RESIDUAL
 from nonsmooth.analysis.measurements.harness import EPSILON, Case, ResultRow, Rows, counted, judged, refused
 from nonsmooth.analysis.measurements.reference_paths import (
     MeasuredField,
@@ -41,7 +42,6 @@ from nonsmooth.analysis.minimizers.dissipation import dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import GAP
-from nonsmooth.analysis.spring_loads import RESIDUAL
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth, onto
 from nonsmooth.analysis.trajectories.trajectory import simulate

@@ -19,10 +19,10 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces, rule_of
 from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
@@ -118,7 +118,7 @@ def _sample_orders(partition: Partition) -> dict[str, Order]:
 
 def _largest_sampled(rule: CellRule, scene: Scene, points: Floats, clock: Clock) -> float:
     """The largest V* at some points."""
-    block, largest = LARGE_BLOCK if rule.functional is None else BLOCK, -np.inf
+    block, largest = BLOCK if isinstance(rule, LimitedForces) else LARGE_BLOCK, -np.inf
     for start in range(0, len(points), block):
         clock.check()
         part = points[start : start + block]

@@ -17,9 +17,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon
-from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, cell_rules
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
 from nonsmooth.symbolic.constraints import Twist
@@ -131,7 +132,7 @@ def compare_rules(scene: Scene) -> Agreement:
 def _differences(scene: Scene, rule: SmoothRule, partitions: Mapping[str, Partition]) -> dict[str, TwistDifference]:
     """How far a rule without cells is from every rule with cells, over the grid points where its motion is proved."""
     points = comparison_grid(scene)
-    minima = rule.minima(scene, points)
+    minima = minima_under(rule, scene, points)
     found = proved(minima)
     points, twists, missing = points[found], minima.twists[found], minima_without_proof(found)
     return {

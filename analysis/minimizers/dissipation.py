@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, ContactRule, LimitedForces
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
 from nonsmooth.symbolic.friction_set import Box, CutEllipse
 
@@ -35,6 +36,13 @@ class Functional(StrEnum):
     def unit_sets(self, model: ContactRows) -> CutEllipse[Any]:
         """The friction sets of wheels in units of their half-axes: boxes, or the sets of the contacts."""
         return Box.units(np.ones_like(model.cuts)) if self is Functional.BOX else model.shape.units(model.cuts)
+
+
+def functional_of(rule: ContactRule) -> Functional | None:
+    """What the motion under a rule minimizes: that of boxes where it is constant in cells; None where nothing is."""
+    if not isinstance(rule, LimitedForces):
+        return None
+    return Functional.BOX if isinstance(rule, CellRule) else Functional.ELLIPSE
 
 
 def dissipation(functional: Functional, model: ContactRows, loads: ArrayLike, twists: ArrayLike) -> Floats:

@@ -12,12 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
+from nonsmooth.analysis.fields.contact_model import ContactRows, Floats, contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.force_balance import balance_forces
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
 from nonsmooth.analysis.minimizers.sum_of_supports import SETTLED, SupportSums, by_smoothing, finished
+from nonsmooth.symbolic.scene import Scene
 
 # Relative to the value at rest: the gap that rounding makes of the slips of wheels that stick.  A result with such a
 # gap is verified by its forces before it is taken.
@@ -43,6 +46,18 @@ class EllipseMinimizer:
         normal = model.checked_loads(loads)
         scaled = _Scaled(model)
         return scaled.certified(normal, *by_smoothing(normal, scaled.maps, scaled.targets, scaled.sets))
+
+
+def minima_under(rule: SmoothRule, scene: Scene, points: Floats) -> Minima:
+    """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it.
+
+    Args:
+        rule: with the friction sets to take, whatever rule the scene names.
+        scene: the array.
+        points: of the centre of mass.
+    """
+    model = contacts_under(rule, scene)
+    return EllipseMinimizer().minimize(model, loads_at(model, points))
 
 
 class _Scaled:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError, TipsThereError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.spring_loads import spring_loads
+from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.springs import EqualSprings
 

@@ -15,11 +15,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import forces_at
-from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.force_balance import balance_forces
 from nonsmooth.analysis.minimizers.minimum import Minima
@@ -94,7 +94,7 @@ class PointLocator:
             ValueError: for a point outside the square, or a partition of another rule.
         """
         twists = self.twists(points)
-        if contact_rule(self.partition.rule).functional is not Functional.BOX or np.isnan(twists).any():
+        if functional_of(contact_rule(self.partition.rule)) is not Functional.BOX or np.isnan(twists).any():
             raise ValueError("required points inside the checked square of a partition of rule box")
         model = contact_model(self.partition.scene)
         loads = loads_at(model, points)

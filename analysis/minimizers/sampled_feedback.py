@@ -21,6 +21,7 @@ from enum import StrEnum
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
@@ -28,7 +29,6 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
-from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.number_text import float_text
 
 GAIN = 1.0  # k, 1/time: the rate scales with it

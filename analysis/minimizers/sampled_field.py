@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.proved import free_motions, proved
 from nonsmooth.symbolic.scene import Scene
 
@@ -77,7 +78,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
     radius = float(scene.check.radius)
     x, y = np.meshgrid(*[np.linspace(-radius, radius, count)] * 2)
     places = np.column_stack([x.ravel(), y.ravel()])
-    minima = rule.minima(centred, places)
+    minima = minima_under(rule, centred, places)
     vx, vy, omega = minima.twists.T
     velocities = np.column_stack([vx - omega * places[:, 1], vy + omega * places[:, 0]])
     unknown = ~proved(minima)

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import turned
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 if TYPE_CHECKING:
@@ -129,14 +130,14 @@ def sample_smooth_derivative(scene: Scene, samples: int, seed: int = 0) -> Sampl
     Where the minimizer is not unique V* is the largest rate over all of them.  Points at which the motion is not
     proved do not count.
     """
-    from nonsmooth.analysis.contact_rule import smooth_rule_of
+    from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
     from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
 
     free = free_motions(scene)
     if free:
         return SampledDerivative(0, None, None, None, free)
     points = _random_points(scene, samples, seed)
-    minima = smooth_rule_of(scene).minima(scene, points)
+    minima = minima_under(smooth_rule_of(scene), scene, points)
     rates = _rates(points, minima.twists)
     for k, face in minima.faces.items():
         rates[k] = (2 * face[:, :2] @ points[k]).max()

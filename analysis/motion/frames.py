@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.cellwise_field import Speeds
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at

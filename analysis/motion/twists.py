@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 
 Times: TypeAlias = NDArray[Any]

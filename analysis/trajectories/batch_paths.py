@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.moves import RaySpeeds, sliding
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.cell_motion import Free, line_times, times_back
 from nonsmooth.analysis.trajectories.continuations import Choice, choices_at
 from nonsmooth.analysis.trajectories.junction import Junction, junction_at, signs_of

@@ -18,11 +18,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.contact_model import Floats, contacts_under
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.analysis.trajectories.maps import SettleMap
@@ -83,7 +84,7 @@ class _Field:
     def __init__(self, scene: Scene, rule: SmoothRule, paths: int) -> None:
         self._scene, self._rule = scene, rule
         self._left, self._faces = MOST_MINIMA, MOST_FACES
-        self._model = rule.contacts(scene)
+        self._model = contacts_under(rule, scene)
         self._moving = MovingTwists(self._model, paths)
         self.fastest = 0.0  # of the starts
 
@@ -111,7 +112,7 @@ class _Field:
         self._left -= max(len(points), SMALLEST)
         if self._left < 0:
             raise _EnoughError
-        found = self._rule.minima(self._scene, points)
+        found = minima_under(self._rule, self._scene, points)
         self._faces -= len(found.faces)
         if self._faces < 0:
             raise UndeterminedError(f"required minimizers that are unique at all but {MOST_FACES} points")

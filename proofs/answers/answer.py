@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Certainty

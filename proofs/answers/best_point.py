@@ -9,11 +9,11 @@ from fractions import Fraction
 from typing import TypeVar
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
 from nonsmooth.analysis.cells.polygon import Point, convex_polygon
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.destinations import sampled_destinations, shares_at
 from nonsmooth.proofs.answers.position import OF_PLACE

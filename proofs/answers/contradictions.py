@@ -19,7 +19,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple, SupportsFloat, TypeAlias
 
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
@@ -639,7 +640,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
         return None
     centred, step = scene.recentred(), STEP * float(scene.check.radius)
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-    minima = rule.minima(centred, points)
+    minima = minima_under(rule, centred, points)
     rims = max(abs(float(wheel.speed)) for wheel in centred.wheels)
     if minima.faces or not minima.check().all() or not rims:
         return None

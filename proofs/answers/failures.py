@@ -12,8 +12,8 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled

@@ -29,7 +29,7 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.contact_rule import friction_sets
+from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import load_box

@@ -22,7 +22,7 @@ from fractions import Fraction
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,

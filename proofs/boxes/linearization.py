@@ -28,8 +28,8 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 from flint import arb
 
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
-from nonsmooth.analysis.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.symbolic.constraints import (
     Triple,
     added,

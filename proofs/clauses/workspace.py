@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol, TypeAlias, TypeVar
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, ContactRule, rule_of
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import CellRule, ContactRule, rule_of
 from nonsmooth.proofs.boxes.enclosed_rest import rest_at_point
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
 from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray, cocircular_array

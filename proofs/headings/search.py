@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.boxes.linearization import gradient, slips_at
 from nonsmooth.proofs.headings.at_point import (
     EquilibriumHeadings,

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, cast
 from flint import arb, arb_mat
 
 from nonsmooth.analysis.bodies.set_guesses import SetGuess, SetGuesses
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.boxes.enclosures import (
     approximate_inverse,

@@ -12,7 +12,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.contact_rule import friction_sets, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import friction_sets, smooth_rule_of
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_rows import ArrayRows
 from nonsmooth.symbolic.friction_set import float_sets
@@ -55,7 +56,7 @@ class PlaneMinima:
         new = [piece for piece in pieces if piece not in self._radial]
         if new:
             places = np.array([_middle(piece) for piece in new])
-            twists = smooth_rule_of(self._scene).minima(self._scene, places).twists
+            twists = minima_under(smooth_rule_of(self._scene), self._scene, places).twists
             rates = -(places * twists[:, :2]).sum(axis=1) / np.hypot(*places.T)
             self._radial |= {piece: rate if rate > 0 else None for piece, rate in zip(new, rates.tolist(), strict=True)}
         return [self._radial[piece] for piece in pieces]

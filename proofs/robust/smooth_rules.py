@@ -25,7 +25,8 @@ from functools import lru_cache
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Jet,
@@ -84,7 +85,7 @@ def equilibrium_box(scene: Scene, box: Tolerance) -> EquilibriumBox | None:
 def _centre(scene: Scene, none: Tolerance) -> arb_mat | None:
     """About the equilibrium of the scene itself, without tolerances, from the spin at the point in floats."""
     loads = load_box(scene, arb(0))
-    omega = float(smooth_rule_of(scene).minima(scene, np.zeros((1, 2))).twists[0, 2])
+    omega = float(minima_under(smooth_rule_of(scene), scene, np.zeros((1, 2))).twists[0, 2])
     if loads is None or not np.isfinite(omega):
         return None
     nominal = _Arrays(scene, none, loads, loads)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.contact_rule import rule_notes, rule_of
+from nonsmooth.analysis.cells.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Position, has_dynamics
 from nonsmooth.proofs.answers.answers import Answers
 from nonsmooth.proofs.answers.bounds import at_least, of_length

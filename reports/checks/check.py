@@ -18,8 +18,8 @@ from nonsmooth.symbolic.scene_error import SceneError, one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.bodies.continuum import Prediction
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.continuum import Prediction
     from nonsmooth.proofs.clauses.workspace import Announce
     from nonsmooth.reports.checks.check_results import CheckResult, SummaryLine
     from nonsmooth.reports.checks.system_results import SystemCheckResult
@@ -279,7 +279,7 @@ def _failures(result: CheckResult, announce: Announce) -> Any:
 
 def _predictions(scene: Scene) -> tuple[Prediction, ...]:
     """The continuous idealization, refused where no field stands for the array."""
-    from nonsmooth.analysis.continuum import NoIdealizationError, predictions
+    from nonsmooth.analysis.bodies.continuum import NoIdealizationError, predictions
 
     with bad_input(scene, NoIdealizationError):
         return predictions(scene)

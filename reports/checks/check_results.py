@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-    from nonsmooth.analysis.continuum import Prediction
+    from nonsmooth.analysis.bodies.continuum import Prediction
     from nonsmooth.proofs.answers.array_basin import ArrayBasin, NoBasin
     from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destinations

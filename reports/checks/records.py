@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.cells.contact_rule import rule_notes
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import rule_notes
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.clauses.clause import Clause

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.vehicles import (
+from nonsmooth.analysis.bodies.vehicles import (
     CurvedMotion,
     VehicleMotion,
     friction_ratio,
@@ -16,6 +15,7 @@ from nonsmooth.analysis.vehicles import (
     vehicle_motion,
     vehicle_motions,
 )
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record, exact_texts, floats
 from nonsmooth.reports.output.refusals import RefusedError

@@ -88,7 +88,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
 
 def _of_array(scene: Scene, options: PartitionOptions) -> Result:
     """The contact rules side by side, the wheels, the cells, or the field of a rule without cells."""
-    from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+    from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 
     if options.compare:
         from nonsmooth.reports.checks.agreement import compare_scene

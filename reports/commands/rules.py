@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.contact_rule import CellRule, all_rules
+from nonsmooth.analysis.cells.contact_rule import CellRule, all_rules
 from nonsmooth.reports.output.console import write_json, write_views
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.options import Json

@@ -25,8 +25,9 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from nonsmooth.analysis.bodies.gyration import squared_radius
-from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
-from nonsmooth.analysis.vehicles import require_friction
+from nonsmooth.analysis.bodies.vehicles import require_friction
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.symbolic.contact_set import standing, whole
 from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.scene import Scene, require_known_loads
@@ -259,7 +260,7 @@ def export_scene(scene: Scene, place: Vector | None = None) -> Export:
         raise TypeError(f"required a rule without cells, received {rule.name}")
     require_friction(carried, rule)
     point = float(there[0]), float(there[1])
-    twist = rule.minima(carried, np.array([point])).twists[0]
+    twist = minima_under(rule, carried, np.array([point])).twists[0]
     fastest = max(abs(float(wheel.speed)) for wheel in carried.wheels) or 1.0
     scale = max(math.hypot(*map(float, wheel.position)) for wheel in carried.wheels)
     return Export(carried, scene, point, twist, scale, SPEED / fastest)

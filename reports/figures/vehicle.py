@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.reports.figures.style import (
     INK,
     LINES,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.vehicles import CurvedMotion, VehicleMotion
+    from nonsmooth.analysis.bodies.vehicles import CurvedMotion, VehicleMotion
 
 RIM = 0.05  # half of a rim's length, of the width of the view
 REACH = 0.22  # length of the largest arrow, of the width of the view

@@ -15,9 +15,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
@@ -167,7 +167,7 @@ class DrivenLoop:
         rule = rule_of(own)
         if not isinstance(rule, SmoothRule):
             return ImposedMotions(rays, twists, tuple(_constant(twist) for twist in twists), speeds)
-        model = rule.contacts(own)
+        model = contacts_under(rule, own)
         return ImposedMotions(rays, twists, tuple(_minimizing(model, targets) for targets in speeds), speeds)
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:

@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import contact_rule
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, StateLaw, feedback_field
 from nonsmooth.analysis.fields.feedback_laws import (
     cascade_law,

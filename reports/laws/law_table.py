@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.motion.saturation import demand
-from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.proofs.answers.pose import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.cells.contact_rule import rule_of
+from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.checks.cells import CellsResult
 from nonsmooth.reports.checks.subject import ArraySubject
@@ -101,7 +101,7 @@ def contact_states_section(result: CellCheck) -> Section:
             "j is its rim; else `a_j` replaces `d_j`, and `u_j a_j . d_j` replaces `u_j`."
         )
     blocks: tuple[Block, ...] = (_census(result), words, general)
-    if rule_of(result.scene).functional is Functional.BOX:
+    if functional_of(rule_of(result.scene)) is Functional.BOX:
         functional = display(
             r"D(\xi) = \sum_i N_i \left(\mu_R \lvert d_i \cdot v(p_i) - u_i \rvert"
             r" + \mu_S \lvert n_i \cdot v(p_i) \rvert\right)",

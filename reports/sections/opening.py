@@ -6,7 +6,7 @@ import math
 import platform
 from importlib.metadata import version
 
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.checks.references import how_to_cite
 from nonsmooth.reports.checks.subject import ArraySubject, ReportSubject

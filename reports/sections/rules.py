@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from nonsmooth.analysis.cells.contact_rule import all_rules, smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import all_rules, smooth_rule_of
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
 from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint

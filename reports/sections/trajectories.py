@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import Vector

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
-from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.figures.style import (

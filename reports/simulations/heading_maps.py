@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, OnStep, turned_heading
-from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.reports.figures.style import figure_with_legend, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.progress import progress

@@ -20,7 +20,8 @@ from nonsmooth.analysis.bodies.mass_study import (
     mass_study,
     rules_by_limit,
 )
-from nonsmooth.analysis.contact_rule import massless_rule
+from nonsmooth.analysis.bodies.path import smooth_path
+from nonsmooth.analysis.cells.contact_rule import massless_rule
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.output.document import Block, Paragraph, table
@@ -124,7 +125,7 @@ class NewtonEulerPath(ArrayPath):
         body, path, beside = self.motion.body, self.trajectory, None
         limit = massless_rule(self.scene)
         with suppress(TrajectoryError):
-            beside = limit.path(self.scene, path.states[0], float(path.end.t)), f"rule {limit.name} (mass 0)"
+            beside = smooth_path(limit, self.scene, path.states[0], float(path.end.t)), f"rule {limit.name} (mass 0)"
         title = f"{one_line(self.name)}: full dynamics, mass {body.mass:.6g}, inertia {body.inertia:.6g}"
         return wheels_picture(self.scene, path, title, beside)
 

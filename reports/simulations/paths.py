@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField

@@ -168,7 +168,7 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
 
 
 def _map(scene: Scene, options: SimulateOptions) -> Result:
-    from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+    from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 
     if scene.body is not None or isinstance(rule_of(scene), SmoothRule):
         from nonsmooth.reports.simulations.body_maps import build_body_map
@@ -191,7 +191,7 @@ def _path(scene: Scene, options: SimulateOptions) -> Result:
 
 def _outside(scene: Scene, options: SimulateOptions, start: Sequence[float]) -> str:
     """What is wrong with a start outside the checked square of paths through cells; empty where that is not it."""
-    from nonsmooth.analysis.contact_rule import CellRule, rule_of
+    from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 
     without_cells = not isinstance(rule_of(scene), CellRule) or (scene.body is not None and options.is_plain)
     if without_cells or options.method is PathMethod.DYNAMICS:

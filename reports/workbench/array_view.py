@@ -13,9 +13,9 @@ from contextlib import contextmanager
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.minimizers.sampled_field import sample_field
 from nonsmooth.proofs.answers.answer import Answer, Heading, Position, has_dynamics
 from nonsmooth.proofs.answers.inertia import inertia_answer

@@ -9,8 +9,8 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, all_rules, rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, all_rules, rule_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs import system_certificates
 from nonsmooth.proofs.certificate import certificate_text

@@ -19,7 +19,8 @@ from nonsmooth.analysis.bodies.many_paths import (
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import BodyPath
-from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -50,12 +51,12 @@ def random_poses(count: int, reach: float) -> np.ndarray:
 @pytest.mark.parametrize(("rule", "side"), [("ellipse", "1"), ("ellipse", "1/5"), ("roller", "1/10")])
 def test_rates_are_those_of_paths_by_events(rule: str, side: str, tmp_path: Path) -> None:
     scene = carton(tmp_path, rule, side)
-    model = smooth_rule_of(scene).contacts(scene)
+    model = contacts_under(smooth_rule_of(scene), scene)
     assert scene.body is not None
     outline, poses = MovingOutline(scene.body, model.positions), random_poses(40, 1.2)
     found = ManyRates(LeastDissipation(model, outline.size, 40), outline, poses).at(poses, np.arange(40))
     assert found.known.all()
-    path = BodyPath(smooth_rule_of(scene).contacts(scene), scene)
+    path = BodyPath(contacts_under(smooth_rule_of(scene), scene), scene)
     agree = 0
     for pose, rate, tips in zip(poses, found.rates, found.tips, strict=True):
         carrying = frozenset(int(k) for k in np.flatnonzero(outline.depths(pose) > 0))
@@ -107,7 +108,7 @@ def test_bodies_end_by_cells_where_their_paths_by_events_do(tmp_path: Path) -> N
 
 def test_loads_are_those_of_one_pose_at_a_time(tmp_path: Path) -> None:
     scene = carton(tmp_path)
-    model, points = smooth_rule_of(scene).contacts(scene), random_poses(30, 2.4)[:, :2]
+    model, points = contacts_under(smooth_rule_of(scene), scene), random_poses(30, 2.4)[:, :2]
     levers = model.positions - points[:, None]
     loads, balanced = elastic_loads_of(levers, np.ones(levers.shape[:2], bool))
     assert balanced.all()
@@ -133,7 +134,7 @@ def test_ends_agree_with_paths_by_events(count: int, tmp_path: Path) -> None:
     found = ManyPaths(scene, smooth_rule_of(scene)).follow(starts, report=lambda done, total, up_to: told.append(up_to))
     assert len(set(told)) > 2  # it moves while no path has ended
     assert told[-1] == f"t = {found.until:.3g} of {found.until:.3g}"
-    path = BodyPath(smooth_rule_of(scene).contacts(scene), scene)
+    path = BodyPath(contacts_under(smooth_rule_of(scene), scene), scene)
     for k, start in enumerate(starts):
         end = path.follow(tuple(start), 60.0).end
         assert end.reason is EndReason.REST

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth.analysis.bodies.path import BodyPath
+from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
 from nonsmooth.analysis.bodies.set_motion import ContactSets
-from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
-from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
@@ -48,7 +48,7 @@ def ellipse() -> SmoothRule:
 
 
 def path_of(scene: Scene, start: tuple[float, float, float], until: float) -> Trajectory:
-    return BodyPath(ellipse().contacts(scene), scene).follow(start, until)
+    return BodyPath(contacts_under(ellipse(), scene), scene).follow(start, until)
 
 
 # ---- the motion on a set of wheels, with springs of its own ---------------------------------------
@@ -183,7 +183,7 @@ def test_changes_come_when_another_integrator_says(
 ) -> None:
     scene, depths = case(conveyor(arrays))
     start = np.array([2.03, 1.52, 0.1])
-    path = BodyPath(ellipse().contacts(scene), scene).follow(start.tolist(), until)
+    path = BodyPath(contacts_under(ellipse(), scene), scene).follow(start.tolist(), until)
     expected = reference_path(Motion.of(scene), depths, start, until)
     assert path.end.reason is EndReason.TIME
     assert len(expected.times) >= changes
@@ -222,7 +222,7 @@ def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(arrays: Arrays) -
     scene, depths = pushed_back(arrays)
     start, until = np.array([0.3, -0.2, 0.0]), 1.0
     motion = Motion.of(scene)
-    path = BodyPath(ellipse().contacts(scene), scene).follow(start.tolist(), until)
+    path = BodyPath(contacts_under(ellipse(), scene), scene).follow(start.tolist(), until)
     assert [event.kind for event in path.events] == [EventKind.SLIDE]
     (slide,) = path.events
     assert slide.surface == "wheel 5 under the edge"
@@ -241,7 +241,7 @@ def test_a_body_over_all_wheels_moves_as_without_an_outline(arrays: Arrays) -> N
     scene = replace(conveyor(arrays, columns=3), contact=Contact("ellipse"))
     start = np.array([0.7, 1.4, 0.3])
     covered = on(scene, Disc(scene.field(20)), (1, 2))
-    path, expected = (ellipse().path(each, start.tolist(), 0.5) for each in (covered, scene))
+    path, expected = (smooth_path(ellipse(), each, start.tolist(), 0.5) for each in (covered, scene))
     assert not path.events
     for time in np.linspace(0, 0.5, 6):
         assert np.abs(np.subtract(path.at(time), expected.at(time))).max() < LIKE_NO_BODY
@@ -288,7 +288,7 @@ def test_contacts_of_some_wheels_are_those_of_the_array_of_these_wheels() -> Non
     """With friction axes that are not the rims: the model built anew, entry by entry."""
     scene = load_scene("roller-bed", rule="ellipse")
     wheels = [3, 7, 8, 20]
-    sets = ContactSets(ellipse().contacts(scene))
+    sets = ContactSets(contacts_under(ellipse(), scene))
     pose = np.array([float(sum(x)) / 4 for x in zip(*(scene.wheels[k].position for k in wheels), strict=True)] + [0.0])
     found = sets.motion(frozenset(wheels), pose).model
     expected = contact_model(replace(scene, wheels=tuple(scene.wheels[k] for k in wheels)))
@@ -302,13 +302,13 @@ def test_a_path_passes_a_place_where_the_slip_of_a_wheel_vanishes() -> None:
     On the line itself the motion is in one coordinate and not stiff: an explicit method follows it.
     """
     scene = with_random_body(inward_grid(Fraction(1, 2)), np.random.default_rng(4), 0.5)
-    path = BodyPath(ellipse().contacts(scene), scene).follow([0.443, 0.011, 0.0], 0.3)
+    path = BodyPath(contacts_under(ellipse(), scene), scene).follow([0.443, 0.011, 0.0], 0.3)
     begins, ends = 0.05, 0.3
     x, y, theta = path.at(begins)
     assert abs(y) < 1e-12
     mode = next(piece for piece in path.pieces if piece.end is not None and piece.end >= ends)
     wheels = frozenset(int(name) - 1 for name in mode.cells)
-    motion = ContactSets(ellipse().contacts(scene)).motion(wheels, np.array([x, 0.0, theta]))
+    motion = ContactSets(contacts_under(ellipse(), scene)).motion(wheels, np.array([x, 0.0, theta]))
     line = solve_ivp(
         lambda t, place: [motion.rate(np.array([place[0], 0.0, theta]))[0]],
         (begins, ends),

@@ -16,7 +16,7 @@ import pytest
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.contact_rule import CellRule, contact_rule
+from nonsmooth.analysis.cells.contact_rule import CellRule, contact_rule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory

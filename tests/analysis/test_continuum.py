@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth.analysis.continuum import (
+from nonsmooth.analysis.bodies.continuum import (
     HeadingEffect,
     MomentFreeHeading,
     NoIdealizationError,
@@ -23,7 +23,7 @@ from nonsmooth.analysis.continuum import (
     predict,
     predictions,
 )
-from nonsmooth.analysis.plane_arrays import Floats
+from nonsmooth.analysis.fields.plane_arrays import Floats
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, PolygonShape
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane
-from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampling import greedy_twist
 from nonsmooth.analysis.motion.frames import wheel_slips
@@ -113,7 +114,7 @@ class Definition:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_minima_without_cells(seed: int, rule: str, side: str) -> None:
     scene = askew(seed, rule, side)
-    minima = smooth_rule_of(scene).minima(scene, points(seed))
+    minima = minima_under(smooth_rule_of(scene), scene, points(seed))
     assert minima.check().all()
     for point, twist in zip(points(seed), minima.twists, strict=True):
         best, least = Definition(scene).minimum(point)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import contacts_under
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import EACH_STEP, MovingTwists
 from nonsmooth.analysis.trajectories import smooth_ends as smooth_ends_module
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, smooth_ends
@@ -22,13 +24,13 @@ def test_twists_are_the_minimizers(name: str, rule: str) -> None:
     """From the proved ones of points beside them: all settle, and lie where D is least."""
     scene = load_scene(name, rule=rule).recentred()
     smooth = smooth_rule_of(scene)
-    model, radius = smooth.contacts(scene), float(scene.check.radius)
+    model, radius = contacts_under(smooth, scene), float(scene.check.radius)
     points = np.random.default_rng(3).uniform(-0.9, 0.9, (POINTS, 2)) * radius
     paths = np.arange(POINTS)
     moving = MovingTwists(model, POINTS)
-    moving.remember(smooth.minima(scene, 0.95 * points).twists, paths)
+    moving.remember(minima_under(smooth, scene, 0.95 * points).twists, paths)
     found, settled = moving.at(points, paths)
-    proved = smooth.minima(scene, points).twists
+    proved = minima_under(smooth, scene, points).twists
     assert settled.all()
     assert np.abs(found - proved).max() <= ERRORS[rule] * np.abs(model.speeds).max()
 
@@ -38,8 +40,8 @@ def test_paths_keep_their_own_twists() -> None:
     scene = load_scene("conveyor-3", rule="ellipse").recentred()
     smooth = smooth_rule_of(scene)
     points = np.random.default_rng(4).uniform(-0.4, 0.4, (POINTS, 2)) * float(scene.check.radius)
-    moving = MovingTwists(smooth.contacts(scene), POINTS)
-    proved = smooth.minima(scene, points).twists
+    moving = MovingTwists(contacts_under(smooth, scene), POINTS)
+    proved = minima_under(smooth, scene, points).twists
     moving.remember(proved, np.arange(POINTS))
     odd = np.arange(1, POINTS, 2)
     found, settled = moving.at(points[odd], odd)
@@ -54,8 +56,8 @@ def test_a_step_counts_as_work_however_few_bodies_take_it() -> None:
     points = np.random.default_rng(5).uniform(-0.4, 0.4, (POINTS, 2)) * float(scene.check.radius)
     spent = []
     for count in (1, POINTS):
-        moving = MovingTwists(smooth.contacts(scene), count)
-        moving.remember(smooth.minima(scene, points[:count]).twists, np.arange(count))
+        moving = MovingTwists(contacts_under(smooth, scene), count)
+        moving.remember(minima_under(smooth, scene, points[:count]).twists, np.arange(count))
         for turn in range(10):
             moving.at(points[:count] * (1 - 0.01 * turn), np.arange(count))
         spent.append(moving.work)

@@ -6,8 +6,8 @@ import pytest
 
 from nonsmooth.analysis.bodies import path as body_path
 from nonsmooth.analysis.bodies.path import BodyPath
-from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
-from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.fields.contact_model import Floats, contacts_under
 from nonsmooth.analysis.minimizers import ellipse_minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
@@ -45,7 +45,7 @@ def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pyte
     monkeypatch.setattr(WarmMinimizer, "minimize", counted_warm)
     monkeypatch.setattr(ellipse_minimizer, "by_smoothing", counted_cold)
     scene = load_scene("roller-bed")
-    path = BodyPath(smooth("roller").contacts(scene), scene).follow((0.1, 0.05, 0.2), 0.1)
+    path = BodyPath(contacts_under(smooth("roller"), scene), scene).follow((0.1, 0.05, 0.2), 0.1)
     assert path.end.state == pytest.approx((0.2, 0.05, 0.2), abs=1e-9)
     assert len(begun) < len(asked) / 4
 
@@ -53,9 +53,9 @@ def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pyte
 def test_a_path_of_a_body_ends_after_its_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """What was followed until then is the path."""
     scene = load_scene("carton-on-6x6")
-    whole = BodyPath(smooth("ellipse").contacts(scene), scene).follow((0.15, 0.1, 0.08), 2.0)
+    whole = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 2.0)
     monkeypatch.setattr(body_path, "MOST_RATES", 400)
-    part = BodyPath(smooth("ellipse").contacts(scene), scene).follow((0.15, 0.1, 0.08), 2.0)
+    part = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 2.0)
     assert part.end.reason is EndReason.STEPS
     assert 0 < part.end.t < whole.end.t
     assert part.end.state == pytest.approx(whole.at(part.end.t), abs=1e-9)
@@ -64,7 +64,7 @@ def test_a_path_of_a_body_ends_after_its_work(monkeypatch: pytest.MonkeyPatch) -
 def without_wheel_15() -> BodyPath:
     """A body on a table where two of the three wheels that are left under it are on either side of the rest point."""
     scene = without(load_scene("carton-on-6x6").under("ellipse"), [15])
-    return BodyPath(smooth("ellipse").contacts(scene), scene)
+    return BodyPath(contacts_under(smooth("ellipse"), scene), scene)
 
 
 def test_a_centre_of_mass_that_comes_ever_nearer_to_the_border_of_its_support_tips() -> None:
@@ -91,7 +91,7 @@ def test_a_start_over_the_line_through_two_wheels_is_refused() -> None:
 def test_a_path_over_all_wheels_ends_after_its_work_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """One that needs minutes says so in its last line."""
     monkeypatch.setattr(body_path, "MOST_RATES", 30)
-    path = BodyPath(smooth("ellipse").contacts(load_scene("four-wheel"))).follow((0.2, 0.4, 0.0), 5.0)
+    path = BodyPath(contacts_under(smooth("ellipse"), load_scene("four-wheel"))).follow((0.2, 0.4, 0.0), 5.0)
     assert path.end.reason is EndReason.STEPS
     assert 0 < path.end.t < 5
 
@@ -99,8 +99,8 @@ def test_a_path_over_all_wheels_ends_after_its_work_too(monkeypatch: pytest.Monk
 def test_where_one_method_gives_up_the_next_one_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     """With tolerances ever wider, and from the last place that was reached."""
     scene = load_scene("carton-on-6x6")
-    whole = BodyPath(smooth("ellipse").contacts(scene), scene).follow((0.15, 0.1, 0.08), 0.5)
+    whole = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 0.5)
     monkeypatch.setattr(body_path, "MANY_STEPS", 3)
     monkeypatch.setattr(body_path, "MANY_STIFF_STEPS", 5)
-    rough = BodyPath(smooth("ellipse").contacts(scene), scene).follow((0.15, 0.1, 0.08), 0.5)
+    rough = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 0.5)
     assert rough.end.state == pytest.approx(whole.end.state, abs=1e-5)

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from nonsmooth.analysis.contact_rule import contact_rule, smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
+from nonsmooth.analysis.bodies.path import smooth_path
+from nonsmooth.analysis.cells.contact_rule import contact_rule, smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats, contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.friction_set import CutEllipse
@@ -127,7 +128,7 @@ def test_bearings_that_hold_make_it_rule_ellipse_with_equal_friction() -> None:
     scene = with_friction_ratio(load_scene("elliptic", rule="roller"), Fraction(2))
     points = np.random.default_rng(0).uniform(-0.3, 0.3, (20, 2))
     equal = with_friction_ratio(load_scene("elliptic", rule="ellipse"), Fraction(1))
-    found, expected = (smooth_rule_of(one).minima(one, points) for one in (scene, equal))
+    found, expected = (minima_under(smooth_rule_of(one), one, points) for one in (scene, equal))
     np.testing.assert_array_equal(found.twists, expected.twists)
     assert "never turn" in smooth_rule_of(scene).remark(scene)
 
@@ -143,7 +144,7 @@ def test_cuts_are_checked() -> None:
 def test_a_path_slides_home_where_the_twist_jumps(ratio: Fraction) -> None:
     """Easy rollers: box-like jumps far from the point, and the exact linearization close to it."""
     scene = with_friction_ratio(load_scene("four-wheel", rule="roller"), ratio)
-    path = smooth_rule_of(scene).path(scene, (0.2, 0.13, 0.0), 4.0)
+    path = smooth_path(smooth_rule_of(scene), scene, (0.2, 0.13, 0.0), 4.0)
     distances = np.hypot(*path.sample(np.linspace(0, 4, 40))[:, :2].T)
     assert (np.diff(distances) < 0).all()
     late = path.sample(np.array([3.0, 4.0]))
@@ -155,8 +156,8 @@ def test_a_path_has_the_twist_of_the_rule() -> None:
     """The drag changes it by a millionth or so."""
     scene = load_scene("elliptic", rule="roller")
     rule = smooth_rule_of(scene)
-    path = rule.path(scene, (0.2, 0.13, 0.0), 0.2)
-    model = rule.contacts(scene)
+    path = smooth_path(rule, scene, (0.2, 0.13, 0.0), 0.2)
+    model = contacts_under(rule, scene)
     for t in (0.05, 0.1, 0.15):
         before, here, after = path.sample(np.array([t - 1e-3, t, t + 1e-3]))
         (twist,) = EllipseMinimizer().minimize(model, loads_at(model, here[None, :2])).twists

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from nonsmooth.analysis.bodies.vehicles import VehicleMotion, friction_ratio, turns, vehicle_motion
+from nonsmooth.analysis.cells.contact_rule import all_rules, contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.contact_rule import all_rules, contact_rule
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.vehicles import VehicleMotion, friction_ratio, turns, vehicle_motion
 from nonsmooth.symbolic.files.scene_file import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
 from nonsmooth.symbolic.vehicles import Vehicle

@@ -11,7 +11,8 @@ import pytest
 
 from nonsmooth.analysis.bodies.many_paths import BodyEnd, ManyPaths
 from nonsmooth.analysis.bodies.path import BodyPath
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.reports.simulations.body_maps import pose_starts
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -55,7 +56,7 @@ def test_ends_agree_with_paths_by_events(stopwatch: Stopwatch, tmp_path: Path) -
     scene = carton(tmp_path, 6)
     chance = np.random.default_rng(11)
     starts = chance.uniform([-2.2, -2.2, -np.pi], [2.2, 2.2, np.pi], (STARTS, 3))
-    many, path = ManyPaths(scene, smooth_rule_of(scene)), BodyPath(smooth_rule_of(scene).contacts(scene), scene)
+    many, path = ManyPaths(scene, smooth_rule_of(scene)), BodyPath(contacts_under(smooth_rule_of(scene), scene), scene)
     found = many.follow(starts)
     apart, worst = [], np.zeros(2)
     for k, start in enumerate(starts):

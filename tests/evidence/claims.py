@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.continuum import PolygonOnField, predict
+from nonsmooth.analysis.bodies.continuum import PolygonOnField, predict
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.theorem4 import check_theorem4

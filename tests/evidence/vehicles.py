@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from nonsmooth.analysis.vehicles import turns, vehicle_motion
+from nonsmooth.analysis.bodies.vehicles import turns, vehicle_motion
 from nonsmooth.symbolic.files.scene_file import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.number_text import float_text

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
-from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation

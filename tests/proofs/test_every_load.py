@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.load_sets import Loads, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
@@ -201,7 +201,9 @@ def test_bodies_come_nearer_under_every_sampled_load(name: str, rule: str) -> No
     rng = np.random.default_rng(1)
     angles, reaches = rng.uniform(0, 2 * np.pi, 60), float(translation.home_radius) * rng.uniform(0.05, 1, 60)
     points = reaches[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-    minima = EllipseMinimizer().minimize(smooth_rule_of(scene).contacts(scene), admissible_at(scene, points, rng))
+    minima = EllipseMinimizer().minimize(
+        contacts_under(smooth_rule_of(scene), scene), admissible_at(scene, points, rng)
+    )
     assert ((points * minima.twists[:, :2]).sum(axis=1) < 0).all()
 
 
@@ -213,7 +215,9 @@ def test_the_rate_is_kept_near_the_point(name: str) -> None:
     assert translation.exponential_rate is not None
     rng = np.random.default_rng(2)
     points = 1e-3 * rng.normal(size=(60, 2))
-    minima = EllipseMinimizer().minimize(smooth_rule_of(scene).contacts(scene), admissible_at(scene, points, rng))
+    minima = EllipseMinimizer().minimize(
+        contacts_under(smooth_rule_of(scene), scene), admissible_at(scene, points, rng)
+    )
     inward = -(points * minima.twists[:, :2]).sum(axis=1) / (points**2).sum(axis=1)
     assert (inward >= 0.99 * float(translation.exponential_rate)).all()
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads
@@ -105,7 +105,7 @@ def loop_of(scene: Scene, cone: LawCone) -> Loop:
     """The law of a cone under sampled loads near the point."""
     own, rng = in_own_length(scene), np.random.default_rng(5)
     loads, rule = sampled_loads(own, NEAR * rng.normal(size=2), rng), rule_of(own)
-    model = rule.contacts(own) if isinstance(rule, SmoothRule) else contact_model(own)
+    model = contacts_under(rule, own)
     minimizer = EllipseMinimizer() if isinstance(rule, SmoothRule) else BoxHighs()
     motions = []
     for imposed in cone.twists:

@@ -12,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 import nonsmooth as ns
-from nonsmooth.analysis.contact_rule import rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import rule_of, smooth_rule_of
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.certified_scene import find_difference
 from nonsmooth.proofs.clauses.at_point.ellipse import Situation
@@ -74,7 +75,7 @@ def test_linearization_by_differences_of_the_minimizer(seed: int, rule: str) -> 
     if linear is None:
         return
     about = STEP * np.array([[1, 0], [-1, 0], [0, 1], [0, -1.0]])
-    twists = smooth_rule_of(result.scene).minima(result.scene, about).twists
+    twists = minima_under(smooth_rule_of(result.scene), result.scene, about).twists
     rates = twists[:, :2] + twists[:, 2:] * np.column_stack([-about[:, 1], about[:, 0]])
     found = np.column_stack([rates[0] - rates[1], rates[2] - rates[3]]) / (2 * STEP)
     exact = np.array([[float(entry) for entry in row] for row in linear.translation])

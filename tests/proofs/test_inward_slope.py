@@ -8,7 +8,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
@@ -34,7 +35,7 @@ def largest_product(scene: Scene, radius: float, seed: int = 5) -> float:
     angles = rng.uniform(0, 2 * np.pi, POINTS)
     reaches = radius * rng.choice([0.02, 0.3, 0.9, 1.0], POINTS) * rng.uniform(0.9, 1.0, POINTS)
     points = reaches[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-    twists = smooth_rule_of(centred).minima(centred, points).twists
+    twists = minima_under(smooth_rule_of(centred), centred, points).twists
     return float(((points * twists[:, :2]).sum(axis=1) / reaches).max())
 
 

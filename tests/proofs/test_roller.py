@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import load_regions
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
@@ -63,7 +64,7 @@ def point_of(scene: Scene) -> EllipsePoint:
 
 
 def twists_near(scene: Scene, points: np.ndarray, speeds: np.ndarray | None = None) -> np.ndarray:
-    model = smooth_rule_of(scene).contacts(scene)
+    model = contacts_under(smooth_rule_of(scene), scene)
     if speeds is not None:
         targets = np.zeros(2 * len(speeds))
         targets[::2] = speeds

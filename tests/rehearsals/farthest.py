@@ -7,10 +7,10 @@ from itertools import permutations
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.cells.nearest import bisector, greedy_states
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon, square
-from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.sampling import greedy_twist
 from nonsmooth.symbolic.scene import Scene, Wheel

@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.contact_rules.by_friction_set import FloatShape, FrictionSetRule
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.float_shape import FloatShape
 from nonsmooth.symbolic.friction_set import FrictionSet, NearestForce
 from nonsmooth.symbolic.scene import Friction
 
@@ -91,7 +92,7 @@ def _damped(given: Floats, t: Floats) -> Floats:
     return np.asarray(np.sinh(np.arcsinh(3 * root * given) / 3) / root)
 
 
-class SuperellipseRule(FrictionSetRule):
+class SuperellipseRule(SmoothRule):
     """``D = sum_i N_i ((mu_R r)^(4/3) + (mu_S s)^(4/3))^(3/4)``."""
 
     name = "superellipse"

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.contact_rule import all_rules
+from nonsmooth.analysis.cells.contact_rule import all_rules
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4

@@ -16,12 +16,13 @@ from scipy.optimize import minimize
 from nonsmooth.analysis.bodies.many_contacts import loads_of
 from nonsmooth.analysis.bodies.many_paths import ManyPaths
 from nonsmooth.analysis.bodies.mass_path import MassPath
-from nonsmooth.analysis.bodies.path import BodyPath
+from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
+from nonsmooth.analysis.cells.contact_rule import CellRule, contact_rule, smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
-from nonsmooth.analysis.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import Floats, contact_model, contacts_under
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.failures import failures_of
@@ -123,11 +124,14 @@ def test_clauses_and_paths_take_it(rule: str) -> None:
     assert result.check()
     point = np.array([[float(x) for x in scene.check.equilibrium]])
     here = contact_rule(rule)
-    twists = here.literal_twists(scene, point) if rule == "box" else smooth_rule_of(scene).minima(scene, point).twists  # type: ignore[attr-defined]
+    if isinstance(here, CellRule):
+        twists = here.literal_twists(scene, point)
+    else:
+        twists = minima_under(smooth_rule_of(scene), scene, point).twists
     assert np.isfinite(twists).all()
     if rule != "box":
-        path = smooth_rule_of(scene).path(scene, (0.2, 0.1, 0.0), 0.5)
-        other = smooth_rule_of(scene).path(load_scene("four-wheel", rule=rule), (0.2, 0.1, 0.0), 0.5)
+        path = smooth_path(smooth_rule_of(scene), scene, (0.2, 0.1, 0.0), 0.5)
+        other = smooth_path(smooth_rule_of(scene), load_scene("four-wheel", rule=rule), (0.2, 0.1, 0.0), 0.5)
         assert np.abs(path.array[-1] - other.array[-1]).max() > 1e-4
     with pytest.raises(NoCertificateError, match="springs of stiffness 1, 3, 2, 5"):
         build_certificate(result)
@@ -152,7 +156,8 @@ def test_a_body_with_an_outline_goes_on_equal_stiffness_as_on_equal_springs(rule
         assert failures_of(like) == failures_of(equal)
     else:
         ends = [
-            BodyPath(smooth_rule_of(scene).contacts(scene), scene).follow(POSE, 20.0).end for scene in (equal, like)
+            BodyPath(contacts_under(smooth_rule_of(scene), scene), scene).follow(POSE, 20.0).end
+            for scene in (equal, like)
         ]
         assert ends[1].t == pytest.approx(ends[0].t, abs=1e-9)
         np.testing.assert_allclose(ends[1].state, ends[0].state, atol=1e-9)
@@ -164,7 +169,7 @@ def answers(scene: Scene) -> list[tuple[str, str]]:
 
 def test_the_loads_of_many_bodies_have_the_least_energy() -> None:
     scene = outlined(STIFFNESS)
-    model = smooth_rule_of(scene).contacts(scene)
+    model = contacts_under(smooth_rule_of(scene), scene)
     chance = np.random.default_rng(3)
     wheels = np.array([chance.choice(len(scene.wheels), 7, replace=False) for _ in range(8)])
     carrying = chance.random(wheels.shape) < 0.8
@@ -182,9 +187,9 @@ def test_the_loads_of_many_bodies_have_the_least_energy() -> None:
 def test_paths_and_maps_of_a_body_on_unequal_springs_end_alike() -> None:
     scene = outlined((1, 2, 3))
     law = smooth_rule_of(scene)
-    end = BodyPath(law.contacts(scene), scene).follow(POSE, 20.0).end
+    end = BodyPath(contacts_under(law, scene), scene).follow(POSE, 20.0).end
     other = load_scene("carton-on-6x6", rule="ellipse")
-    assert np.abs(end.state[2] - BodyPath(law.contacts(other), other).follow(POSE, 20.0).end.state[2]) > 1e-3
+    assert np.abs(end.state[2] - BodyPath(contacts_under(law, other), other).follow(POSE, 20.0).end.state[2]) > 1e-3
     many = ManyPaths(scene, law).follow(np.array([POSE]))
     np.testing.assert_allclose(many.poses[0], end.state, atol=0.01)
 
@@ -192,7 +197,7 @@ def test_paths_and_maps_of_a_body_on_unequal_springs_end_alike() -> None:
 def test_a_dynamic_body_on_equal_stiffness_goes_as_on_equal_springs() -> None:
     paths = []
     for scene in (load_scene("carton-on-6x6", rule="ellipse"), outlined([3])):
-        model = smooth_rule_of(scene).contacts(scene)
+        model = contacts_under(smooth_rule_of(scene), scene)
         paths.append(MassPath(model, RigidBody(0.1, 0.1), scene).follow(POSE, 0.5))
     np.testing.assert_allclose(paths[1].states[-1], paths[0].states[-1], atol=1e-9)
 

@@ -9,8 +9,9 @@ from scipy.optimize import minimize
 from nonsmooth.analysis.bodies.mass_study import body_path, rule_path
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction, RigidBody
-from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.contact_model import Floats, contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, usage
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
 from nonsmooth.proofs.answers.other_rules import other_rules
@@ -62,7 +63,7 @@ def test_multipliers_find_the_least_sum(seed: int) -> None:
 
 def test_minima_are_proved_by_their_forces(scene: Scene) -> None:
     """Of the dissipation written anew: the fourth norm's dual, wheel by wheel."""
-    minima = SuperellipseRule().minima(scene, PLACES)
+    minima = minima_under(SuperellipseRule(), scene, PLACES)
     assert minima.check().all()
     model = minima.model
     slips = np.abs(model.slips(minima.twists) * model.friction.reshape(-1, 2)) ** (4 / 3)
@@ -76,7 +77,7 @@ def test_minima_are_proved_by_their_forces(scene: Scene) -> None:
 
 def test_bodies_with_mass_follow_its_forces(scene: Scene) -> None:
     """The Jacobian by differences, and a light body on the path of the rule, away from that of the ellipse."""
-    model = SuperellipseRule().contacts(scene)
+    model = contacts_under(SuperellipseRule(), scene)
     friction, loads, moves = EllipseFriction(model, 1e-3), np.full(4, 0.25), np.eye(3) * 1e-6
     centre, velocity = np.array([0.1, 0.2]), np.array([0.3, -0.2, 0.4])
     slopes = friction.slopes(centre, velocity, loads, np.zeros((4, 2)))[1]
@@ -94,7 +95,7 @@ def test_bodies_with_mass_follow_its_forces(scene: Scene) -> None:
 
 def test_methods_of_ellipses_alone_refuse_it(scene: Scene) -> None:
     with pytest.raises(ValueError, match="required friction ellipses, cut or whole, received Superellipse"):
-        MovingTwists(SuperellipseRule().contacts(scene), 1)
+        MovingTwists(contacts_under(SuperellipseRule(), scene), 1)
 
 
 def test_nothing_is_proved_of_a_shape_that_floats_alone_know(scene: Scene) -> None:

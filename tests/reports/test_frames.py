@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
@@ -107,8 +108,8 @@ def test_rule_ellipse_moves_with_its_minimizer_and_is_carried_by_loaded_wheels()
     path = followed("ellipse")
     frames = frames_of(path, 9)
     assert path.scene
-    rule, model = rule_of(path.scene), contact_model(path.scene)
-    expected = rule.minima(path.scene, frames.poses[:, :2]).twists  # type: ignore[attr-defined]
+    rule, model = smooth_rule_of(path.scene), contact_model(path.scene)
+    expected = minima_under(rule, path.scene, frames.poses[:, :2]).twists
     assert np.abs(frames.twists - expected).max() < 1e-5
     assert np.array_equal(frames.contacts != WheelContact.FREE, loads_at(model, frames.poses[:, :2]) > 1e-9)
 

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.analysis.contact_rule import rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import rule_of, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
@@ -109,7 +110,7 @@ def test_the_motion_is_the_least_dissipation_of_the_words(seed: int) -> None:
     )  # fmt: skip
     for wheel in wheels:  # headings have length one only to four digits
         wheel["rim"] = wheel["rim"] / np.hypot(*wheel["rim"])
-    minima = smooth_rule_of(made.scene).minima(made.scene, centre[None])
+    minima = minima_under(smooth_rule_of(made.scene), made.scene, centre[None])
     assert minima.check()[0]
     if minima.faces:  # at the twists of the words any of the face is right
         return
@@ -241,9 +242,9 @@ def test_verdicts_carry_evidence() -> None:
 def test_every_wheel_by_name_is_the_rule(name: str) -> None:
     """An array whose wheels are told apart by name alone, under a rule that mixes only in words."""
     plain = load_scene(name, rule="ellipse")
-    (twist,) = smooth_rule_of(plain).minima(plain, np.array([[0.05, 0.02]])).twists
+    (twist,) = minima_under(smooth_rule_of(plain), plain, np.array([[0.05, 0.02]])).twists
     mixed = with_labels(plain, "ellipse")
-    (other,) = smooth_rule_of(mixed).minima(mixed, np.array([[0.05, 0.02]])).twists
+    (other,) = minima_under(smooth_rule_of(mixed), mixed, np.array([[0.05, 0.02]])).twists
     np.testing.assert_array_equal(twist, other)
 
 

@@ -13,7 +13,7 @@ import pytest
 from matplotlib.patches import Circle
 
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
-from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.reports.simulations.sampled_tables import draw_tables
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions

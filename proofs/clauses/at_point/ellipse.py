@@ -23,8 +23,8 @@ from enum import StrEnum
 
 from flint import arb, ctx, fmpq
 
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion
-from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite, linear_stability, zero_of_rising
 from nonsmooth.proofs.boxes.linearization import (

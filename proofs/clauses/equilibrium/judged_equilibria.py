@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.equilibria import RestPlace
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.cells.contact_rule import LimitedForces, rule_of
 from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import LoadTable, Scene
 
@@ -41,7 +41,7 @@ def failed_hypotheses(scene: Scene) -> list[str]:
     """The hypotheses of the lemma that a centred array does not meet, in words."""
     wheels, failed = scene.wheels, list[str]()
     squares = {dot(w.position, w.position) for w in wheels}
-    if rule_of(scene).functional is None:
+    if not isinstance(rule_of(scene), LimitedForces):
         failed.append(f"rule {scene.contact.rule} does not minimize D")
     if len(squares) > 1 or not all(squares):
         failed.append("the wheels do not lie on one circle about the equilibrium")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.load_sets import Loads
-from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.boxes.linearization import Slope, spin_candidates
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried

@@ -44,9 +44,9 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion
-from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.analysis.contact_rules.by_friction_set import FloatShape
+from nonsmooth.analysis.fields.float_shape import FloatShape
 from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.symbolic.constraints import Triple, inner, roll_row, scaled, side_row

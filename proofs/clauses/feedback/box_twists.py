@@ -36,10 +36,10 @@ from itertools import combinations
 import numpy as np
 
 from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, order
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.symbolic.constraints import (
     RowKind,
     Triple,

@@ -39,10 +39,10 @@ from typing import TYPE_CHECKING
 
 from flint import arb, ctx
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.clauses.feedback.balanced_twists import PRECISION, BalancedTwist, exclude_twist

@@ -39,9 +39,9 @@ from itertools import combinations, product
 
 import numpy as np
 
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rule_of
 from nonsmooth.analysis.cells.load_sets import load_set
-from nonsmooth.analysis.contact_rule import SmoothRule, friction_sets, rule_of
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads, Floats, float_loads
@@ -181,7 +181,7 @@ def _motions(scene: Scene, imposed: ImposedTwist, wheels: WheelForms, loads: Flo
     samples = loads.samples(SIDES @ pulls.T)
     rule = rule_of(scene)
     is_smooth = isinstance(rule, SmoothRule)
-    model = rule.contacts(scene) if isinstance(rule, SmoothRule) else contact_model(scene)
+    model = contacts_under(rule, scene)
     targets = np.zeros(2 * model.wheels)
     targets[0::2] = speeds
     minimizer = EllipseMinimizer() if is_smooth else BoxHighs()

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.proofs.clauses.clause import CheckedArray
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw

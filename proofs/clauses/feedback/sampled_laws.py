@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.cells.contact_rule import rule_of
+from nonsmooth.analysis.fields.contact_model import contacts_under
+from nonsmooth.analysis.minimizers.dissipation import functional_of
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample, SampledLaw, sample_closed_loop
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -21,11 +22,11 @@ STATES = {"box": 100, "ellipse": 1_000}
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The feedback with two laws of the field sampled in the checked square of the centred scene."""
     rule = rule_of(scene)
-    functional = rule.functional
+    functional = functional_of(rule)
     if functional is None:
         raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
     own = in_own_length(scene)
-    model = rule.contacts(own) if isinstance(rule, SmoothRule) else contact_model(own)
+    model = contacts_under(rule, own)
     radius, states = float(own.check.radius), STATES[functional]
     free = free_motions(scene)
     if free:

@@ -17,9 +17,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, friction_sets, rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.slopes import blocks
-from nonsmooth.analysis.contact_rule import CellRule, friction_sets, rule_of
 from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists, edge_of, side_planes
 from nonsmooth.symbolic.constraints import Triple, independent, roll_row, side_row

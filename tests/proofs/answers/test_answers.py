@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.contact_rules.ellipse import EllipseRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
@@ -88,7 +89,7 @@ def test_bodies_stay_as_near_as_said(name: str, rule: str) -> None:
 def test_the_distance_halves_as_fast_as_said(name: str) -> None:
     scene = load_scene(name, rule="ellipse")
     rate = float(value_of(check_theorem4(scene), "position", "rate"))
-    path = EllipseRule().path(scene, (1e-4, 0.4e-4, 0.0), 6 / rate)
+    path = smooth_path(EllipseRule(), scene, (1e-4, 0.4e-4, 0.0), 6 / rate)
     distances = np.hypot(path.array[:, 0], path.array[:, 1])
     times = np.array(path.times)
     late = times > 3 / rate

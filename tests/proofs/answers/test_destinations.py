@@ -8,10 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.bodies.path import smooth_path
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.contact_rules.ellipse import EllipseRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.trajectories.smooth_ends import smooth_ends
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers import destinations as destinations_module
@@ -142,10 +144,10 @@ def test_without_cells_the_places_are_where_the_field_vanishes() -> None:
     found = destinations("off-center", rule="ellipse")
     (rest,) = [place for place in found.found if place.points]
     scene = load_scene("off-center", rule="ellipse")
-    ((vx, vy, omega),) = EllipseRule().minima(scene, np.array(rest.points)).twists
+    ((vx, vy, omega),) = minima_under(EllipseRule(), scene, np.array(rest.points)).twists
     ((x, y),) = rest.points
     assert np.hypot(vx - omega * y, vy + omega * x) < 1e-9
-    path = EllipseRule().path(scene, (0.1, -0.3, 0.0), 4.0)
+    path = smooth_path(EllipseRule(), scene, (0.1, -0.3, 0.0), 4.0)
     assert path.end.state[:2] == pytest.approx((x, y), abs=1e-4)
     assert rest.share > 0.9
     assert sum(place.share for place in found.found) == pytest.approx(1)
@@ -160,7 +162,7 @@ def test_bodies_that_jump_to_and_fro_about_a_point_are_seen_to_stand(count: int,
     assert ends.reached.tolist() == [0] * count
     place, step = near * np.array([0.3, 0.1]), 0.02
     for _ in range(steps):
-        ((vx, vy, omega),) = smooth_rule_of(scene).minima(scene, place[None]).twists
+        ((vx, vy, omega),) = minima_under(smooth_rule_of(scene), scene, place[None]).twists
         place = place + step * np.array([vx - omega * place[1], vy + omega * place[0]])
     assert np.hypot(*place) < step
 

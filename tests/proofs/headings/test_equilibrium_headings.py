@@ -14,9 +14,9 @@ from flint import arb, arb_mat, ctx
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.set_guesses import SetGuesses
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
 from nonsmooth.proofs.headings.stay import set_motion
@@ -266,6 +266,6 @@ def test_balls_hold_the_motion_on_wheels_with_friction_axes(tmp_path: Path) -> N
     centre = (float(part.wheels[1].position[0]) + 0.03, 0.04)
     with ctx.workprec(256):
         found = set_motion(scene, rule, SetGuesses(scene, rule), wheels, arb_mat([[arb(centre[0])], [arb(centre[1])]]))
-    expected = rule.minima(part, np.array([centre])).twists[0]
+    expected = minima_under(rule, part, np.array([centre])).twists[0]
     np.testing.assert_allclose([float(entry) for entry in found.twist.entries()], expected, atol=1e-8)
     assert max(float(entry.rad()) for entry in found.twist.entries()) < 1e-30

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.plane_arrays import Floats, cross
+from nonsmooth.analysis.fields.plane_arrays import Floats, cross
 from nonsmooth.symbolic import plane
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.body_table import rectangle

@@ -1,9 +1,8 @@
 """What a contact rule must offer.
 
 A contact rule turns an array of driven wheels under a body into the body's motion.  To add one, write a class on
-:class:`CellRule` (the plane falls into cells with constant twists) or
-:class:`nonsmooth.analysis.contact_rules.by_friction_set.FrictionSetRule` (a set of forces for each wheel) in this
-folder, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
+:class:`CellRule` (the plane falls into cells with constant twists) or :class:`SmoothRule` (a set of forces for each
+wheel) in ``analysis/contact_rules``, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
 Whoever uses a rule asks for its capabilities, never for its name.  Rules hold no data, and import what
 they compute with inside their methods, because commands list them before anything is computed.
 """
@@ -11,7 +10,6 @@ they compute with inside their methods, because commands list them before anythi
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
@@ -20,11 +18,10 @@ from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED, MIXED_RULE
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-    from nonsmooth.analysis.minimizers.dissipation import Functional
-    from nonsmooth.analysis.minimizers.minimum import Minima
-    from nonsmooth.analysis.trajectories.result import Trajectory
     from nonsmooth.symbolic.friction_set import FrictionSet
     from nonsmooth.symbolic.scene import Friction, Scene, Wheel
 
@@ -55,14 +52,14 @@ class ContactRule(ABC):
         """Why the friction of a scene makes the rule a poor model of it, in one sentence; empty where it does not."""
         return ""
 
-    @property
-    def functional(self) -> Functional | None:
-        """The dissipation functional that the motion minimizes; None where it minimizes none."""
-        return None
-
 
 class LimitedForces(ContactRule):
-    """A rule under which friction can carry forces in a set for each wheel, and losses are least."""
+    """A rule under which friction can carry forces in a set for each wheel, and losses are least.
+
+    ``D = sum_i N_i h_i``, h_i the support function of the set of wheel i.
+    """
+
+    needs_loads = True
 
     @abstractmethod
     def friction_set(self, friction: Friction) -> FrictionSet:
@@ -95,7 +92,7 @@ class CellRule(ContactRule):
         return self.build_partition(covering(scene))
 
     @abstractmethod
-    def literal_twists(self, scene: Scene, points: Floats) -> Floats:
+    def literal_twists(self, scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Twists at points (m, 2) of a centred scene, shape (m, 3), by the words of the rule, knowing nothing of cells.
 
         Slow, in floats: the oracle of the cells in tests and measurements; no verdict uses it.
@@ -113,27 +110,10 @@ class CellRule(ContactRule):
 class SmoothRule(LimitedForces):
     """A rule without cells: forces in a set for each wheel, and the motion that dissipates the least against them.
 
-    A new one is a class on :class:`nonsmooth.analysis.contact_rules.by_friction_set.FrictionSetRule`: it says which
-    forces a wheel can carry, and how it is called.
+    A new one says which forces a wheel can carry, an ellipse that a strip may cut, and how it is called.  Minimizers
+    with proofs (:func:`nonsmooth.analysis.minimizers.ellipse_minimizer.minima_under`), exact linearization, feedback
+    and paths (:func:`nonsmooth.analysis.bodies.path.smooth_path`) follow from the sets.
     """
-
-    @abstractmethod
-    def contacts(self, scene: Scene) -> ContactModel:
-        """The contacts of a scene in floats, with the sets of this rule, whatever rule the scene names."""
-
-    @abstractmethod
-    def minima(self, scene: Scene, points: Floats) -> Minima:
-        """The twists at points (m, 2), shape (m, 3), each with the friction forces that prove it."""
-
-    @abstractmethod
-    def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The path of the body from ``(x, y, theta)`` at time zero, exact kinematics; through cells it is by events.
-
-        Raises:
-            RefusalError: where the motion is not determined.
-            ValueError: for a last time that is not positive, or numbers that are not finite.
-            TrajectoryError: where the path cannot be followed.
-        """
 
 
 @cache

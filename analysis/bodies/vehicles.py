@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.contact_rule import CellRule, ContactRule, SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.cells.loads import elastic_loads_at
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, ContactRule, SmoothRule, all_rules, contact_rule
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, contacts_under
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.symbolic.constraints import Twist, cofactors, combine, inner, scaled, scene_rows, total, wheel_rows
@@ -153,7 +153,7 @@ def _by_cells(vehicle: Vehicle, rule: CellRule) -> VehicleMotion:
 def _least_dissipation(vehicle: Vehicle, rule: SmoothRule) -> VehicleMotion:
     scene = vehicle.scene
     require_friction(scene, rule)
-    minimum = rule.minima(scene, _centre(vehicle))[0]
+    minimum = minima_under(rule, scene, _centre(vehicle))[0]
     if minimum.face is not None:
         exact, twists = None, minimum.face
     else:
@@ -266,7 +266,7 @@ def turns(vehicle: Vehicle) -> tuple[CurvedMotion, ...]:
     if vehicle.track is None or vehicle.left is None or vehicle.right is None:
         return ()
     own = contact_rule(vehicle.scene.contact.rule)
-    model = own.contacts(vehicle.scene) if isinstance(own, SmoothRule) else contact_model(vehicle.scene)  # of ellipse
+    model = contacts_under(own, vehicle.scene)
     angles = np.linspace(0, np.pi / 2, COMMANDS)
     left, right = np.cos(angles) - np.sin(angles), np.cos(angles) + np.sin(angles)
     left[np.abs(left) < TURNS], left[-1], right[-1] = 0.0, -1.0, 1.0  # exact at the ends
