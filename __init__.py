@@ -11,8 +11,8 @@ Names are looked up when they are first used, so that the import costs nothing; 
 
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.symbolic.notebook import on_demand
-from nonsmooth.symbolic.removed import NAMES
+from nonsmooth.symbolic.messages.notebook import on_demand
+from nonsmooth.symbolic.messages.removed import NAMES
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import RefusalError as RefusalError
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.workbench.widget import widget as widget
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.files.scene_file import builtin_vehicles as builtin_vehicles
-    from nonsmooth.symbolic.scene_error import SceneError as SceneError
+    from nonsmooth.symbolic.messages.scene_error import SceneError as SceneError
 
 _MODULES = {
     "Array": "reports.interface.array",
@@ -64,7 +64,7 @@ _MODULES = {
     "Position": "proofs.answers.answer",
     "RefusalError": "analysis.cells.partition",
     "ReportResult": "reports.derivations.derivation",
-    "SceneError": "symbolic.scene_error",
+    "SceneError": "symbolic.messages.scene_error",
     "SweepResult": "reports.sweeps.sweep_study",
     "System": "reports.interface.system",
     "SystemCheckResult": "reports.checks.system_results",

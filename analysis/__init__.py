@@ -6,7 +6,7 @@ Matplotlib never. Its tolerances are named constants, each with a unit and a rea
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.symbolic.notebook import on_demand
+from nonsmooth.symbolic.messages.notebook import on_demand
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.bodies.mass_path import simulate_dynamics as simulate_dynamics

@@ -6,7 +6,7 @@ disposes. It holds no tolerance, and missing evidence never passes.
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.symbolic.notebook import on_demand
+from nonsmooth.symbolic.messages.notebook import on_demand
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.certificate import build_certificate as build_certificate

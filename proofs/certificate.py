@@ -45,14 +45,14 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.robust.nearest import certified_bounds
 from nonsmooth.proofs.verified import verified
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.contact_set import alone
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_set import alone
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.plane import around, cross, dot
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from nonsmooth.symbolic.plane import around, cross, dot
-from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Record: TypeAlias = dict[str, Any]
 

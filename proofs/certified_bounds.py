@@ -21,11 +21,11 @@ from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.certified_disc import SIMPLE
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, shaped
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.numbers.plane import dot
 
 Record: TypeAlias = dict[str, Any]
 

@@ -12,8 +12,8 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.certificate import scene_record
-from nonsmooth.symbolic.contact_set import alone
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import alone
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 Record: TypeAlias = dict[str, Any]
 Sum: TypeAlias = dict[tuple[int, ...], Fraction]

@@ -34,10 +34,10 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 MOST_TRIED = 64
 MOST_SEARCHED = 16  # of these, that first terms do not rule out

@@ -43,8 +43,8 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 
 def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | None:

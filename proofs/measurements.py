@@ -41,13 +41,13 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
-from nonsmooth.symbolic.contact_states import possible_triples
+from nonsmooth.symbolic.mechanics.contact_states import possible_triples
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.rule import CONTACT_RULES
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import moved, scaled, with_friction_ratio
-from nonsmooth.symbolic.similar_systems import scaled_system, with_rate_ratio
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- pruning -------------------------------------------------------------------------------------
 

@@ -19,7 +19,7 @@ from nonsmooth.proofs.kernel.search import Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.systems.scalar_stability import clear_distance, within
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Theorem: TypeAlias = tuple[str, dict[str, Any]]  # its name, and its hypotheses
 

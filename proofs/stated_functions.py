@@ -9,10 +9,10 @@ from typing import Any
 from nonsmooth.proofs.kernel.cells import StatedCells, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.subject import NoCertificateError, exact_text, formula_in_names, polynomial_in_names
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PotentialPiece
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 def stated_function(

@@ -8,9 +8,10 @@ checked cube; for a plain system of cones in two states it is the plane.  Wheel 
 ``v + omega J c``.
 
 Where the right-hand sides only enclose the stated field (sines and cosines of states lie between polynomials,
-:mod:`nonsmooth.symbolic.sine_enclosures`), what holds along all of these holds along the field; a point at which V
-increases along one of them refutes nothing.  Then the derivative of V along the stated field is evaluated in balls,
-inside cells at such a point or beside it: where a ball is positive, V increases along the solution through its place.
+:mod:`nonsmooth.symbolic.formulas.sine_enclosures`), what holds along all of these holds along the field; a point at
+which V increases along one of them refutes nothing.  Then the derivative of V along the stated field is evaluated in
+balls, inside cells at such a point or beside it: where a ball is positive, V increases along the solution through its
+place.
 """
 
 from __future__ import annotations
@@ -39,19 +40,19 @@ from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, pla
 from nonsmooth.proofs.systems.findings import ExaminedFunction
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.messages.scene_error import SceneError, requirement
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, requirement
-from nonsmooth.symbolic.scene_kind import SceneKind
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
 
 BITS = 128
 ASIDE = Fraction(1, 256)  # of the half-width: how far beside a point cells are looked into

@@ -49,10 +49,10 @@ from nonsmooth.proofs.systems.line_reach import distance_hypotheses
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verified import verified
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.files.system_builder import with_order
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each

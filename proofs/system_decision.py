@@ -17,10 +17,10 @@ from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Findi
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.system_builder import by_themselves, with_order, without_waves
-from nonsmooth.symbolic.notebook import html_table
-from nonsmooth.symbolic.piecewise import SignOf
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
+from nonsmooth.symbolic.formulas.piecewise import SignOf
+from nonsmooth.symbolic.messages.notebook import html_table
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
 
 MOST_ORDER = 2  # further terms of sines and cosines
 NARROW = 1  # half-width of a square on which the first terms enclose sines closely

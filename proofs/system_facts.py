@@ -30,13 +30,13 @@ from nonsmooth.proofs.systems.findings import (
 from nonsmooth.proofs.systems.line_reach import distance_text
 from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
-from nonsmooth.symbolic.formula_text import tidied
-from nonsmooth.symbolic.number_text import percent_text, place_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.scene_kind import SceneKind
-from nonsmooth.symbolic.signed_roots import SignedRoots
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.formulas.formula_text import tidied
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
+from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 
 def system_facts(result: DecidedSystem) -> Iterator[Fact]:

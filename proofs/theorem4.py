@@ -19,11 +19,11 @@ from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilibria
 from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
-from nonsmooth.symbolic.contact_set import standing
-from nonsmooth.symbolic.contact_states import possible_triples, triples_with_friction
+from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.contact_states import possible_triples, triples_with_friction
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.scene import Scene
 
 Kind = TypeVar("Kind", CellCheck, SmoothCheck)
 

@@ -25,9 +25,9 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Skipped, Workspace
 from nonsmooth.proofs.findings.facts import Fact
 from nonsmooth.proofs.findings.verdicts import Theorem4
-from nonsmooth.symbolic.contact_states import ContactCensus, take_census, triples_with_friction
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_states import ContactCensus, take_census, triples_with_friction
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback

@@ -23,7 +23,7 @@ from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 from nonsmooth.proofs.many_states.lyapunov_search import find_growth
 from nonsmooth.proofs.many_states.relay_degree import show_relay_of
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 Show: TypeAlias = Callable[[SwitchedSystem, str, Search | None], Entry]
 

@@ -6,7 +6,7 @@ only inside the call that needs them.
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.symbolic.notebook import on_demand
+from nonsmooth.symbolic.messages.notebook import on_demand
 
 if TYPE_CHECKING:
     from nonsmooth.reports.derivations.derivation import derive_report as derive_report

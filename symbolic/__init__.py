@@ -8,52 +8,52 @@ contact states do without), never SciPy, CVXPY or another package.  Text from a 
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.symbolic.notebook import on_demand
+from nonsmooth.symbolic.messages.notebook import on_demand
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.constraints import Row as Row
-    from nonsmooth.symbolic.constraints import Twist as Twist
-    from nonsmooth.symbolic.constraints import constraint_matrix as constraint_matrix
-    from nonsmooth.symbolic.constraints import scene_rows as scene_rows
-    from nonsmooth.symbolic.contact_states import ContactState as ContactState
-    from nonsmooth.symbolic.contact_states import take_census as take_census
-    from nonsmooth.symbolic.equations import Coordinates as Coordinates
-    from nonsmooth.symbolic.equations import annihilator as annihilator
-    from nonsmooth.symbolic.equations import governing_equations as governing_equations
-    from nonsmooth.symbolic.equations import stacked_constraints as stacked_constraints
-    from nonsmooth.symbolic.equations import wheel_constraints as wheel_constraints
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.files.scene_file import load_scene as load_scene
     from nonsmooth.symbolic.files.system_file import load_any as load_any
     from nonsmooth.symbolic.files.system_file import load_system as load_system
+    from nonsmooth.symbolic.mechanics.constraints import Row as Row
+    from nonsmooth.symbolic.mechanics.constraints import Twist as Twist
+    from nonsmooth.symbolic.mechanics.constraints import constraint_matrix as constraint_matrix
+    from nonsmooth.symbolic.mechanics.constraints import scene_rows as scene_rows
+    from nonsmooth.symbolic.mechanics.contact_states import ContactState as ContactState
+    from nonsmooth.symbolic.mechanics.contact_states import take_census as take_census
+    from nonsmooth.symbolic.mechanics.equations import Coordinates as Coordinates
+    from nonsmooth.symbolic.mechanics.equations import annihilator as annihilator
+    from nonsmooth.symbolic.mechanics.equations import governing_equations as governing_equations
+    from nonsmooth.symbolic.mechanics.equations import stacked_constraints as stacked_constraints
+    from nonsmooth.symbolic.mechanics.equations import wheel_constraints as wheel_constraints
+    from nonsmooth.symbolic.mechanics.scene import Scene as Scene
+    from nonsmooth.symbolic.messages.scene_error import SceneError as SceneError
     from nonsmooth.symbolic.numbers.number import Number as Number
     from nonsmooth.symbolic.numbers.number_field import NumberField as NumberField
-    from nonsmooth.symbolic.scene import Scene as Scene
-    from nonsmooth.symbolic.scene_error import SceneError as SceneError
-    from nonsmooth.symbolic.switched_system import SwitchedSystem as SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem as SwitchedSystem
 
 __getattr__ = on_demand(
     __name__,
     {
-        "ContactState": "contact_states",
-        "take_census": "contact_states",
-        "Row": "constraints",
-        "Twist": "constraints",
-        "constraint_matrix": "constraints",
-        "scene_rows": "constraints",
-        "Coordinates": "equations",
-        "annihilator": "equations",
-        "governing_equations": "equations",
-        "stacked_constraints": "equations",
-        "wheel_constraints": "equations",
+        "ContactState": "mechanics.contact_states",
+        "take_census": "mechanics.contact_states",
+        "Row": "mechanics.constraints",
+        "Twist": "mechanics.constraints",
+        "constraint_matrix": "mechanics.constraints",
+        "scene_rows": "mechanics.constraints",
+        "Coordinates": "mechanics.equations",
+        "annihilator": "mechanics.equations",
+        "governing_equations": "mechanics.equations",
+        "stacked_constraints": "mechanics.equations",
+        "wheel_constraints": "mechanics.equations",
         "builtin_scenes": "files.scene_file",
         "load_scene": "files.scene_file",
         "load_any": "files.system_file",
         "load_system": "files.system_file",
         "Number": "numbers.number",
         "NumberField": "numbers.number_field",
-        "Scene": "scene",
-        "SceneError": "scene_error",
-        "SwitchedSystem": "switched_system",
+        "Scene": "mechanics.scene",
+        "SceneError": "messages.scene_error",
+        "SwitchedSystem": "systems.switched_system",
     },
 )

@@ -31,11 +31,11 @@ from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.contact_set import TipsError, contact_set, standing
-from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.body_table import rectangle
-from nonsmooth.symbolic.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.contact_set import TipsError, contact_set, standing
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from tests.conftest import Arrays, WheelData
 
 Floats: TypeAlias = NDArray[np.float64]

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import settings
 
 from nonsmooth.analysis.cells.polygon import Point, Polygon
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
-from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from tests.four_wheel import CORNERS, ROLL, SIDE
 from tests.thorough import SOME, mark_further
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.output.console import run
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 Document: TypeAlias = dict[str, Any]

@@ -10,9 +10,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.continuum import Disc, PolygonShape
-from nonsmooth.symbolic.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.continuum import Disc, PolygonShape
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 Depths: TypeAlias = Callable[[Floats, Floats], Floats]  # of places (n, 2) at a pose

@@ -19,7 +19,7 @@ from nonsmooth.reports.checks.measurements import Precision, error_text, setting
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import ProgressCall, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.number_text import measured_text
+from nonsmooth.symbolic.numbers.number_text import measured_text
 
 SHOWN = "four-wheel"
 LIMITS = Limits()

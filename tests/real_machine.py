@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.contact_set import contact_set, standing
-from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.contact_set import contact_set, standing
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from tests.body_engine import (
     BRISK,
     FALLING,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 def ruled(scene: Scene, rule: str) -> Scene:

@@ -1,14 +1,12 @@
-"""No circles of imports: none between two files, and none between the sub-packages of a package.
+"""No circles of imports: none between two files, and none between two packages, for each of which its folder stands.
 
-Imports inside functions count, since they only put a circle off until the call. Between files those under TYPE_CHECKING
-count too: who reads one file of such a circle has to read all. Between sub-packages they do not, since they load
-nothing; there all files of a folder stand for it, and a file that lies beside sub-packages stands for itself.
+Imports inside functions count, since they only put a circle off until the call, and so do those under TYPE_CHECKING:
+who reads one file of such a circle has to read all.
 """
 
 import ast
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 
 import pytest
 
@@ -18,7 +16,6 @@ from tests.sources import (
     imported_modules,
     imports_in,
     merged,
-    module_name,
     product_files,
     rings,
     summary_of,
@@ -26,24 +23,18 @@ from tests.sources import (
 
 
 @cache
-def graph_of_files(*, for_types: bool) -> Graph:
+def graph_of_files() -> Graph:
     imports = {name: summary_of(path).imports for name, path in product_files().items()}
-    return import_graph(imports, for_types=for_types)
-
-
-def folder_of(path: Path) -> str:
-    """What a file stands for among sub-packages: its folder, or itself where the folder holds sub-packages too."""
-    has_sub_packages = any(inner.is_dir() for inner in path.parent.iterdir() if (inner / "__init__.py").exists())
-    return module_name(path if has_sub_packages else path.parent / "__init__.py")
+    return import_graph(imports, for_types=True)
 
 
 def test_no_two_files_import_each_other() -> None:
-    assert rings(graph_of_files(for_types=True)) == set()
+    assert rings(graph_of_files()) == set()
 
 
 def test_no_sub_packages_import_each_other() -> None:
-    folders = {name: folder_of(path) for name, path in product_files().items()}
-    assert rings(merged(graph_of_files(for_types=False), folders)) == set()
+    folders = {name: str(path.parent) for name, path in product_files().items()}
+    assert rings(merged(graph_of_files(), folders)) == set()
 
 
 @pytest.mark.parametrize(

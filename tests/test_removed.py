@@ -9,7 +9,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run
-from nonsmooth.symbolic import removed
+from nonsmooth.symbolic.messages import removed
 
 
 @pytest.fixture(autouse=True)

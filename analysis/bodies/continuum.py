@@ -29,13 +29,13 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.fields.plane_arrays import Floats, cross
-from nonsmooth.symbolic import plane
-from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
+from nonsmooth.symbolic.mechanics.continuum import ContinuousField, Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import around
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers.plane import around
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits

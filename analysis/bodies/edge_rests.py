@@ -19,8 +19,8 @@ from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
-from nonsmooth.symbolic.edge_headings import BallOutline
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place

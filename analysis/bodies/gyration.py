@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.bodies.continuum import moments
-from nonsmooth.symbolic import body
+from nonsmooth.symbolic.mechanics import body
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
 
 
 def squared_radius(scene: Scene) -> Number:

@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.symbolic.springs import EqualSprings
+from nonsmooth.symbolic.mechanics.springs import EqualSprings
 
 Mask = NDArray[np.bool_]
 Numbers = NDArray[np.int_]

@@ -31,8 +31,8 @@ from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
-from nonsmooth.symbolic.contact_set import require_springs
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import require_springs
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest

@@ -37,8 +37,8 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import DenseStep, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import Integrator
-from nonsmooth.symbolic.contact_set import require_springs
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import require_springs
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 HELD = 1e-6  # of the body's size: a wheel that swings across the edge by less is held there
 MOST_EVENTS = 5_000

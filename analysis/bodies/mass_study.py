@@ -41,11 +41,11 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before

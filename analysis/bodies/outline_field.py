@@ -28,10 +28,10 @@ from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.follow import Mode, Path
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import MAX_EVENTS, MAX_WORK, FilippovFaces, Weights, near_rounding
-from nonsmooth.symbolic.contact_set import require_springs
+from nonsmooth.symbolic.mechanics.contact_set import require_springs
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import counted_in_own_length
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import counted_in_own_length
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 Pattern = tuple[int, ...]  # -1, 0 or 1 for each surface through a pose

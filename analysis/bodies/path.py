@@ -58,9 +58,9 @@ from nonsmooth.analysis.trajectories.result import (
     samples,
 )
 from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.number_text import numbers_text
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.number_text import numbers_text
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 # Work along a path in evaluations of pose rates, steps in regimes and minimizers by multipliers counted as some: twenty

@@ -26,11 +26,11 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rul
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, with_friction_sets
 from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.contact_set import standing
-from nonsmooth.symbolic.friction_set import float_sets
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.under_way import tell_count
+from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.friction_set import float_sets
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.messages.under_way import tell_count
 
 RESTS = 1e-7  # of the fastest rim
 STEPS = 40  # of Broyden's method
@@ -43,7 +43,7 @@ class SampledTables:
     """Where bodies rest on tables that were drawn.
 
     Attributes:
-        names: the tolerances that were drawn, of :class:`nonsmooth.symbolic.tolerances.Tolerance`.
+        names: the tolerances that were drawn, of :class:`nonsmooth.symbolic.mechanics.tolerances.Tolerance`.
         places: of rest (m, 2), in the scene's coordinates; not a number where none was found that attracts.
         nominal: that of the table as drawn.
         point: the checked one.

@@ -10,7 +10,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 STICKS, STICKS_BESIDE_ROLLERS = 1e-4, 1e-2  # slip, of the fastest wheel's speed, below which a wheel may stick
 

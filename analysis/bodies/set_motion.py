@@ -20,8 +20,8 @@ from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.minimizers.regime import NOBODY
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.friction_set import CutEllipse
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
+from nonsmooth.symbolic.numbers.number_text import place_text
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 

@@ -26,8 +26,8 @@ from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model, with_friction_sets
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 Pose = tuple[float, float, float]
 

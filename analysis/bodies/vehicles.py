@@ -22,11 +22,20 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import free_motions
-from nonsmooth.symbolic.constraints import Twist, cofactors, combine, inner, scaled, scene_rows, total, wheel_rows
+from nonsmooth.symbolic.mechanics.constraints import (
+    Twist,
+    cofactors,
+    combine,
+    inner,
+    scaled,
+    scene_rows,
+    total,
+    wheel_rows,
+)
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.vehicles import Vehicle
+from nonsmooth.symbolic.numbers.plane import Vector
 
 MOST_EXACT = 12  # wheels up to which the cells of the rules with cells are built
 ROUNDING = 1e-9  # rate of turn times the length of the vehicle, relative to the speeds: below it a float is no turn

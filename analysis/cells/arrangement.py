@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import (
+from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     Triple,
     Twist,
@@ -39,10 +39,10 @@ from nonsmooth.symbolic.constraints import (
     scene_rows,
     subtracted,
 )
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, clear_sign, is_clear, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Scene
 
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
 # than this are compared exactly.

@@ -32,10 +32,10 @@ from nonsmooth.analysis.cells.nearest import preferred_rows
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.symbolic.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
-from nonsmooth.symbolic.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
-from nonsmooth.symbolic.scene import Scene
 
 STEP = "cells of rule box"
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import around, cross, dot, minus
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 2.0**-29

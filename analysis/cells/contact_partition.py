@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nonsmooth.analysis.cells.contact_rule import CellRule, cell_rules, rule_of
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 def build_partition(scene: Scene, *, prune: bool = True) -> Partition:

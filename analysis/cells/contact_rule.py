@@ -2,7 +2,7 @@
 
 A contact rule turns an array of driven wheels under a body into the body's motion.  To add one, write a class on
 :class:`CellRule` (the plane falls into cells with constant twists) or :class:`SmoothRule` (a set of forces for each
-wheel) in ``analysis/contact_rules``, and list it in :data:`nonsmooth.symbolic.rule.CONTACT_RULES`.
+wheel) in ``analysis/contact_rules``, and list it in :data:`nonsmooth.symbolic.mechanics.rule.CONTACT_RULES`.
 Whoever uses a rule asks for its capabilities, never for its name.  Rules hold no data, and import what
 they compute with inside their methods, because commands list them before anything is computed.
 """
@@ -14,16 +14,16 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
-from nonsmooth.symbolic.number_text import numbers_text
-from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED, MIXED_RULE
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED, MIXED_RULE
+from nonsmooth.symbolic.numbers.number_text import numbers_text
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.symbolic.friction_set import FrictionSet
-    from nonsmooth.symbolic.scene import Friction, Scene, Wheel
+    from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+    from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
 
 
 class ContactRule(ABC):
@@ -87,7 +87,7 @@ class CellRule(ContactRule):
         Raises:
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.symbolic.similar_scenes import covering
+        from nonsmooth.symbolic.mechanics.similar_scenes import covering
 
         return self.build_partition(covering(scene))
 

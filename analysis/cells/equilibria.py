@@ -25,10 +25,10 @@ from typing import Any
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import around, between, cross, dot, hull_holds_zero, minus
+from nonsmooth.symbolic.numbers.plane import around, between, cross, dot, hull_holds_zero, minus
 
 
 class EquilibriumPlace(StrEnum):

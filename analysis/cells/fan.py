@@ -13,9 +13,9 @@ from typing import TypeVar
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import around, cross, dot, same_direction, turned
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, same_direction, turned
 
 S = TypeVar("S", bound="Wedge")
 

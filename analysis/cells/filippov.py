@@ -6,7 +6,7 @@ the maximum of a linear function over a hull, so it is attained at a cell's own 
 constant twist it is linear in c, because ``c . J c = 0`` removes the rotation: hence it is decided at the
 vertices of the closed cell, exactly.
 
-The partition must be centred: ``c* = 0`` (:meth:`nonsmooth.symbolic.scene.Scene.recentred`).
+The partition must be centred: ``c* = 0`` (:meth:`nonsmooth.symbolic.mechanics.scene.Scene.recentred`).
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from flint import arb, ctx
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, enclosure, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import around, cross, dot
+from nonsmooth.symbolic.numbers.plane import around, cross, dot
 
 _PRECISION = 128  # bits of the balls by which slopes are compared first
 

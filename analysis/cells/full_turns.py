@@ -37,9 +37,9 @@ from typing import Any
 from nonsmooth.analysis.cells.fan import Cone, is_plane
 from nonsmooth.analysis.cells.moves import EXACT, Signs
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import brief_text, float_text
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 
 class Growth(Enum):

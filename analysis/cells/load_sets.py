@@ -34,12 +34,12 @@ from typing import TypeAlias
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, require_support
 from nonsmooth.analysis.cells.polygon import square
-from nonsmooth.symbolic.constraints import Triple, inner
-from nonsmooth.symbolic.measured_loads import spring_forms
+from nonsmooth.symbolic.mechanics.constraints import Triple, inner
+from nonsmooth.symbolic.mechanics.measured_loads import spring_forms
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, cross, dot
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.numbers.plane import Vector, cross, dot
 
 Loads: TypeAlias = tuple[Number, ...]  # of all wheels, in the order of the scene
 

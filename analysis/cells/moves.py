@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot, turned
+from nonsmooth.symbolic.numbers.plane import cross, dot, turned
 
 
 @dataclass(frozen=True)

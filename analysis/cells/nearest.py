@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import (
+from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     RowKind,
     Triple,
@@ -35,10 +35,10 @@ from nonsmooth.symbolic.constraints import (
     rows_with_friction,
     side_row,
 )
-from nonsmooth.symbolic.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers.plane import dot
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:

@@ -12,15 +12,15 @@ from flint import arb
 
 from nonsmooth.analysis.cells.cell_complex import CellComplex, build_complex, tile
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Row, Twist, independent
-from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.free_motions import free_text, kernel
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.mechanics.constraints import Row, Twist, independent
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.free_motions import free_text, kernel
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.scene import Scene
 
 # An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.
 AREA_ROOTS = 4

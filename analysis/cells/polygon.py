@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import clear_sign, sure_float
 from nonsmooth.symbolic.numbers.number import sign
 

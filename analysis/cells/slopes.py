@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.arrangement import (
 )
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.symbolic.constraints import Triple, inner
+from nonsmooth.symbolic.mechanics.constraints import Triple, inner
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats

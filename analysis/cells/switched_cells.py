@@ -16,12 +16,18 @@ from typing import TypeAlias, TypeVar
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Triple, polygon_region, quadrants
-from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_plane, require_single, sign_by_factors
+from nonsmooth.symbolic.systems.switched_system import (
+    PLANE,
+    SwitchedSystem,
+    require_plane,
+    require_single,
+    sign_by_factors,
+)
 
 MAX_CELLS = 400
 

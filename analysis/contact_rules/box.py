@@ -9,8 +9,8 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.analysis.fields.plane_arrays import Floats
-    from nonsmooth.symbolic.friction_set import FrictionSet
-    from nonsmooth.symbolic.scene import Friction, Scene
+    from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+    from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 
 
 class BoxRule(CellRule, LimitedForces):
@@ -31,7 +31,7 @@ class BoxRule(CellRule, LimitedForces):
 
     def friction_set(self, friction: Friction) -> FrictionSet:
         """The box of mu_R along the axis and mu_S across it."""
-        from nonsmooth.symbolic.friction_set import Box
+        from nonsmooth.symbolic.mechanics.friction_set import Box
 
         return Box(friction.roll, friction.side, friction.roll.field.one)
 
@@ -45,8 +45,8 @@ class BoxRule(CellRule, LimitedForces):
         """Loads exist in the hull of the wheels."""
         from nonsmooth.analysis.cells.box import build_box_partition
         from nonsmooth.analysis.cells.polygon import convex_polygon
-        from nonsmooth.symbolic.similar_scenes import covering
-        from nonsmooth.symbolic.support_polygon import support_polygon
+        from nonsmooth.symbolic.mechanics.similar_scenes import covering
+        from nonsmooth.symbolic.mechanics.support_polygon import support_polygon
 
         hull = convex_polygon(support_polygon([wheel.position for wheel in scene.wheels]))
         return build_box_partition(covering(scene), hull)

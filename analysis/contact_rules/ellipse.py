@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.friction_set import FrictionSet
-    from nonsmooth.symbolic.scene import Friction
+    from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+    from nonsmooth.symbolic.mechanics.scene import Friction
 
 
 class EllipseRule(SmoothRule):
@@ -21,6 +21,6 @@ class EllipseRule(SmoothRule):
 
     def friction_set(self, friction: Friction) -> FrictionSet:
         """The ellipse with half-axes mu_R and mu_S."""
-        from nonsmooth.symbolic.friction_set import FrictionSet
+        from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 
         return FrictionSet(friction.roll, friction.side, friction.roll.field.one)

@@ -8,11 +8,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
-from nonsmooth.symbolic.rule import MIXED
+from nonsmooth.symbolic.mechanics.rule import MIXED
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.friction_set import FrictionSet
-    from nonsmooth.symbolic.scene import Friction
+    from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+    from nonsmooth.symbolic.mechanics.scene import Friction
 
 
 class MixedRule(SmoothRule):

@@ -9,7 +9,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.analysis.fields.plane_arrays import Floats
-    from nonsmooth.symbolic.scene import Scene, Wheel
+    from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 
 class NearestRule(CellRule):

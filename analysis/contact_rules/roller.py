@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.friction_set import FrictionSet
-    from nonsmooth.symbolic.scene import Friction, Scene
+    from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+    from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 
 
 class RollerRule(SmoothRule):
@@ -38,7 +38,7 @@ class RollerRule(SmoothRule):
 
     def friction_set(self, friction: Friction) -> FrictionSet:
         """The disc cut by the strip; a segment without bearing friction."""
-        from nonsmooth.symbolic.friction_set import FrictionSet
+        from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 
         roll, side, one = friction.roll, friction.side, friction.roll.field.one
         if not side:

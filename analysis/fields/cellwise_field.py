@@ -18,7 +18,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
-from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
 
 Speeds: TypeAlias = Callable[[Vector], Mapping[int, float]]  # pose to surface speed by wheel index
 StateLaw: TypeAlias = Callable[[ContactState], Speeds]  # what is constant in a cell is prepared once

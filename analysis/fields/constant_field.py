@@ -26,9 +26,9 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Velocity
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.messages.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.number_text import place_text
 
 Entry: TypeAlias = Any  # int, float, Fraction or a field element
 

@@ -24,12 +24,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.cells.contact_rule import ContactRule, SmoothRule
 from nonsmooth.analysis.fields.plane_arrays import turned
-from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet, float_sets
-from nonsmooth.symbolic.load_model import LoadModel
-from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.scene import LoadTable, Scene
-from nonsmooth.symbolic.springs import EqualSprings, load_model
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet, float_sets
+from nonsmooth.symbolic.mechanics.load_model import LoadModel
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
+from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -43,8 +43,8 @@ class ContactRows:
         targets: ``b_k``, shape (2n,), velocity; or (m, 2n) where each of m points has its own speeds.
         friction: Coulomb coefficient of each row, shape (2n,), at least 0: half-axes of the friction ellipses.
         cuts: share of the half-axis across the rim at which a strip cuts the ellipse of each wheel
-            (:class:`nonsmooth.symbolic.friction_set.FrictionSet`), shape (n,), above 0 and at most 1; all 1 unless
-            given.
+            (:class:`nonsmooth.symbolic.mechanics.friction_set.FrictionSet`), shape (n,), above 0 and at most 1; all 1
+            unless given.
         shape: of the friction sets, ellipses that a strip may cut unless given.
     """
 

@@ -23,8 +23,8 @@ import numpy as np
 from nonsmooth.analysis.fields.cellwise_field import Speeds, StateLaw
 from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.fields.switched_field import Vector
-from nonsmooth.symbolic.constraints import RowKind
-from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.constraints import RowKind
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.numbers.number import Number
 
 

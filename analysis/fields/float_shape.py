@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NoReturn
 
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.symbolic.friction_set import CutEllipse
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 
 
 class FloatShape(CutEllipse[Any]):

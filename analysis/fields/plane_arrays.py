@@ -1,4 +1,4 @@
-"""The products of :mod:`nonsmooth.symbolic.plane` for float arrays of plane vectors, the coordinates last."""
+"""The products of :mod:`nonsmooth.symbolic.numbers.plane` for float arrays of plane vectors, the coordinates last."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic import plane
+from nonsmooth.symbolic.numbers import plane
 
 Floats: TypeAlias = NDArray[np.float64]
 

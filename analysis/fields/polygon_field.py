@@ -24,8 +24,8 @@ from nonsmooth.analysis.fields.switched_field import (
     Velocity,
     affine_surface,
 )
-from nonsmooth.symbolic.number_text import place_text
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 
 class PolygonField(ABC):

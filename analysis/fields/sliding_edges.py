@@ -19,7 +19,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import flow_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import between, cross, minus
+from nonsmooth.symbolic.numbers.plane import between, cross, minus
 
 XY: TypeAlias = tuple[float, float]
 Velocities: TypeAlias = Sequence[Point]  # of a neighbour of an edge, at both ends

@@ -14,12 +14,12 @@ from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, s
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Surface, Vector, Velocity, affine_surface
+from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
+from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import SignOf, parse_piecewise
-from nonsmooth.symbolic.signed_roots import SignedRoots
-from nonsmooth.symbolic.sine_enclosures import Wave
-from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
 
 
 def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred: bool = False) -> SignField:
@@ -159,7 +159,7 @@ class _Polynomials:
 # ---- weights of waves ----------------------------------------------------------------------------
 #
 # With ``sin v = v - v^3/6 + e v^5/120`` and ``cos v = 1 - v^2/2 + v^4/24 - e v^6/720``
-# (:mod:`nonsmooth.symbolic.sine_enclosures`) this is e, which lies between 0 and 1.
+# (:mod:`nonsmooth.symbolic.formulas.sine_enclosures`) this is e, which lies between 0 and 1.
 
 
 SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5

@@ -16,9 +16,9 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, TypeAlias, TypeVar, cast
 
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_kind import SceneKind
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 EPSILON = 2.0**-52  # relative spacing of doubles
 LONGEST_NOTE = 100  # characters of a solver's own message

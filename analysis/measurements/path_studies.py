@@ -30,8 +30,8 @@ from nonsmooth.analysis.trajectories.result import Event, State, Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- paths ---------------------------------------------------------------------------------------
 #

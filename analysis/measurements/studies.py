@@ -32,10 +32,10 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import proved
-from nonsmooth.symbolic.constraints import Row, scene_rows
-from nonsmooth.symbolic.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.constraints import Row, scene_rows
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
 
 # ---- the upper derivative ------------------------------------------------------------------------
 #

@@ -23,11 +23,11 @@ from nonsmooth.analysis.cells.polygon import Polygon
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
 
 RulePair: TypeAlias = tuple[str, str]
 

@@ -1,6 +1,7 @@
 """The minimizer of D where strips cut some friction ellipses, one after the other along a path: Newton steps.
 
-With ``X = mu_R r`` and ``Y = mu_S s`` a contact is on one of four pieces (:mod:`nonsmooth.symbolic.friction_set`)::
+With ``X = mu_R r`` and ``Y = mu_S s`` a contact is on one of four pieces
+(:mod:`nonsmooth.symbolic.mechanics.friction_set`)::
 
     on the arc     force (X, Y)/sqrt(X^2 + Y^2)                    (1 - kappa^2) Y^2 <= kappa^2 X^2
     at a corner    force (sqrt(1 - kappa^2) sgn X, kappa sgn Y)    beyond that, X != 0

@@ -4,7 +4,7 @@ With slips ``r_i`` along and ``s_i`` across the rim of wheel i, and normal force
 
 - box: ``D(xi) = sum_i N_i (mu_R |r_i| + mu_S |s_i|)``, each direction limited on its own;
 - ellipse: ``D(xi) = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``, the friction ellipse; where it is cut by a strip
-  (rule ``roller``), the support function of :class:`nonsmooth.symbolic.friction_set.FrictionSet`.
+  (rule ``roller``), the support function of :class:`nonsmooth.symbolic.mechanics.friction_set.FrictionSet`.
 
 Both are convex in the twist.  Their subgradients are minus the friction forces ``f``, which lie in the box
 ``|f_R| <= mu_R N, |f_S| <= mu_S N`` or in the ellipse with these half-axes.  For balanced forces
@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import CellRule, ContactRule, LimitedForces
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
-from nonsmooth.symbolic.friction_set import Box, CutEllipse
+from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
 
 ROUNDING = 1e-14  # of D and of its gap, relative to the sum of the absolute terms they are made of
 

@@ -20,7 +20,7 @@ from nonsmooth.analysis.minimizers.force_balance import balance_forces
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
 from nonsmooth.analysis.minimizers.sum_of_supports import SETTLED, SupportSums, by_smoothing, finished
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 # Relative to the value at rest: the gap that rounding makes of the slips of wheels that stick.  A result with such a
 # gap is verified by its forces before it is taken.

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError, TipsThereError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.loads.spring_loads import spring_loads
-from nonsmooth.symbolic.load_model import Arithmetic, carried_loads
-from nonsmooth.symbolic.springs import EqualSprings
+from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
+from nonsmooth.symbolic.mechanics.springs import EqualSprings
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear

@@ -2,8 +2,8 @@
 
 ``w_i = W_i x - t_i`` is the slip of contact i, weighted by its friction, and ``x = (c', size theta')``.  The norms are
 smoothed to ``rho_i = sqrt(|w_i|^2 + g^2)``, so that contacts may stick: the twist moves by the order of g.  Newton's
-method with the forces as unknowns of their own (:meth:`nonsmooth.symbolic.friction_set.UnitDiscs.approach`) settles in
-a few steps from the twist of the step before; a step that D grows along is halved.
+method with the forces as unknowns of their own (:meth:`nonsmooth.symbolic.mechanics.friction_set.UnitDiscs.approach`)
+settles in a few steps from the twist of the step before; a step that D grows along is halved.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.symbolic.friction_set import UnitDiscs
+from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 
 STEPS = 25  # of Newton's method at one g
 SHARPER = 0.2  # from one g to the next

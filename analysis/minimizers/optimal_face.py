@@ -2,7 +2,7 @@
 
 Every pair of a minimizer and optimal forces is complementary: a force strictly inside its limit means zero slip,
 a force at its limit means a slip against it.  So with any one optimal f the set of minimizers is a polyhedron in
-the space of twists (:meth:`nonsmooth.symbolic.friction_set.CutEllipse.slip_cone`):
+the space of twists (:meth:`nonsmooth.symbolic.mechanics.friction_set.CutEllipse.slip_cone`):
 
 - box: ``a_k . xi = b_k`` where ``|f_k| < mu N``, and ``-f_k (a_k . xi - b_k) >= 0`` where ``|f_k| = mu N``;
 - ellipse, slips weighted by the limits: zero where the force is inside the ellipse, else a non-negative multiple

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
 from nonsmooth.analysis.minimizers.minimum import Minima
-from nonsmooth.symbolic.free_motions import free_text, free_twists
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.free_motions import free_text, free_twists
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 DEPENDENT = 1e-9  # singular value, relative to the largest, of rows that leave a motion free
 

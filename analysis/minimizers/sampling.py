@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 if TYPE_CHECKING:
     pass

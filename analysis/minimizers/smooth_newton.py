@@ -27,7 +27,7 @@ import numpy as np
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.regime import NOBODY, Regime, changed
 from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
-from nonsmooth.symbolic.friction_set import UnitDiscs
+from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 
 STEPS = 15  # a start beside the last minimum needs three or four
 NEAR = 0.01  # of the fastest wheel's speed: contacts that slip less keep their forces

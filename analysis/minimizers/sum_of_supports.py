@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.friction_set import FrictionSets, UnitDiscs
+from nonsmooth.symbolic.mechanics.friction_set import FrictionSets, UnitDiscs
 
 TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable

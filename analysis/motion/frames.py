@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.motion.twists import path_twists, poses_at
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 STICKS = 1e-6  # slip over the largest speed: above the error of a difference along a path (1e-8)
 LOADED = 1e-9  # of the weight: a smaller load is rounding of none

@@ -21,7 +21,7 @@ from nonsmooth.analysis.fields.cellwise_field import Speeds, StateLaw
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import Event, EventKind, Piece, State, Trajectory
-from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
 
 
 def demand(speeds: Mapping[int, float], limits: Mapping[int, float]) -> float:

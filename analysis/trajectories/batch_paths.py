@@ -33,7 +33,7 @@ from nonsmooth.analysis.trajectories.slides import (
     SERIES_TERMS,
 )
 from nonsmooth.analysis.trajectories.turns import Turns
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
 DONE = -1

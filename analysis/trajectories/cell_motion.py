@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import Flow
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import dot, turned
+from nonsmooth.symbolic.numbers.plane import dot, turned
 
 State: TypeAlias = tuple[Any, Any, Any]
 

@@ -28,7 +28,7 @@ from nonsmooth.analysis.trajectories.junction import Junction, Ray
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.slides import Slide, slide_along
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 
 @dataclass(frozen=True)

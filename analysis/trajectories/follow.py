@@ -34,7 +34,7 @@ from nonsmooth.analysis.trajectories.result import (
     Trajectory,
     samples,
 )
-from nonsmooth.symbolic.under_way import tell
+from nonsmooth.symbolic.messages.under_way import tell
 
 Rate: TypeAlias = Callable[[float, Vector], Vector]  # time derivative of the state at a time and a state
 Interpolant: TypeAlias = Callable[[Any], Vector]  # of a time, as a state (n,); of times (m,), as states (n, m)

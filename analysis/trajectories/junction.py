@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.cells.moves import EXACT, Signs
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.symbolic.plane import dot, minus
+from nonsmooth.symbolic.numbers.plane import dot, minus
 
 # Relative to the largest speed in the domain: directions and velocities err by a few 2^-53, so a smaller normal
 # speed is a tangent one.

@@ -16,7 +16,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.result import Piece
-from nonsmooth.symbolic.plane import dot, minus
+from nonsmooth.symbolic.numbers.plane import dot, minus
 
 # Relative to the largest V: states and times err by a few 2^-53 per event, and V doubles that.
 RISE_SLACK = 1e-12

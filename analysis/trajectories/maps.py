@@ -16,7 +16,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 
 
 @dataclass(frozen=True, repr=False)

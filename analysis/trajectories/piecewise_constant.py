@@ -27,7 +27,7 @@ from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.slides import Slide
 from nonsmooth.analysis.trajectories.turns import CornerSpiral, Turns
-from nonsmooth.symbolic.plane import cross, dot, minus
+from nonsmooth.symbolic.numbers.plane import cross, dot, minus
 
 # Motions between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand.
 MAX_LEGS = 10_000

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 State: TypeAlias = tuple[Any, ...]
 

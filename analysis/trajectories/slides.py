@@ -18,7 +18,7 @@ from nonsmooth.analysis.fields.convex_weights import least_mix
 from nonsmooth.analysis.trajectories.cell_motion import State
 from nonsmooth.analysis.trajectories.junction import Ray
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.numbers.plane import dot
 
 # Relative to the products compared: normal speeds whose quotient is constant to this vanish at one point together.
 PROPORTIONAL_DOUBT = 1e-12

@@ -28,8 +28,8 @@ from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.analysis.trajectories.maps import SettleMap
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.under_way import tell_count
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.under_way import tell_count
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has

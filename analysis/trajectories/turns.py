@@ -21,8 +21,8 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.cell_motion import State
 from nonsmooth.analysis.trajectories.junction import Ray, junction_at
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.plane import around, cross, dot, minus
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
 
 # Relative to the size of the domain: turns smaller than this cannot be told apart in a drawing.
 DRAWN_DISTANCE = 1 / 128

@@ -18,7 +18,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.switched_field import Face, Surface, Vector, unit_normal
 from nonsmooth.analysis.trajectories.face_motion import FaceMotion, largest
-from nonsmooth.symbolic.plane import around
+from nonsmooth.symbolic.numbers.plane import around
 
 # Relative to the size of the states: turns within this are drawn as their corner; a pixel of a figure.
 WHIRL_EXTENT = 5e-4

@@ -14,9 +14,9 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 UNDECIDED = "undecided"
 

@@ -13,7 +13,7 @@ from nonsmooth.proofs.answers.pose import pose_answer
 from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.theorem4_result import Theorem4Result
-from nonsmooth.symbolic.under_way import tell
+from nonsmooth.symbolic.messages.under_way import tell
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.best_point import RestPoint

@@ -33,9 +33,9 @@ from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import Bernstein, Floats, Pace, bernstein, followed_home, grow, inside_ring
-from nonsmooth.symbolic.number_text import float_text, percent_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.support_polygon import widest_square
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.support_polygon import widest_square
+from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
 
 EFFORTS = {"fast": BasinEffort(Pace(0.12, 0.03, 0.04), 41), "best": BasinEffort(Pace(0.04, 0.012, 0.02), 101)}
 PIXELS = 96  # of a raster of the square, in each direction, by which cells are looked up

@@ -26,15 +26,15 @@ from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.theorem4 import CHECK_UNITS
-from nonsmooth.symbolic.contact_set import alone, standing
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.mechanics.contact_set import alone, standing
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane import Vector
 from nonsmooth.symbolic.numbers.rounded import either_way, enclosed, plain
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 _RANK: dict[Position | None, int] = {
     Position.COMES_HOME: 0,

@@ -7,12 +7,12 @@ from typing import TypeAlias
 
 from flint import arb
 
-from nonsmooth.symbolic.number_text import lower_text, upper_text
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.numbers.number_text import lower_text, upper_text
 
 DIGITS = 4
 LN_2 = Fraction(693_147_180_560, 10**12)  # just above the natural logarithm of 2

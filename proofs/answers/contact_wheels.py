@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from nonsmooth.proofs.answers.bounds import angle_at_least, at_least, of_length
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Rotation
-from nonsmooth.symbolic.contact_set import contact_set
-from nonsmooth.symbolic.free_motions import free_text, free_twists
-from nonsmooth.symbolic.number_text import numbers_text
+from nonsmooth.symbolic.mechanics.contact_set import contact_set
+from nonsmooth.symbolic.mechanics.free_motions import free_text, free_twists
+from nonsmooth.symbolic.numbers.number_text import numbers_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Theorem4Result
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 ALL_CARRY = "all wheels carry the body, at every pose: the scene names no [body]"
 WITHOUT_SHAPE = "all wheels carry the body, at every pose: the scene states no shape of it"

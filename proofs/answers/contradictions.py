@@ -26,12 +26,12 @@ from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.proofs.own_paths import CLOSE, FAR, paths_from, starts_around, starts_on_borders
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, Contradiction
-from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, around, cross, dot
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import Floats

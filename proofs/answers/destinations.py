@@ -36,10 +36,10 @@ from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Theorem4Result
-from nonsmooth.symbolic.notebook import html_table
-from nonsmooth.symbolic.number_text import percent_text, place_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.notebook import html_table
+from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
 FEW_STARTS = 11  # the same under rules without cells, whose paths cost more

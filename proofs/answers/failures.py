@@ -3,7 +3,7 @@
 A stopped wheel has speed zero and no drive.  Answers about position and heading are those of that array.  About the
 pose: what holds with every drive to command may fail with one less, so *can be held* becomes *undecided*, while
 *cannot be held* stays.  A lifted wheel carries nothing and touches nothing: the others carry the body, as far as it
-stands on them and it is known what they carry (:meth:`nonsmooth.symbolic.load_model.LoadModel.on`).
+stands on them and it is known what they carry (:meth:`nonsmooth.symbolic.mechanics.load_model.LoadModel.on`).
 """
 
 from __future__ import annotations
@@ -19,12 +19,19 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.symbolic.contact_set import NoLoadsError, TipsError, require_standing, standing, whole, with_only
+from nonsmooth.symbolic.mechanics.contact_set import (
+    NoLoadsError,
+    TipsError,
+    require_standing,
+    standing,
+    whole,
+    with_only,
+)
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.support_polygon import default_radius
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.support_polygon import default_radius
-from nonsmooth.symbolic.under_way import part_of
 
 NO_DRIVE = "a law may need the wheel that is stopped"
 NO_TABLE = "the loads are a table for all wheels: what the others carry without it is not known"

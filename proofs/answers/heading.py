@@ -20,8 +20,8 @@ from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.findings.facts import Fact, Quantity, said
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 # On one set of wheels no open loop brings the heading back.
 OF_ROTATION = {

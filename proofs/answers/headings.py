@@ -17,9 +17,9 @@ from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.headings.search import can_search, equilibrium_headings
 from nonsmooth.proofs.headings.stay import Stays
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.headings.at_point import EquilibriumHeadings, OpenHeadings, RestInterval, SampledRest

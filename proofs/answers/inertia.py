@@ -32,13 +32,13 @@ from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.clauses.at_point.mass import PRECISION, Pencil, mass_limits
 from nonsmooth.proofs.findings.facts import Fact, Quantity, said
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.contact_set import ContactSet, alone, contact_set
-from nonsmooth.symbolic.edge_headings import ball_of
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
+from nonsmooth.symbolic.mechanics.edge_headings import ball_of
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.under_way import part_of
+from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.rounded import either_way
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.under_way import part_of
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 STARTS = 4  # on a circle about the point, of half the half-width of the checked square
 COMPARED = 1  # of them, with its massless path

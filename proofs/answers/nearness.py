@@ -35,15 +35,15 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.robust.drift import driven_out, largest_spin
 from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.contact_set import ContactSet, alone, contact_set
-from nonsmooth.symbolic.measured_loads import NoSpringsError, spring_forms
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
+from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, spring_forms
+from nonsmooth.symbolic.mechanics.rule import MIXED
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane import cross, dot
 from nonsmooth.symbolic.numbers.rounded import either_way
-from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.rule import MIXED
-from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 FOLLOWED = {"nearest", "box", "ellipse", "roller", MIXED}  # rules whose motions are enclosed
 LOAD_SHARES = (Fraction(1), Fraction(7, 8), Fraction(1, 2))  # of the way from the load of equal springs to another one

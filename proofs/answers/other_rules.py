@@ -14,10 +14,10 @@ from nonsmooth.proofs.answers.answer import Answer, Results
 from nonsmooth.proofs.answers.heading import heading_answer
 from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.rule import CONTACT_RULES
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.under_way import part_of
 
 FEW_UNITS = 150_000  # of exact arithmetic: a fifth of a second or so
 FEW_WHEELS = 1_000  # beyond them loads and support polygons alone, which are not counted in units, take longer

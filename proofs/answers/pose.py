@@ -14,10 +14,10 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import BY_CELLS, UltimateBound, ultimate_bound, wheel_speed
 from nonsmooth.proofs.findings.facts import Fact, Quantity, said
 from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
-from nonsmooth.symbolic.loop_errors import LoopErrors
-from nonsmooth.symbolic.number_text import float_text, lower_text, upper_text
+from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, upper_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
-from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback

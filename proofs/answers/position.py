@@ -16,8 +16,8 @@ from nonsmooth.proofs.clauses.translation.mass_facts import mass_words
 from nonsmooth.proofs.findings.facts import Fact, Quantity, said
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.robust.ends import Ends
-from nonsmooth.symbolic.number_text import Real, float_text, place_text
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.number_text import Real, float_text, place_text
 
 MOST_TEXT = 20  # characters of a number that is printed exactly
 

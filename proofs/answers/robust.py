@@ -9,7 +9,7 @@ from nonsmooth.proofs.answers.answer import Answer, Results
 from nonsmooth.proofs.answers.bounds import angle_at_most, at_least, at_most, half_life, of_length
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback

@@ -33,10 +33,10 @@ from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import load_box
-from nonsmooth.symbolic.friction_set import Box, float_sets, joined
+from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]

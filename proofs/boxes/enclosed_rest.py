@@ -37,12 +37,12 @@ from nonsmooth.proofs.boxes.enclosures import (
 from nonsmooth.proofs.boxes.linearization import Slip, slip_at_rest
 from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.constraints import added, scaled
-from nonsmooth.symbolic.edge_headings import ball_of
-from nonsmooth.symbolic.number_text import upper_text
+from nonsmooth.symbolic.mechanics.constraints import added, scaled
+from nonsmooth.symbolic.mechanics.edge_headings import ball_of
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.numbers.number_text import upper_text
 
 PRECISION = 128  # bits
 NEWTON_STEPS = 6

@@ -30,7 +30,7 @@ from flint import arb
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
-from nonsmooth.symbolic.constraints import (
+from nonsmooth.symbolic.mechanics.constraints import (
     Triple,
     added,
     cofactors,
@@ -42,12 +42,12 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
-from nonsmooth.symbolic.friction_set import BorderPiece, CutEllipse
-from nonsmooth.symbolic.number_text import Real
+from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, CutEllipse
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers.number_text import Real
+from nonsmooth.symbolic.numbers.plane import Vector
 
 X = TypeVar("X", bound=Any)  # exact numbers, or balls
 Slope: TypeAlias = tuple[Triple, Triple]  # two columns, one per coordinate of c

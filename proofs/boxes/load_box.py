@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat
 
-from nonsmooth.symbolic.load_model import Arithmetic
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.springs import load_model
+from nonsmooth.symbolic.mechanics.load_model import Arithmetic
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.springs import load_model
 
 
 @dataclass(frozen=True)

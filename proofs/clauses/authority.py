@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import Triple, complement, independent
-from nonsmooth.symbolic.plane import Vector, dot, turned
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.constraints import Triple, complement, independent
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers.plane import Vector, dot, turned
 
 
 @dataclass(frozen=True)

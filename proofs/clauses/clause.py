@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
 from nonsmooth.proofs.findings.facts import Fact
 from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4, Translation
-from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.equilibria import RestPlace
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.proofs.clauses.authority import Authority
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 @dataclass(frozen=True, repr=False)

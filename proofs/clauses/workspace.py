@@ -17,14 +17,14 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_poin
 from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
 from nonsmooth.proofs.findings.verdicts import Equilibrium
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.rounded import (
     PLACE_DECIDES,
     ROUNDING_DECIDES,
     Rounded,
     either_way,
 )
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Announce: TypeAlias = Callable[[str], None]  # called with the name of each step before it begins
 Part = TypeVar("Part")

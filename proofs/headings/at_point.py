@@ -15,12 +15,12 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.proofs.headings.stay import Stay, Stays, StaysAt
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.edge_headings import BallOutline, Gap, HeadingCluster, clusters, gaps, places_of, seen
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.edge_headings import BallOutline, Gap, HeadingCluster, clusters, gaps, places_of, seen
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.under_way import tell_count
+from nonsmooth.symbolic.numbers.plane import Vector
 
 Wheels: TypeAlias = tuple[int, ...]  # numbers, ascending
 

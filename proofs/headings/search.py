@@ -27,14 +27,14 @@ from nonsmooth.proofs.headings.at_point import (
     SampledRest,
     point_headings,
 )
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.friction_set import BorderPiece
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.friction_set import BorderPiece
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.plane import Vector, around, cross
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.bodies.edge_rests import SeenRest

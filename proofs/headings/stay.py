@@ -36,14 +36,14 @@ from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Translation
-from nonsmooth.symbolic.constraints import Twist, added, scaled
-from nonsmooth.symbolic.contact_set import TipsError, on_wheels, whole
-from nonsmooth.symbolic.edge_headings import ball_of
+from nonsmooth.symbolic.mechanics.constraints import Twist, added, scaled
+from nonsmooth.symbolic.mechanics.contact_set import TipsError, on_wheels, whole
+from nonsmooth.symbolic.mechanics.edge_headings import ball_of
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import Vector, cross
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.plane import Vector, cross
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.scene_error import SceneError
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.bodies.set_guesses import SetGuesses

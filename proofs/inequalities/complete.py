@@ -42,7 +42,7 @@ from nonsmooth.proofs.inequalities.subdivision import (
     Vector,
     Violation,
 )
-from nonsmooth.symbolic.constraints import cofactors
+from nonsmooth.symbolic.mechanics.constraints import cofactors
 from nonsmooth.symbolic.numbers.coefficients import height
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import sign

@@ -29,8 +29,8 @@ from nonsmooth.proofs.inequalities.subdivision import (
     subdivide,
 )
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane import cross
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.plane import cross
 
 PLANE = ("x", "y")
 

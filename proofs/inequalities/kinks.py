@@ -50,8 +50,8 @@ from nonsmooth.proofs.inequalities.real_roots import (
     value,
 )
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane import cross, dot, hull_holds_zero, minus
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, minus
 
 
 @dataclass(frozen=True)

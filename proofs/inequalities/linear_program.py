@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.symbolic.constraints import Triple, cofactors, independent, inner
+from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, independent, inner
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.rounded import either_way

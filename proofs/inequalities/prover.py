@@ -40,9 +40,9 @@ from nonsmooth.proofs.inequalities.forms import (
 )
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.proofs.inequalities.subdivision import Stuck, Violation
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.formulas.surfaces import factorize
+from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values, float_values_and_sizes
-from nonsmooth.symbolic.surfaces import factorize
 
 PARTS = 12  # of each side of a triangle
 SCALES = (1, 8, 64, 512)  # factors of the first corner, the origin where the region holds it

@@ -28,11 +28,11 @@ from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.kernel.search import Floats, NotShownError, Search, sample_points
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomial_in_names
 from nonsmooth.proofs.kernel.written import written_number
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.formulas.surfaces import factorize
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.surfaces import factorize
-from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, UnknownSign, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import MAX_PATTERNS, SwitchedSystem, UnknownSign, signs_by_factors
 
 MAX_SURFACES = 24
 MAX_CELLS = 160

@@ -24,7 +24,7 @@ from nonsmooth.proofs.kernel.bounds import factorized
 from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
 from nonsmooth.proofs.kernel.written import combined, formula_in_states, powers_between, vanishing_combinations
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 MIRRORS = ((1, 0, 0, -1), (-1, 0, 0, 1), (0, 1, 1, 0), (0, -1, -1, 0))
 MOST_DEGREE = 4  # of Q and of g

@@ -25,7 +25,7 @@ from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadr
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
 from nonsmooth.symbolic.numbers.polynomial import float_values
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
 Field: TypeAlias = tuple[Polynomial, ...]

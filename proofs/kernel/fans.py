@@ -48,12 +48,12 @@ from nonsmooth.proofs.kernel.search import (
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.proofs.kernel.written import coefficient_text
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Record: TypeAlias = dict[str, Any]
 Ray: TypeAlias = tuple[Any, Any]  # fractions, or numbers of the checker or of the program

@@ -22,7 +22,7 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, Floats, NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Record: TypeAlias = dict[str, Any]
 Field: TypeAlias = tuple[Polynomial, ...]

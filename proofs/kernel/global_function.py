@@ -26,10 +26,10 @@ from nonsmooth.proofs.sums_of_squares.ansatz import (
 )
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve_inside
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 FEW = 3  # states of which all choices are tried
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 10)  # of coefficients, which lie between -1 and 1

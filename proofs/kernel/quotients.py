@@ -33,10 +33,10 @@ from nonsmooth.proofs.kernel.search import (
 )
 from nonsmooth.proofs.kernel.written import formula_text, null_basis
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.polynomial import float_values
-from nonsmooth.symbolic.scene_error import SceneError, one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DEGREES = (4, 6)  # of P
 MOST_FORMS = 60  # monomials of P

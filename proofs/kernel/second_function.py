@@ -30,10 +30,10 @@ from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import float_values
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SCALES = (1.0, 0.5, 0.25, 0.1, 0.03)  # of the points, in units of the cube
 DIRECTIONS = 16  # at random, on each scale and in each subspace of coordinates

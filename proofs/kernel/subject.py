@@ -18,14 +18,14 @@ from itertools import product
 from typing import Any
 
 from nonsmooth.proofs.findings.exact_json import Generators
-from nonsmooth.symbolic.enclosed_numbers import MOST_PLACES, bounds_of
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.sine_enclosures import in_place_of_names
+from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.sine_enclosures import in_place_of_names
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.enclosed_numbers import MOST_PLACES, bounds_of
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 NUMBERS = re.compile(r"\b(pi|sqrt|sin|cos)\b")
 LONGEST_NAME = 31  # characters

@@ -6,8 +6,8 @@ from dataclasses import replace
 from fractions import Fraction
 
 from nonsmooth.proofs.inequalities.real_roots import Sturm, trimmed
+from nonsmooth.symbolic.formulas.surfaces import factorize, switching_factors
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.surfaces import factorize, switching_factors
 
 
 def lowest_form(polynomial: Polynomial) -> Polynomial:

@@ -27,9 +27,9 @@ from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.quotients import Floats, coefficients_of, flint, proposed, values_inside
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import null_basis
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 WEIGHTS = (3, 4)  # q, tried in turn
 SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked square

@@ -18,9 +18,9 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cell
 from nonsmooth.proofs.kernel.global_function import global_functions
 from nonsmooth.proofs.kernel.quotients import find_quotient
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 FACTORS = (Fraction(1, 4), Fraction(1, 64))  # tried in turn
 WORK = 2_000  # coefficients looked at for one claim beside sums of squares

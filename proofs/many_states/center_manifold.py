@@ -42,10 +42,10 @@ from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_ORDER = 7  # of the first term of a reduced field in one coordinate
 STILL = 2.0**-30  # real parts, over the largest eigenvalue, that are called zero in floats

@@ -17,12 +17,12 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 from nonsmooth.proofs.systems.domain import cube_text
-from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.sine_enclosures import Wave, in_place_of_names
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene_error import SceneError, one_line
-from nonsmooth.symbolic.sine_enclosures import Wave, in_place_of_names
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 def find_energy_on_circles(system: SwitchedSystem) -> tuple[dict[str, Any], str, str, bool] | None:

@@ -54,10 +54,10 @@ from nonsmooth.proofs.systems.findings import (
     weak_finding,
 )
 from nonsmooth.proofs.systems.invariance import Staying
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHOWN_BY_SPECTRUM = {
     Spectrum.UNSTABLE: Translation.UNSTABLE,

@@ -31,9 +31,9 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 RISES = "V increases"
 SLIDES_UP = "V increases along a solution that slides on a face"

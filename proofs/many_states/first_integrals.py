@@ -29,9 +29,9 @@ from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_DEGREE = 6
 MOST_UNKNOWNS = 250  # coefficients of an integral

@@ -34,7 +34,7 @@ from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, form
 from nonsmooth.proofs.sums_of_squares.rounding import RationalMatrix, is_definite, simplest
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Velocity = tuple[fmpq, ...]
 

@@ -58,12 +58,12 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
-from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.written import as_checked
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
 RADII = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # half-widths of cubes, over that of the scene

@@ -39,9 +39,9 @@ from nonsmooth.proofs.sums_of_squares.conic_program import Solution, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.sums_of_squares.rounding import nearest
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
 Announce: TypeAlias = Callable[[str, int, int], None]

@@ -17,7 +17,7 @@ from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational_terms
 from nonsmooth.proofs.kernel.written import null_basis
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_SURFACES = 8  # through the point, whose subsets are tried
 DENOMINATOR = 1 << 12  # of weights

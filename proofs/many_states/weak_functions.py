@@ -28,10 +28,10 @@ from nonsmooth.proofs.kernel.second_function import Floats, find_second, gradien
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
 from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import float_values
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
 MOST = 64.0  # of a coefficient

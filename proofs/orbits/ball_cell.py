@@ -1,11 +1,11 @@
 """A cell of a planar system in balls: its field and Jacobian, its guards and their derivatives along the field.
 
 A rational field is ``f = g/s`` with a polynomial g and one common denominator s, as the system holds it
-(:mod:`nonsmooth.symbolic.cleared_fractions`).  Where all denominators are positive, f and g have the same paths: along
-those of ``x' = g`` the time t of f passes at the rate ``t' = s``.  So g is followed, t is enclosed with it, and the
-denominators are further guards of the cell: whoever shows that a path stays in the cell has shown them positive.
-For the same reason g and s may be divided by any denominator that divides them all: s, a product of positive numbers,
-stays one.
+(:mod:`nonsmooth.symbolic.formulas.cleared_fractions`).  Where all denominators are positive, f and g have the same
+paths: along those of ``x' = g`` the time t of f passes at the rate ``t' = s``.  So g is followed, t is enclosed with
+it, and the denominators are further guards of the cell: whoever shows that a path stays in the cell has shown them
+positive. For the same reason g and s may be divided by any denominator that divides them all: s, a product of positive
+numbers, stays one.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from typing import Any, TypeAlias
 from flint import arb
 
 from nonsmooth.proofs.orbits.ball_steps import ORDER, Box, UnprovedError
+from nonsmooth.symbolic.formulas.surfaces import quotient
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
-from nonsmooth.symbolic.surfaces import quotient
-from nonsmooth.symbolic.switched_system import SwitchedSystem, UnknownSign, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, UnknownSign, signs_by_factors
 
 BallFunction: TypeAlias = Callable[[Sequence[Any]], Any]  # of a point
 

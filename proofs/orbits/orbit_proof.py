@@ -25,7 +25,7 @@ from nonsmooth.proofs.orbits.cell_passage import Family
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, ReturnMap, fly, proved_maps
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 PRODUCTS = 1_500_000  # of balls or series in one proof, some ten seconds
 GAUSS = 5  # nodes of a quadrature over one step in floats

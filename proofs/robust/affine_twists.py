@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.boxes.balanced_forces import TINY, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.level_sets import RingPieces
-from nonsmooth.symbolic.friction_set import Box
+from nonsmooth.symbolic.mechanics.friction_set import Box
 
 Floats: TypeAlias = NDArray[np.float64]
 

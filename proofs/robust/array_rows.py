@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import affine_loads
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 

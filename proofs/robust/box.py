@@ -24,10 +24,10 @@ from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import BoxCorners, Proposal
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.rings import PRECISION, RingProof
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.tolerances import Tolerance
 
 # of the friction of all wheels; strong ones serve large boxes
 PUSHES = (0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)

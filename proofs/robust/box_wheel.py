@@ -16,8 +16,8 @@ from typing import TypeAlias
 from flint import arb
 
 from nonsmooth.proofs.boxes.enclosures import UNIT
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 
 Balls: TypeAlias = Sequence[arb]
 

@@ -22,15 +22,15 @@ from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.robust.ultimate_bound import root_above
-from nonsmooth.symbolic.contact_set import contact_set
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.mechanics.contact_set import contact_set
+from nonsmooth.symbolic.mechanics.rule import MIXED
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.under_way import part_of, tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.rule import MIXED
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.under_way import part_of, tell
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 MAX_SMOOTH = 16  # wheels: with more, rings under rules ellipse and roller take minutes
 DOUBLINGS = 10  # of the factor: a thousand times the tolerances is as good as all

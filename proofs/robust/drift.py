@@ -25,8 +25,8 @@ from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nearest
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
-from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]

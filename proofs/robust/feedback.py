@@ -31,17 +31,17 @@ from nonsmooth.proofs.robust.box_corners import MAX_WHEELS, BoxCorners
 from nonsmooth.proofs.robust.box_wheel import BoxWheel, box_wheels
 from nonsmooth.proofs.robust.friction_forces import FOLLOWED
 from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
-from nonsmooth.symbolic.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
-from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
     from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
-    from nonsmooth.symbolic.constraints import Triple
+    from nonsmooth.symbolic.mechanics.constraints import Triple
 
 PRECISION = 64  # bits of the balls
 PUSHES = (0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)  # of the friction of all wheels

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
-from nonsmooth.symbolic.rule import MIXED
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.rule import MIXED
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 ForceLaw: TypeAlias = Callable[[Intervals, Intervals, Intervals, Intervals], tuple[Intervals, Intervals]]
 

@@ -20,8 +20,8 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.friction_forces import force_law
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist

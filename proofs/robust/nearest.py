@@ -36,11 +36,11 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon
 from nonsmooth.proofs.boxes.enclosures import UNIT, Jet, parameters, turned_by
 from nonsmooth.proofs.robust.box_wheel import half_widths
 from nonsmooth.proofs.robust.ultimate_bound import BoundedCell, root_above, squared_radius
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.plane import around
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.numbers.plane import around
 
 PRECISION = 64  # bits of the balls
 RATES = 32  # values of kappa that are tried

@@ -16,8 +16,8 @@ from nonsmooth.analysis.cells.contact_rule import friction_sets, smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_rows import ArrayRows
-from nonsmooth.symbolic.friction_set import float_sets
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.friction_set import float_sets
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -36,8 +36,8 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.affine_twists import refined_rates
 from nonsmooth.proofs.robust.level_sets import VERTICES, SectorFunction, lyapunov_matrix, short_levels, short_vertices
 from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -18,10 +18,10 @@ from typing import Generic, TypeVar
 from flint import arb, ctx
 
 from nonsmooth.proofs.robust.annulus import AnnulusPiece, ring
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.messages.under_way import tell, tell_count
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.under_way import tell, tell_count
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 PRECISION = 64  # bits of the balls
 RINGS = 16  # of equal width, from the square inward

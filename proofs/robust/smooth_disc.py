@@ -33,9 +33,9 @@ from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.friction_forces import force_law
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.tolerances import Tolerance
 
 SHARES = (0.4, 0.05)  # of the rate of the scene itself, tried one after the other
 INFLATIONS = (1.2, 1.5, 2.0, 3.0)  # of the least square that may do

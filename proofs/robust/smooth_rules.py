@@ -45,9 +45,9 @@ from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.box_wheel import half_widths
 from nonsmooth.proofs.robust.friction_forces import rollers
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.tolerances import Tolerance
 
 PRECISION = 64  # bits of the balls
 INFLATIONS = 12  # of the box Z

@@ -24,12 +24,12 @@ from nonsmooth.proofs.boxes.intervals import TINY, Intervals
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPieces, short_levels
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
-from nonsmooth.symbolic.friction_set import Box
+from nonsmooth.symbolic.mechanics.friction_set import Box
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.under_way import tell
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats: TypeAlias = NDArray[np.float64]
 

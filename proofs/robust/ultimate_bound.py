@@ -17,7 +17,7 @@ from typing import TypeAlias
 from flint import fmpq
 
 from nonsmooth.analysis.cells.polygon import Polygon
-from nonsmooth.symbolic.plane import around, dot
+from nonsmooth.symbolic.numbers.plane import around, dot
 
 Point: TypeAlias = tuple[fmpq, fmpq]
 

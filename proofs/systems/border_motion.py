@@ -33,10 +33,10 @@ from nonsmooth.proofs.inequalities.real_roots import (
     trimmed,
     value,
 )
-from nonsmooth.symbolic.constraints import cross_product
+from nonsmooth.symbolic.mechanics.constraints import cross_product
 from nonsmooth.symbolic.numbers.lazy import evaluated
+from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.plane import dot
 
 
 class BorderKind(StrEnum):

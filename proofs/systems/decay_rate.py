@@ -41,9 +41,9 @@ from nonsmooth.proofs.systems.derivatives import bends_along_a_curve
 from nonsmooth.proofs.systems.lyapunov_rows import sample_points, values_at
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, below, rise_below
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane import cross, dot, hull_holds_zero, minus
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
-from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, minus
 
 SHARES = (Fraction(15, 16), Fraction(3, 4), Fraction(1, 2), Fraction(1, 4))  # of what samples allow, tried in turn
 DENOMINATOR = 64  # of kappa and gamma

@@ -11,11 +11,11 @@ from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.kernel.cells import BeyondReachError, patterns, rational, rational_terms, scaled
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive
-from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, signs_by_factors
 
 
 def require_denominators(system: SwitchedSystem) -> None:

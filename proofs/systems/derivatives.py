@@ -48,12 +48,12 @@ from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
-from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.formulas.surfaces import divides
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.surfaces import divides
 
 MEETING_WORK = 5_000  # coefficients looked at to find that a further cell does not meet the curve
 

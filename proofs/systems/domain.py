@@ -16,10 +16,10 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 SHRINKING = Fraction(1, 16)  # of the checked square, where V fails on all of it
 

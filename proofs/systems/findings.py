@@ -20,11 +20,11 @@ from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, Regi
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DERIVATIVES = {
     "naive": "naive",

@@ -40,12 +40,12 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, between_rays, positive_roots, separated
 from nonsmooth.proofs.systems.tangent_fan import Frame, TangentCone, TangentFan, build_tangent_fan, turning
-from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, same_direction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.plane import around, cross, dot, same_direction
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 PRECISIONS = (64, 128, 256)  # bits, tried in turn until the sign is clear
 

@@ -26,13 +26,13 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.derivatives import EFFORT
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.formulas.surfaces import divides, factorize
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane import hull_holds_zero
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.plane import hull_holds_zero
-from nonsmooth.symbolic.surfaces import divides, factorize
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 ALONG = (Fraction(1, 64), Fraction(1, 2), Fraction(1))  # of a side, from its first end, where a rest is looked for
 

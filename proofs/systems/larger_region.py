@@ -31,11 +31,11 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
 )
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells, square_cells
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, first_rise, largest_sublevel, where_inside
-from nonsmooth.symbolic.notebook import html_table
-from nonsmooth.symbolic.number_text import brief_text
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.messages.notebook import html_table
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
 DEGREES = range(2, 13)  # of V
 ANGLES, DISTANCES, BEYOND = 120, 32, 12  # of rays, points on each up to the outline, and from there to the border

@@ -47,11 +47,11 @@ from nonsmooth.proofs.systems.tangent_fan import (
     rays_between,
     turning,
 )
-from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane import cross
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.plane import cross
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 WEIGHTS: tuple[Weights, ...] = (UNWEIGHTED, (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))
 LINE_WEIGHTS: tuple[Weights, ...] = ((2, 1), (3, 1), (3, 2))

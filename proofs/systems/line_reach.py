@@ -22,8 +22,8 @@ from nonsmooth.proofs.kernel.whole_space import find_global_attraction, rational
 from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, DisturbanceGain, rates_below
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import Reach
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 FAR = 1 << 10  # half-widths of the interval, for rates on the whole line
 

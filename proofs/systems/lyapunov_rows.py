@@ -26,11 +26,11 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf, parse_piecewise
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
 

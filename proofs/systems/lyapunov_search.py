@@ -52,13 +52,13 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
     smooth_functions,
 )
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
-from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 ROUNDS = 5  # of proposals for one family on one square
 WORK = 240  # inequalities that one search may look at

@@ -11,10 +11,10 @@ from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, PotentialPiece
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.plane import cross, same_direction
 
 
 @dataclass(frozen=True)

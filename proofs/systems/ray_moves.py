@@ -38,11 +38,11 @@ from nonsmooth.proofs.inequalities.real_roots import (
     samples_between,
     value,
 )
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane import around, dot, hull_holds_zero, turned
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.plane import around, dot, hull_holds_zero, turned
 
 
 def decide_equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:

@@ -20,12 +20,12 @@ from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign,
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.proofs.systems.line_reach import line_reach
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 PLACES, HALVINGS = 4, 20  # at which speeds are looked at: so many in each quarter of the distance, and quarters
 FINE = 1 << 20  # an end with roots is certified up to this part of its distance

@@ -42,9 +42,9 @@ from nonsmooth.proofs.systems.lyapunov_search import (
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.plane import cross, same_direction
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
 HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more

@@ -30,11 +30,11 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, prove
 from nonsmooth.proofs.inequalities.real_roots import along_edge, positive_roots, samples_between, separated, trimmed
 from nonsmooth.proofs.systems.lyapunov_rows import Floats, values_at
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.formulas.surfaces import factorize
 from nonsmooth.symbolic.numbers.enclosures import DIGITS, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.surfaces import factorize
 
 BISECTIONS = 12  # after the first one: the level is the largest up to a part in four thousand
 SMALLEST = Fraction(1, 2**40)  # level that is looked for

@@ -66,10 +66,10 @@ from nonsmooth.proofs.systems.ray_moves import (
 from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, signs_by_factors
 
 MOST_DEGREE = 6  # of V' whose sign is asked for on sublevel sets of a searched V: beyond that it takes too long
 
@@ -439,12 +439,12 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
 
 # ---- axes of roots -------------------------------------------------------------------------------
 #
-# With ``x = z Abs(z)`` and ``dt = 2 Abs(z) ds`` (:mod:`nonsmooth.symbolic.signed_roots`) solutions off ``z = 0`` are
-# the same curves: the change of coordinates is a diffeomorphism there, and the time scale is positive.  On ``z = 0``
-# the scaled field has no part along the axis, so a solution that slides along ``x = 0`` would rest in time s.  What is
-# required: at every point of the axis but the checked one all velocities have a part across it, of one sign.  Then
-# every solution crosses at single instants, in both times (``|x|`` grows like t, so ``ds = dt/(2 sqrt(|x|))`` is
-# integrable), and solutions correspond one to one until they meet the checked point.  Near it that suffices for the
+# With ``x = z Abs(z)`` and ``dt = 2 Abs(z) ds`` (:mod:`nonsmooth.symbolic.formulas.signed_roots`) solutions off
+# ``z = 0`` are the same curves: the change of coordinates is a diffeomorphism there, and the time scale is positive.
+# On ``z = 0`` the scaled field has no part along the axis, so a solution that slides along ``x = 0`` would rest in
+# time s.  What is required: at every point of the axis but the checked one all velocities have a part across it, of one
+# sign.  Then every solution crosses at single instants, in both times (``|x|`` grows like t, so ``ds = dt/(2 sqrt(|x|))``
+# is integrable), and solutions correspond one to one until they meet the checked point.  Near it that suffices for the
 # verdict; for a region and for the plane it is required on all of it (docs/theory.md).
 
 

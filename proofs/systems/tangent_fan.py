@@ -22,11 +22,11 @@ from nonsmooth.analysis.cells.fan import Wedge, by_angle, rays_of
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane import around, cross, dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.plane import around, cross, dot
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, signs_by_factors
 
 Weights: TypeAlias = tuple[int, int]
 Frame: TypeAlias = tuple[Point, Point]  # coefficients of the two linear forms that take the place of x and y

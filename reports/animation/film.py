@@ -16,8 +16,8 @@ from nonsmooth.analysis.motion.twists import last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.style import Floats
 from nonsmooth.reports.figures.wheels import outline_of, placed
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import one_line
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition

@@ -22,9 +22,9 @@ from nonsmooth.reports.figures.style import (
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.number_text import float_text, place_text, short_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text, short_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

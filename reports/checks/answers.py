@@ -22,13 +22,13 @@ from nonsmooth.reports.checks.equilibrium_headings import headings_blocks, headi
 from nonsmooth.reports.output.document import Table, table, without_empty_columns
 from nonsmooth.reports.output.facts import Record, as_record, fact_record
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
-from nonsmooth.symbolic.number_text import float_text, percent_text, place_text, short_text
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, place_text, short_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destination, Destinations
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 MOST_SHOWN = 8  # destinations on a terminal and in a report
 GOES = ("the body ...", "starts", "near there", "heading")

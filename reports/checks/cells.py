@@ -12,14 +12,14 @@ from nonsmooth.reports.figures.style import figure_bytes
 from nonsmooth.reports.output.choices import Drawing
 from nonsmooth.reports.output.document import Block, Paragraph
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.number_text import brief_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,9 +13,9 @@ from nonsmooth.reports.output.progress import notice, progress, steps
 from nonsmooth.reports.output.refusals import RefusedError, bad_input, refusals_named
 from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
-from nonsmooth.symbolic.scene_error import SceneError, one_line
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.bodies.continuum import Prediction
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from nonsmooth.reports.checks.check_results import CheckResult, SummaryLine
     from nonsmooth.reports.checks.system_results import SystemCheckResult
     from nonsmooth.reports.studies.result import Result
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
     AnyScene: TypeAlias = Scene | SwitchedSystem
 
@@ -225,7 +225,7 @@ def check_scene(  # one keyword for each choice
     announce, rest_points = announce or unheard, None
     if best:
         from nonsmooth.proofs.answers.best_point import best_point  # paths: only a search loads them
-        from nonsmooth.symbolic.contact_set import standing
+        from nonsmooth.symbolic.mechanics.contact_set import standing
 
         announce("the best rest point of the square")
         chosen = best_point(standing(scene))
@@ -237,7 +237,7 @@ def check_scene(  # one keyword for each choice
 def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
     """One array, under one contact rule or all; a body that tips is an answer, under every rule."""
     from nonsmooth.reports.checks.check_results import TippedResult, compared
-    from nonsmooth.symbolic.contact_set import TipsError
+    from nonsmooth.symbolic.mechanics.contact_set import TipsError
 
     continuum = _predictions(scenes[0]) if options.continuum else None
     try:
@@ -391,7 +391,7 @@ def _summary_line(scene: Any, options: CheckOptions, *, records: bool) -> Summar
     from nonsmooth.proofs.answers.answers import exit_status
     from nonsmooth.reports.checks.check_results import NONE, REFUSED, SummaryLine, TippedResult
     from nonsmooth.reports.checks.records import CHECK_SCHEMA
-    from nonsmooth.symbolic.contact_set import TipsError
+    from nonsmooth.symbolic.mechanics.contact_set import TipsError
 
     if scene.kind is SceneKind.SYSTEM:
         found = check_system(scene)

@@ -25,9 +25,9 @@ from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.progress import progress, steps
 from nonsmooth.reports.output.terminal import header_table, verdict_text
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
-from nonsmooth.symbolic.contact_set import ContactSet, contact_set, tipped, wheels_text
-from nonsmooth.symbolic.number_text import numbers_text, short_text
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.mechanics.contact_set import ContactSet, contact_set, tipped, wheels_text
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import numbers_text, short_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.proofs.answers.headings import HeadingsOfRest
     from nonsmooth.reports.laws.law_program import LawResult
-    from nonsmooth.symbolic.contact_set import TipsError
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.contact_set import TipsError
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 QUESTION = ("question", "verdict", "why")
 WORST_FIRST = (2, 1, 3)  # exit statuses: refused, does not hold, undecided

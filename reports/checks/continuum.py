@@ -13,9 +13,9 @@ from nonsmooth.reports.output.document import Section, display, table
 from nonsmooth.reports.output.facts import Record, with_exact
 from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.output.terminal import header_table
-from nonsmooth.symbolic.body import outline_text
-from nonsmooth.symbolic.continuum import ContinuousField, Disc
-from nonsmooth.symbolic.number_text import float_text, short_text
+from nonsmooth.symbolic.mechanics.body import outline_text
+from nonsmooth.symbolic.mechanics.continuum import ContinuousField, Disc
+from nonsmooth.symbolic.numbers.number_text import float_text, short_text
 
 HEADER = ("what moves", "position", "rotation")
 NOTE = "predicted in floats for force per area along the field; position settles first; not proved, not in the verdict"

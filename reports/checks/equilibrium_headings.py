@@ -11,9 +11,9 @@ from flint import arb
 from nonsmooth.proofs.findings.facts import Quantity
 from nonsmooth.reports.output.document import Block, Paragraph, Table, table
 from nonsmooth.reports.output.facts import Record, as_record
-from nonsmooth.symbolic.number_text import float_text, lower_text, numbers_text, place_text, upper_text
+from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, numbers_text, place_text, upper_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -18,11 +18,11 @@ from nonsmooth.reports.output.console import INTERRUPTED
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.terminal import header_table
 from nonsmooth.reports.studies.result import DataTable, Record, Result
-from nonsmooth.symbolic.number_text import measured_text
-from nonsmooth.symbolic.scene import Scene, require_known_loads
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.scene_kind import SceneKind
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
+from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
+from nonsmooth.symbolic.numbers.number_text import measured_text
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane, require_single
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,9 +13,9 @@ from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.checks.answers import answers_record, robust_record
 from nonsmooth.reports.output.facts import Record, fact_record, with_exact
-from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.number_text import real_text
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_text import real_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.failures import Failure

@@ -12,13 +12,13 @@ from nonsmooth.analysis.minimizers.sampled_field import SampledField, sample_fie
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.number_text import float_text, percent_text
+from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 SCHEMA = "nonsmooth-field/1"
 COUNT = 41  # points in a row: an odd number, so that the checked point is one of them

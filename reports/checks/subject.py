@@ -22,7 +22,7 @@ from nonsmooth.reports.checks.references import Reference
 from nonsmooth.reports.output.console import PROGRAM
 from nonsmooth.reports.output.document import Section
 from nonsmooth.reports.output.facts import Record
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -29,9 +29,9 @@ from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.facts import Record, fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Result, short_lines
+from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import PLANE
+from nonsmooth.symbolic.systems.switched_system import PLANE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

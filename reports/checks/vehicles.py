@@ -20,9 +20,9 @@ from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record, exact_texts, floats
 from nonsmooth.reports.output.refusals import RefusedError
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Result
-from nonsmooth.symbolic.number_text import float_text, percent_text, short_text
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
-from nonsmooth.symbolic.vehicles import FORMULA, Vehicle
+from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

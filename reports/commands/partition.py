@@ -18,17 +18,17 @@ from nonsmooth.reports.output.terminal import later_notes
 from nonsmooth.reports.studies.result import DataTable, Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.studies.study_command import command
-from nonsmooth.symbolic.number_text import place_text, short_text
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.numbers.number_text import place_text, short_text
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from nonsmooth.reports.studies.result import Result
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
             from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 
             return PhasePortrait(scene)
-        from nonsmooth.symbolic.contact_set import TipsError, standing
+        from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
 
         try:
             stands = standing(scene)
@@ -117,7 +117,7 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
 
 def _leaves_motions_open(scene: Scene) -> bool:
     """Whether all loads that carry the weight are meant under rule ``box``."""
-    from nonsmooth.symbolic.unknown_loads import UnknownLoads
+    from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 
     return scene.contact.rule == "box" and scene.contact.loads == UnknownLoads()
 

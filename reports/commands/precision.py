@@ -13,7 +13,7 @@ from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.studies.study_command import command
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,7 +55,7 @@ class PrecisionStudy(SceneStudy[PrecisionOptions]):
         from nonsmooth.analysis.measurements.harness import Limits, measure
         from nonsmooth.reports.checks.measurements import Precision, measurable
         from nonsmooth.reports.output.progress import progress
-        from nonsmooth.symbolic.contact_set import standing
+        from nonsmooth.symbolic.mechanics.contact_set import standing
 
         measurable(scene)
         stands = standing(scene) if scene.kind is SceneKind.ARRAY else scene

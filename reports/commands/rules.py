@@ -10,7 +10,7 @@ from nonsmooth.reports.output.console import write_json, write_views
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.options import Json
 from nonsmooth.reports.output.terminal import header_table
-from nonsmooth.symbolic.rule import DEFAULT_RULE
+from nonsmooth.symbolic.mechanics.rule import DEFAULT_RULE
 
 
 def rules(json: Json = False) -> int:

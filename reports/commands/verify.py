@@ -13,7 +13,7 @@ from nonsmooth.reports.output.study_options import SceneOptions
 from nonsmooth.reports.studies.study_command import offered
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 ACCEPTED, REJECTED = 0, 1
 
@@ -110,8 +110,8 @@ def _verify_system(file: str, scene: str | None, radius: str | None, at: str | N
 
 def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) -> Scene | None:
     """The scene to compare with; options that would replace something of it need one."""
-    from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
+    from nonsmooth.symbolic.mechanics.contact_set import standing
 
     if scene is not None:
         return standing(load_scene(scene, rule=rule, radius=radius, at=at))

@@ -28,8 +28,8 @@ from nonsmooth.reports.output.document import (
 from nonsmooth.reports.output.prose import paragraph, with_formulas
 from nonsmooth.reports.sections.answers import answers_table
 from nonsmooth.reports.sections.opening import array_figure
-from nonsmooth.symbolic.number_text import float_text, place_text
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 
 
 def brief_document(subject: ArraySubject) -> Document:

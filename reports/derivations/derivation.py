@@ -27,12 +27,12 @@ from nonsmooth.reports.output.refusals import option_named, refusals_named
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 REPORT_FORMATS = (".html", ".tex", ".md", ".json")
 
@@ -288,7 +288,7 @@ class DeriveStudy(SceneStudy[DeriveOptions]):
         """Check, and write the derivation."""
         loaded = scene.scene
         if scene.kind is SceneKind.ARRAY:
-            from nonsmooth.symbolic.contact_set import standing
+            from nonsmooth.symbolic.mechanics.contact_set import standing
 
             loaded = standing(loaded)
         with refusals_named(loaded), steps("derivation") as announce:

@@ -42,8 +42,8 @@ from nonsmooth.reports.sections.stability import (
     theorem_section,
 )
 from nonsmooth.reports.sections.trajectories import law_section, trajectories_section, without_law
-from nonsmooth.symbolic.scene_kind import SceneKind
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 FOR_SMOOTH_RULES = "for rules without cells"  # of sections that nobody misses beside cells
 

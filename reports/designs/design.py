@@ -19,8 +19,8 @@ from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.reports.designs.objective import Evaluation
     from nonsmooth.reports.designs.search import Design, Fewest, Wish
-    from nonsmooth.symbolic.scene import Scene, Wheel
+    from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 Held = TypeVar("Held")  # what Python holds of a scene: a :class:`nonsmooth.Array`
 
@@ -311,7 +311,7 @@ def _write_report(document: dict[str, Any], folder: Path, options: DesignOptions
     from nonsmooth.reports.checks.subject import Invocation
     from nonsmooth.reports.derivations.derivation import derive_report
     from nonsmooth.reports.derivations.parts import chosen_parts
-    from nonsmooth.symbolic.contact_set import standing
+    from nonsmooth.symbolic.mechanics.contact_set import standing
 
     name, path = str(document["name"]), str(options.report)
     file = folder / f"{name}.toml"

@@ -17,8 +17,8 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.files.one_by_one import LAYOUTS, unit_of_speed, wheel_entry
-from nonsmooth.symbolic.plane import Vector, minus, turned
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers.plane import Vector, minus, turned
 
 PARTS = 64  # of the range of a speed or a displacement
 HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading

@@ -13,10 +13,10 @@ from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.robust.decide import certified_factor
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.symbolic.contact_set import TipsError, standing
+from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
 
 HEADINGS = 36  # in a full turn, as of ``simulate --headings 36``
 UNITS = 3_000_000  # of exact arithmetic for one candidate: a few seconds

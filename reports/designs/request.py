@@ -14,13 +14,13 @@ from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Or
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
 from nonsmooth.reports.designs.search import Design, Fewest, Told, Wish, find_design
 from nonsmooth.reports.simulations.heading_maps import require_outline
-from nonsmooth.symbolic.contact_set import standing
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.files.scene_values import read_exact
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 FREE = (*KINDS, WHEELS)
 REQUIRED = ("position", "heading", "pose")

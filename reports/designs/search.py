@@ -21,8 +21,8 @@ from nonsmooth.proofs.answers.answer import Pose
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
 from nonsmooth.symbolic.files.scene_file import build_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 MEMBERS = 24  # of a generation, about
 ALIKE = 0.25  # share of the checks in which all wheels change alike

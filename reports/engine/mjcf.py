@@ -1,10 +1,11 @@
 """A scene as an MJCF file for a physics engine (MuJoCo), with what is predicted of it: a test for friction solvers.
 
 The frame is reversed: the body is the ground, a plane, and the array rides on it as a vehicle does, with its centre of
-mass where that of the body is.  Slips, loads and friction are the same (module ``symbolic.vehicles``), and the
-engine aligns the tangents of the contact of a capsule and a plane with the capsule's axis, so that an elliptic friction
-cone has mu_roll along the friction axis and mu_side across it, whichever way that points.  Each wheel is a capsule so
-short that it counts as a point; its surface runs at the wheel's speed.  Loads come from contacts alike, as springs.
+mass where that of the body is.  Slips, loads and friction are the same (module ``symbolic.mechanics.vehicles``), and
+the engine aligns the tangents of the contact of a capsule and a plane with the capsule's axis, so that an elliptic
+friction cone has mu_roll along the friction axis and mu_side across it, whichever way that points.  Each wheel is a
+capsule so short that it counts as a point; its surface runs at the wheel's speed.  Loads come from contacts alike, as
+springs.
 
 What the engine has no means for is refused (rollers, loads that springs do not give).  What the file holds otherwise
 than the scene, and what it leaves out, is said in its comments: a rule or a place that is another, wheels that do not
@@ -28,17 +29,17 @@ from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.vehicles import require_friction
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.symbolic.contact_set import standing, whole
-from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
-from nonsmooth.symbolic.scene import Scene, require_known_loads
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.mechanics.contact_set import standing, whole
+from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from nonsmooth.analysis.fields.contact_model import Floats
-    from nonsmooth.symbolic.plane import Vector
-    from nonsmooth.symbolic.scene import Wheel
+    from nonsmooth.symbolic.mechanics.scene import Wheel
+    from nonsmooth.symbolic.numbers.plane import Vector
 
 RULE = "ellipse"  # the engine's elliptic cone
 BESIDE = (
@@ -272,7 +273,7 @@ def _require_ellipses(scene: Scene) -> None:
     Raises:
         SceneError: naming the rule or the loads.
     """
-    from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+    from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
     if ROLLERS in map(scene.rule_of_wheel, scene.wheels):
         expected = f"a rule of wheels without rollers to export it (the friction of the engine is rule {RULE})"

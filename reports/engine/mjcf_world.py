@@ -24,17 +24,17 @@ from xml.sax.saxutils import quoteattr
 
 from nonsmooth.reports.engine.mjcf import LEAST_FRICTION, RULE, SLOWED, engine_inertia, inertia_words, model_name
 from nonsmooth.reports.simulations.path_ends import pose_text
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.number_text import float_text, place_text
-from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import require_known_loads
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import require_known_loads
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.trajectories.result import Trajectory
-    from nonsmooth.symbolic.plane import Vector
-    from nonsmooth.symbolic.scene import Scene, Wheel
+    from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+    from nonsmooth.symbolic.numbers.plane import Vector
 
 SPEED = 5e-4  # largest speed of a surface (metre/second): slip lifts springs by half a per cent of the weight
 RADIUS, THICK = 0.01, 0.02  # of the wheels; half the height of the plate (metre)

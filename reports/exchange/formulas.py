@@ -15,16 +15,22 @@ from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.expression import decimal_value, parse_tree
-from nonsmooth.symbolic.formula_text import difference_text, first_that_holds, in_parentheses, indicator, product_text
-from nonsmooth.symbolic.piecewise import EXTREMES, MAX_TEXT, SIGNS
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.formulas.expression import decimal_value, parse_tree
+from nonsmooth.symbolic.formulas.formula_text import (
+    difference_text,
+    first_that_holds,
+    in_parentheses,
+    indicator,
+    product_text,
+)
+from nonsmooth.symbolic.formulas.piecewise import EXTREMES, MAX_TEXT, SIGNS
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
     import sympy
 
     from nonsmooth.proofs.systems.findings import ExaminedFunction
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,14 @@ from typing import Any
 
 from nonsmooth.reports.exchange.from_matrices import state_names
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.formula_text import complement, difference_text, disjunction, indicator, product_text, sum_text
+from nonsmooth.symbolic.formulas.formula_text import (
+    complement,
+    difference_text,
+    disjunction,
+    indicator,
+    product_text,
+    sum_text,
+)
 
 # What an instruction writes, from the texts of its arguments.
 INSTRUCTIONS: dict[str, Callable[..., str]] = {

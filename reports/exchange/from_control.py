@@ -11,7 +11,7 @@ from typing import Any
 
 from nonsmooth.reports.exchange.from_matrices import Rows, matrix, state_names, times
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.formula_text import ZERO, difference_text, product_text, sum_text
+from nonsmooth.symbolic.formulas.formula_text import ZERO, difference_text, product_text, sum_text
 
 PHI: dict[str, Callable[[str, str], str]] = {
     "saturation": "sat({0}, -{1}, {1})".format,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.formula_text import first_that_holds, indicator, product_text, sum_text
+from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text, sum_text
 
 Rows: TypeAlias = list[list[str]]  # texts of numbers
 

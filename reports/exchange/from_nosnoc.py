@@ -11,9 +11,9 @@ from itertools import product
 from typing import Any
 
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.formula_text import ONE, complement, in_parentheses, indicator, product_text, sum_text
-from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.formula_text import ONE, complement, in_parentheses, indicator, product_text, sum_text
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 
 MAX_SURFACES = 12  # of one S, which has a row for each of at most 2^12 patterns of signs
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.exchange.reading import Reading, fraction_text
-from nonsmooth.symbolic.formula_text import (
+from nonsmooth.symbolic.formulas.formula_text import (
     ONE,
     ZERO,
     complement,

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from nonsmooth.reports.exchange.obligations import Obligation, Term
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_error import one_line
 
 _JOINTS = {"+": " + ", "*": "*", "and": " & ", "or": " | ", "=>": " -> ", ">=": " >= ", ">": " > ", "=": " = "}
 

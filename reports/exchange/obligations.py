@@ -26,7 +26,7 @@ from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import THEOREMS, is_of_array
 from nonsmooth.proofs.checker.tower import Field, Number
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 # A term or a formula: a number, a name, or an operator with its parts.  Operators are those of SMT-LIB:
 # + * ^ (a whole exponent), >= > = , and or not =>.

@@ -1,9 +1,9 @@
 """How the objects of other libraries are read: their numbers, exactly, and what is refused in one line.
 
-What a library hands over is walked node by node and written as a text (:mod:`nonsmooth.symbolic.formula_text`) that
-:mod:`nonsmooth.symbolic.piecewise` reads; nothing of it is evaluated.  Integers and fractions stay exact.  A float is
-the rational number that it is: the double 0.1 is 3602879701896397/36028797018963968.  Who means decimals says so
-(``decimals=True``): then it is one tenth.
+What a library hands over is walked node by node and written as a text (:mod:`nonsmooth.symbolic.formulas.formula_text`)
+that :mod:`nonsmooth.symbolic.formulas.piecewise` reads; nothing of it is evaluated.  Integers and fractions stay exact.
+A float is the rational number that it is: the double 0.1 is 3602879701896397/36028797018963968.  Who means decimals
+says so (``decimals=True``): then it is one tenth.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from importlib import import_module
 from numbers import Integral, Rational, Real
 from typing import Any
 
-from nonsmooth.symbolic.formula_text import in_parentheses
-from nonsmooth.symbolic.piecewise import MAX_TEXT
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.formulas.formula_text import in_parentheses
+from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 TABLE = "table"  # what messages call it
 

@@ -51,9 +51,9 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.figures.wheels import ARROW, Segment, draw_wheel, wheels_in_view
 from nonsmooth.reports.output.document import cell_mark
-from nonsmooth.symbolic.plane import around, between, dot, minus
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.plane import around, between, dot, minus
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -38,9 +38,9 @@ from nonsmooth.reports.figures.style import (
     title_figure,
 )
 from nonsmooth.reports.figures.wheels import draw_axis, draw_names, outline_of, placed
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.number_text import decimal_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import Units
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.number_text import decimal_text
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -20,7 +20,7 @@ from nonsmooth.reports.figures.style import (
     wrapped,
 )
 from nonsmooth.reports.figures.wheels import draw_wheel
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

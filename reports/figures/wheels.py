@@ -30,13 +30,13 @@ from nonsmooth.reports.figures.style import (
     new_figure,
     title_axes,
 )
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.free_rollers import askew_wheels
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.support_polygon import support_polygon
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.support_polygon import support_polygon
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.simulations.maps import MapResult
     from nonsmooth.reports.simulations.masses import MassResult
     from nonsmooth.reports.simulations.paths import PathResult
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 # Where a keyword of `with_` stands in a scene file.
 _PLACES = {
@@ -225,7 +225,7 @@ class Array(PythonScene):
     @property
     def _standing(self) -> Scene:
         """The array of the wheels that carry the body at the checked pose."""
-        from nonsmooth.symbolic.contact_set import standing
+        from nonsmooth.symbolic.mechanics.contact_set import standing
 
         return standing(self.scene)
 
@@ -409,7 +409,7 @@ class Array(PythonScene):
     # ---- how it shows itself ---------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        from nonsmooth.symbolic.number_text import short_text
+        from nonsmooth.symbolic.numbers.number_text import short_text
 
         scene = self.scene
         x, y = (short_text(entry) for entry in scene.check.equilibrium)

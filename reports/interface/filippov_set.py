@@ -13,19 +13,19 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.number_text import brief_text, short_text
+from nonsmooth.symbolic.mechanics.support_polygon import support_polygon
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import dot, minus
-from nonsmooth.symbolic.support_polygon import support_polygon
+from nonsmooth.symbolic.numbers.number_text import brief_text, short_text
+from nonsmooth.symbolic.numbers.plane import dot, minus
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.symbolic.constraints import Twist
-    from nonsmooth.symbolic.contact_states import ContactState
+    from nonsmooth.symbolic.mechanics.constraints import Twist
+    from nonsmooth.symbolic.mechanics.contact_states import ContactState
     from nonsmooth.symbolic.numbers.number import Number
-    from nonsmooth.symbolic.plane import Vector
+    from nonsmooth.symbolic.numbers.plane import Vector
 
 
 @dataclass(frozen=True, repr=False)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.studies.study import SceneStudy
     from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.reports.sweeps.sweep_study import SweepResult
-    from nonsmooth.symbolic.scene_kind import SceneKind
+    from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 
 class PythonScene(ABC):

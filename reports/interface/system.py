@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.simulations.maps import MapResult
     from nonsmooth.reports.simulations.orbits import OrbitResult
     from nonsmooth.reports.simulations.paths import PathResult
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MAP_UNTIL = 10.0
 ORBIT_UNTIL = 100.0

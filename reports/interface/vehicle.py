@@ -13,7 +13,7 @@ from nonsmooth.reports.output.entries import table
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.wheel import Wheel
-    from nonsmooth.symbolic.vehicles import Vehicle as ExactVehicle
+    from nonsmooth.symbolic.mechanics.vehicles import Vehicle as ExactVehicle
 
 
 @dataclass(frozen=True, init=False, repr=False)

@@ -30,9 +30,9 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.laws.feedback_loop import GAIN, RISE_SLACK
-from nonsmooth.symbolic.number_text import float_text, place_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 
 MOST_CONES = 4  # of directions of c: on the axis c = 0 all their planes meet, and the follower tries 3^m patterns of m
 REMEMBERED = 64  # places: where modes meet, several of them ask for one motion

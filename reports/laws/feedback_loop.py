@@ -34,7 +34,7 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.output.choices import LawName
-from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
 
 GAIN = 1.0
 # A rise of V that may be the integrator's own, relative to V at the start: steps err by 1e-12, events by rounding.

@@ -18,7 +18,7 @@ from textwrap import wrap
 
 from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable
-from nonsmooth.symbolic.number_text import float_text, numbers_text
+from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text
 
 WIDTH = 100  # of lines
 _FRACTION = re.compile(r"\b\d+/[1-9]\d*\b")

@@ -11,7 +11,7 @@ from nonsmooth.reports.laws.law_table import LawTable, law_table
 from nonsmooth.reports.output.choices import LawName
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.numbers.number_text import short_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Check

@@ -33,12 +33,12 @@ from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.output.choices import LawName
-from nonsmooth.symbolic.constraints import RowKind
-from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.loop_errors import LoopErrors
-from nonsmooth.symbolic.number_text import brief_text, float_text, lower_text, upper_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.constraints import RowKind
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.numbers.number_text import brief_text, float_text, lower_text, upper_text
 
 Floats: TypeAlias = tuple[float, ...]
 Floats2: TypeAlias = NDArray[np.float64]

@@ -16,8 +16,8 @@ import typer
 from nonsmooth.reports.output.files import OutputError
 from nonsmooth.reports.output.progress import end_progress, steps
 from nonsmooth.reports.output.refusals import RefusedError
-from nonsmooth.symbolic import removed
-from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.messages import removed
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -12,10 +12,18 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from nonsmooth.symbolic.formulas import number_latex
-from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.number_text import SHORT, Real, decimal_latex, decimal_text, plain_decimal, real_text, settled
+from nonsmooth.symbolic.formulas.linear_formulas import number_latex
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import (
+    SHORT,
+    Real,
+    decimal_latex,
+    decimal_text,
+    plain_decimal,
+    real_text,
+    settled,
+)
 
 
 @dataclass(frozen=True)
@@ -228,7 +236,7 @@ def number(value: Real) -> Math:
 
 
 def decimal(text: str) -> Math:
-    """A number that is written as a decimal already (:mod:`nonsmooth.symbolic.number_text`)."""
+    """A number that is written as a decimal already (:mod:`nonsmooth.symbolic.numbers.number_text`)."""
     return Math(decimal_latex(text), text)
 
 

@@ -10,9 +10,9 @@ from typing import Any, TypeAlias
 from flint import arb
 
 from nonsmooth.proofs.findings.facts import Fact, Quantity
-from nonsmooth.symbolic.number_text import real_text, short_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import real_text, short_text
 
 
 def fact_record(facts: Iterable[Fact]) -> Record:

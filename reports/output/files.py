@@ -8,7 +8,7 @@ from collections.abc import Collection
 from importlib import import_module
 from pathlib import Path
 
-from nonsmooth.symbolic import removed
+from nonsmooth.symbolic.messages import removed
 
 ATTEMPTS = 10  # to find a free name of 128 random bits
 PICTURES = (".svg", ".png", ".pdf")  # what Matplotlib writes for us

@@ -1,9 +1,9 @@
 """Progress of long work on standard error: one line of a terminal, once the work has lasted a second.
 
 ``simulate: t = 12.5 of 60 (7 s)``: the step under way, what the work itself tells
-(:func:`nonsmooth.symbolic.under_way.tell`, from any depth), and the seconds since the start.  A thread that does
-nothing but write keeps the seconds going.  Where standard error is a file, a pipe or a terminal that cannot clear a
-line, commands write such a line below the other, one every ten seconds: a log shows that and where they go on.  Every
+(:func:`nonsmooth.symbolic.messages.under_way.tell`, from any depth), and the seconds since the start.  A thread that
+does nothing but write keeps the seconds going.  Where standard error is a file, a pipe or a terminal that cannot clear
+a line, commands write such a line below the other, one every ten seconds: a log shows that and where they go on.  Every
 command has such a line (:func:`nonsmooth.reports.output.console.run` begins it); :func:`steps` names a step of it,
 :func:`progress` counts what is done of a known total.  In Python, outside of a command, these two begin a line of their
 own.  On a terminal the line ends, and leaves nothing behind, with the work or as soon as standard output is written.
@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TextIO
 
-from nonsmooth.symbolic.under_way import listening, parts
+from nonsmooth.symbolic.messages.under_way import listening, parts
 
 PATIENCE = 1.0  # seconds that pass before anything is shown
 TICK = 0.25  # seconds between two lines

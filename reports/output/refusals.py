@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 class RefusedError(Exception):

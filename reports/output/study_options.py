@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 from enum import Enum
 from typing import Any, get_type_hints
 
-from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED
 
 # what `fail` means for one array and for each of a sweep
 FAIL = "Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named."

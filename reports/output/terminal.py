@@ -17,11 +17,11 @@ from rich.text import Text
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.output.facts import fact_lines
-from nonsmooth.symbolic.contact_set import wheels_text
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.mechanics.contact_set import wheels_text
+from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import short_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition

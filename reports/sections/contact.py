@@ -23,13 +23,13 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import listed, paragraph, prose
-from nonsmooth.symbolic.constraints import constraint_matrix
-from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
-from nonsmooth.symbolic.formulas import number_latex
-from nonsmooth.symbolic.free_rollers import askew_wheels
-from nonsmooth.symbolic.number_text import real_text
-from nonsmooth.symbolic.scene import Wheel
+from nonsmooth.symbolic.formulas.linear_formulas import number_latex
+from nonsmooth.symbolic.mechanics.constraints import constraint_matrix
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.equations import Coordinates, GoverningEquations, governing_equations
+from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
+from nonsmooth.symbolic.mechanics.scene import Wheel
+from nonsmooth.symbolic.numbers.number_text import real_text
 
 LONGEST = 120  # characters of an exact coefficient; longer ones are rounded (the JSON report holds them exactly)
 LONGEST_ENTRY = 30  # the same for an entry of a matrix

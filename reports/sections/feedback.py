@@ -31,10 +31,10 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import listed, paragraph, prose
-from nonsmooth.symbolic.number_text import brief_text, decimal_latex, float_text, lower_text
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.numbers.number_text import brief_text, decimal_latex, float_text, lower_text
+from nonsmooth.symbolic.numbers.plane import dot
 
 _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
 

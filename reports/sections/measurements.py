@@ -14,7 +14,7 @@ from nonsmooth.analysis.measurements.path_studies import TRAJECTORIES
 from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.output.document import Code, Entry, Section, decimal, table
 from nonsmooth.reports.output.prose import paragraph
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 METHODS = ("events, closed form", "DOP853 with events", "hysteresis", "smoothed", "RK45", "DOP853")
 SETTINGS = 3  # of each method, the easy ones first: enough for a slope, and together about a second

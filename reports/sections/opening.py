@@ -27,13 +27,13 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
-from nonsmooth.symbolic.free_rollers import askew_wheels
-from nonsmooth.symbolic.number_text import decimal_latex, float_text
+from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
+from nonsmooth.symbolic.mechanics.rule import MIXED
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.springs import EqualSprings
+from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.rule import MIXED
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.springs import EqualSprings
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.numbers.number_text import decimal_latex, float_text
 
 ANSWERS = "answers"  # the section that shows the array first
 

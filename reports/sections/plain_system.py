@@ -50,13 +50,13 @@ from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.simulations.paths import follow_system
 from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.symbolic.formula_text import tidied
-from nonsmooth.symbolic.formulas import symbol_latex
-from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.formulas.formula_text import tidied
+from nonsmooth.symbolic.formulas.linear_formulas import symbol_latex
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands
-from nonsmooth.symbolic.scene_error import SceneError, one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
 TONES = {
     Translation.ASYMPTOTICALLY_STABLE: Tone.GOOD,

@@ -25,7 +25,7 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import paragraph, prose
-from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 
 MOST_WHEELS = 24  # up to which the cells of rule box take a second or two; 36 wheels have some 450 cells
 

@@ -41,10 +41,10 @@ from nonsmooth.reports.output.document import (
 )
 from nonsmooth.reports.output.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.sections.feedback import feedback_blocks
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import brief_text, float_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 
 
 def filippov_section(result: CellCheck) -> Section:

@@ -41,9 +41,9 @@ from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
 from nonsmooth.reports.simulations.path_ends import pose_text, shown_angle
 from nonsmooth.reports.simulations.paths import ArrayPath, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions, unit_of_typed_angles
-from nonsmooth.symbolic.number_text import float_text, lower_text, place_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.units import AngleUnit, Units
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import AngleUnit, Units
+from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, place_text
 
 if TYPE_CHECKING:
     from nonsmooth.reports.laws.driven_loop import DrivenLoop

@@ -24,11 +24,11 @@ from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import distance_from_point, shown_angle
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.number_text import float_text, place_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import Units
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

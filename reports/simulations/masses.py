@@ -30,10 +30,10 @@ from nonsmooth.reports.simulations.path_ends import in_unit, pose_text, shown_an
 from nonsmooth.reports.simulations.paths import ArrayPath
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

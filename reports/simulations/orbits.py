@@ -19,9 +19,9 @@ from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
-from nonsmooth.symbolic.under_way import tell
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.messages.under_way import tell
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_stated
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

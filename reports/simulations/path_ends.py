@@ -19,11 +19,11 @@ from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swing
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
-from nonsmooth.symbolic.contact_set import accuracy_at_point
-from nonsmooth.symbolic.number_text import float_text, place_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.switched_system import SwitchedSystem
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import Units
+from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DIGITS = 3
 AT_POINT = 1e-9  # of the scene's length: a distance that is rounding

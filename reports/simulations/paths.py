@@ -52,11 +52,11 @@ from nonsmooth.reports.simulations.path_ends import (
 )
 from nonsmooth.reports.simulations.simulate_options import POSE, SimulateOptions
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.contact_set import require_no_outline, standing, whole
-from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.mechanics.contact_set import require_no_outline, standing, whole
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,9 +19,9 @@ from nonsmooth.reports.figures.style import INK, Floats, legend_below, new_figur
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.studies.result import DataTable, Record, Result
-from nonsmooth.symbolic.number_text import place_text
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_one_field, require_plane
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_one_field, require_plane
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,10 +24,10 @@ from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
-from nonsmooth.symbolic.contact_set import accuracy_at_point
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

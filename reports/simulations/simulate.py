@@ -12,12 +12,12 @@ from nonsmooth.reports.output.files import FILMS
 from nonsmooth.reports.output.refusals import OptionError, RefusedError, bad_input
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from nonsmooth.reports.studies.result import Result
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 OF_LOOPS = ("feedback", "law", "gain")
 OF_BODIES = ("mass", "inertia", "compare_masses")

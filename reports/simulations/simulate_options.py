@@ -11,10 +11,10 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.output.choices import LawName, PathMethod
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.output.study_options import Options, option
-from nonsmooth.symbolic.units import AngleUnit
+from nonsmooth.symbolic.mechanics.units import AngleUnit
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 # Headings of the help: what an option belongs to.
 PATH = "One path"
@@ -231,7 +231,7 @@ def _value(where: str, text: str, *, is_angle: bool, unit: AngleUnit | None = An
         OptionError: for anything else.
     """
     from nonsmooth.symbolic.files.start_values import read_start_angle, read_start_value
-    from nonsmooth.symbolic.scene_error import requirement, shown
+    from nonsmooth.symbolic.messages.scene_error import requirement, shown
 
     try:
         value = read_start_angle(text, unit) if is_angle else read_start_value(text)

@@ -42,10 +42,10 @@ from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of, parts_r
 from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, draw_borders, draw_potential
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, short_lines
-from nonsmooth.symbolic.number_text import percent_text
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import percent_text
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 from nonsmooth.reports.output.console import json_text, write, write_json, write_views
 from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text
 from nonsmooth.reports.output.files import PICTURES, output_path, write_whole
-from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.messages.notebook import html_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

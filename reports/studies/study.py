@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from nonsmooth.reports.output.refusals import OptionError, RefusedError, in_keywords
 from nonsmooth.reports.output.study_options import Options, SceneOptions, flag_of, options_of
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,7 +12,7 @@ import typer
 from nonsmooth.reports.output import options as shared
 from nonsmooth.reports.output.study_options import OfferedOption, Options, SceneOptions, flag_of, options_of, types_of
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.suggestions import is_meant
+from nonsmooth.symbolic.messages.suggestions import is_meant
 
 
 def command(study: SceneStudy[Any], name: str, words: str, scene: Any = shared.SceneText) -> Callable[..., int]:
@@ -59,8 +59,8 @@ def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[s
 def _warn(scene: Any) -> None:
     """Print what of a scene may not be what was meant, above all that is said of it; of many scenes nothing."""
     from nonsmooth.reports.output.console import write
+    from nonsmooth.symbolic.messages.scene_error import one_line
     from nonsmooth.symbolic.numbers.number_field import FirstRemark
-    from nonsmooth.symbolic.scene_error import one_line
 
     scenes = scene if isinstance(scene, list) else [scene]
     field = getattr(scenes[0], "field", None) if len(scenes) == 1 else None

@@ -24,9 +24,9 @@ from nonsmooth.symbolic.files.key_paths import with_value
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import build_scene, wheel_table
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 UNHEARD = ("name", "description")  # tables that no answer follows from
 _PLAIN = re.compile(r"-?[0-9]{1,60}(\.[0-9]{1,60}|/[1-9][0-9]{0,60})?")  # a decimal or a fraction

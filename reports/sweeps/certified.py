@@ -18,9 +18,9 @@ from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
 from nonsmooth.reports.sweeps.values import Entry, SweepError, Value, WrittenValue
-from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.key_paths import Path
-from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 
 TABLE = "tolerance"
 ENTRIES = ("position", "heading", "speed", "mu_roll", "mu_side")

@@ -20,7 +20,7 @@ from nonsmooth.reports.sweeps.outcome import REFUSED
 from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
 from nonsmooth.reports.sweeps.table import counted, sweep_title
 from nonsmooth.reports.sweeps.values import SweepError
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,10 +21,10 @@ from nonsmooth.reports.checks.records import failure_records
 from nonsmooth.reports.output.facts import exact_texts, floats
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.values import Entry
-from nonsmooth.symbolic.contact_set import TipsError
 from nonsmooth.symbolic.files.key_paths import Path
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.mechanics.contact_set import TipsError
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 
 if TYPE_CHECKING:
     from nonsmooth.reports.sweeps.base import Base

@@ -16,8 +16,8 @@ from nonsmooth.reports.sweeps.certified import CertifiedCell
 from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, SYSTEM_COLUMNS, SYSTEM_NUMBERS, Outcome
 from nonsmooth.reports.sweeps.sweep import Sweep
 from nonsmooth.reports.sweeps.sweep_plan import Point
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 SCHEMA = "nonsmooth-sweep/2"
 MOST_SHOWN = 40  # scenes that a terminal lists

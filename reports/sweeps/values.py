@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from nonsmooth.symbolic.expression import Expression, ExpressionError
 from nonsmooth.symbolic.files.scene_values import read_exact
-from nonsmooth.symbolic.scene_error import requirement, shown
-from nonsmooth.symbolic.units import AngleUnit
+from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError
+from nonsmooth.symbolic.mechanics.units import AngleUnit
+from nonsmooth.symbolic.messages.scene_error import requirement, shown
 
 
 class SweepError(ValueError):

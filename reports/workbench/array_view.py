@@ -40,11 +40,11 @@ from nonsmooth.reports.workbench.shapes import (
     square_record,
     wheels_record,
 )
-from nonsmooth.symbolic.contact_set import TipsError, contact_set, standing
 from nonsmooth.symbolic.files.one_by_one import unit_of_speed
+from nonsmooth.symbolic.mechanics.contact_set import TipsError, contact_set, standing
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
-from nonsmooth.symbolic.plane import around, cross, dot, minus
-from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition

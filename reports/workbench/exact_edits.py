@@ -23,12 +23,12 @@ from nonsmooth.reports.workbench.documents import (
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.files.one_by_one import unit_of_speed
 from nonsmooth.symbolic.files.scene_values import Numbers, read_angle, read_exact
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Wheel
+    from nonsmooth.symbolic.mechanics.scene import Wheel
 
 Pair: TypeAlias = tuple[str, str]
 Linear: TypeAlias = Callable[[Pair], Pair]  # of texts, about the origin

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.sliding_edges import switching_stretches
-from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.number_text import brief_text
-from nonsmooth.symbolic.scene import LoadTable
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import LoadTable
+from nonsmooth.symbolic.numbers.number_text import brief_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Cell, Partition
-    from nonsmooth.symbolic.body import Body
-    from nonsmooth.symbolic.contact_set import ContactSet
-    from nonsmooth.symbolic.scene import Scene, Wheel
+    from nonsmooth.symbolic.mechanics.body import Body
+    from nonsmooth.symbolic.mechanics.contact_set import ContactSet
+    from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 EDGE_KINDS = {"sliding": "sliding", "resting": "resting", "repelling": "escaping"}
 MOST_LOADED = 40  # wheels up to which elastic loads are shown: they take a moment

@@ -13,11 +13,11 @@ from nonsmooth.reports.interface.system import System
 from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
 from nonsmooth.reports.workbench.paths import path_records
 from nonsmooth.reports.workbench.shapes import point
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.number_text import brief_text
 
 if TYPE_CHECKING:
     from nonsmooth.reports.checks.system_results import SystemCheckResult
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Stage: TypeAlias = dict[str, Any]
 

@@ -8,12 +8,12 @@ from typing import Annotated, Literal
 
 from pydantic import PlainValidator
 
-from nonsmooth.symbolic.body import Body, BodyInertia, is_convex
-from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numbers, OptionalExact, TomlTable, read_pair
+from nonsmooth.symbolic.mechanics.body import Body, BodyInertia, is_convex
+from nonsmooth.symbolic.mechanics.continuum import Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus, same_direction
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, same_direction
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
 STANDARD_GRAVITY = Fraction("9.80665")  # m/s^2

@@ -21,9 +21,9 @@ from nonsmooth.symbolic.files.scene_values import (
     angles,
 )
 from nonsmooth.symbolic.files.velocity_fields import Heading, HeadingField
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.rule import read_rule
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.mechanics.rule import read_rule
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.plane import Vector
 
 MAX_WHEELS = 250_000  # about 10 s to load; a larger array would not be checked in a day
 MAX_RING = 360  # the degree of the number field grows with the count: up to 358 below this bound

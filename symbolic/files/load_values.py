@@ -9,13 +9,13 @@ from typing import Annotated, NamedTuple, TypeAlias
 from pydantic import PlainValidator
 
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, read_exact, read_pair
-from nonsmooth.symbolic.measured_loads import NoSpringsError, carried_table, centre_of, largest_correction
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, carried_table, centre_of, largest_correction
+from nonsmooth.symbolic.mechanics.scene import LoadTable
+from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene import LoadTable
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.numbers.number_text import short_text
+from nonsmooth.symbolic.numbers.plane import Vector
 
 EXPECTED = (
     'required "elastic", "any", rows [[c0, cx, cy], ...], or a table of kind "elastic" (with height or stiffness) '
@@ -159,7 +159,7 @@ def _share(value: Exact, numbers: Numbers, key: str) -> Number:
 
 
 def _carried(stated: MeasuredLoads, numbers: Numbers, positions: Sequence[Vector]) -> LoadTable:
-    """Measured loads at every pose: see :mod:`nonsmooth.symbolic.measured_loads`."""
+    """Measured loads at every pose: see :mod:`nonsmooth.symbolic.mechanics.measured_loads`."""
     if len(stated.values) != len(positions):
         expected = f"{len(positions)} values, one for each wheel"
         raise SceneError(numbers.file, "contact.loads.values", expected, StatedFact(f"{len(stated.values)}"))

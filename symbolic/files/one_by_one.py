@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.symbolic.files.scene_file import stated_units
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 LAYOUTS = ("wheel", "ring", "grid", "wheels", "field")  # tables that the list of wheels replaces
 

@@ -11,9 +11,9 @@ from collections.abc import Collection, Mapping
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_values import read_exact
-from nonsmooth.symbolic.scene_error import SceneError, requirement
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.messages.scene_error import SceneError, requirement
 
 MAX_PARAMETERS = 40
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")

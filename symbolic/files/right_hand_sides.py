@@ -1,8 +1,9 @@
 """Right-hand sides of a plain system from what its file states to formulas that are polynomials on each cell.
 
 Parameters take their values, interval parameters all their ends; fractions are cleared by one positive factor
-(:mod:`nonsmooth.symbolic.cleared_fractions`); sines and cosines of states are enclosed
-(:mod:`nonsmooth.symbolic.sine_enclosures`).  What comes out is one list of formulas, or several: arbitrary switching.
+(:mod:`nonsmooth.symbolic.formulas.cleared_fractions`); sines and cosines of states are enclosed
+(:mod:`nonsmooth.symbolic.formulas.sine_enclosures`).  What comes out is one list of formulas, or several: arbitrary
+switching.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from nonsmooth.symbolic.cleared_fractions import Clearing
-from nonsmooth.symbolic.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
-from nonsmooth.symbolic.float_formulas import float_value
+from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
+from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
+from nonsmooth.symbolic.formulas.float_formulas import float_value
+from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
+from nonsmooth.symbolic.formulas.sine_enclosures import Wave, enclosing_formulas, has_waves, named_formulas
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.piecewise import MAX_TEXT, parse_piecewise
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.sine_enclosures import Wave, enclosing_formulas, has_waves, named_formulas
 
 MAX_MEMBERS = 64  # right-hand sides
 

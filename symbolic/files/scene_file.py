@@ -31,10 +31,10 @@ from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles
 from nonsmooth.symbolic.files.unit_hints import angle_hints, unit_hints
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
+from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
-from nonsmooth.symbolic.rule import BY_FRICTION_SET, MIXED
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 __all__ = [
     "SceneError",

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from nonsmooth.symbolic.characteristic_length import default_length
-from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.load_values import build_loads
 from nonsmooth.symbolic.files.scene_document import ContactTable, SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import speed_of_field
-from nonsmooth.symbolic.number_text import short_text
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import CheckedSquare, Contact, Wheel
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.support_polygon import chosen, default_radius
+from nonsmooth.symbolic.mechanics.characteristic_length import default_length
+from nonsmooth.symbolic.mechanics.continuum import ContinuousField
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Wheel
+from nonsmooth.symbolic.mechanics.support_polygon import chosen, default_radius
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.number_text import short_text
+from nonsmooth.symbolic.numbers.plane import dot
 
 
 def build_contact(table: ContactTable, rule: str, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:

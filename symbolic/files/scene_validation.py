@@ -7,11 +7,11 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from nonsmooth.symbolic import removed
 from nonsmooth.symbolic.files.scene_values import TomlTable, keys_of, tables_in
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.suggestions import is_meant
-from nonsmooth.symbolic.units import AngleUnit
+from nonsmooth.symbolic.mechanics.units import AngleUnit
+from nonsmooth.symbolic.messages import removed
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.messages.suggestions import is_meant
 
 QUOTED = re.compile("'([^']+)'")  # a name among those that pydantic expects
 Model = TypeVar("Model", bound=TomlTable)

@@ -17,15 +17,15 @@ from typing import Annotated, Any, TypeAlias, get_args
 from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo
 from pydantic.fields import FieldInfo
 
-from nonsmooth.symbolic.expression import Expression, ExpressionError, decimal_value, parse
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError, decimal_value, parse
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.mechanics.units import AngleUnit
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement, shown
 from nonsmooth.symbolic.numbers.measured_angles import ROUNDING, choose_angles, turn_of_radians
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement, shown
-from nonsmooth.symbolic.units import AngleUnit
+from nonsmooth.symbolic.numbers.number_text import short_text
+from nonsmooth.symbolic.numbers.plane import Vector
 
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,

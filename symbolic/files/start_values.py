@@ -6,11 +6,11 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
-from nonsmooth.symbolic.expression import Expression, ExpressionError
 from nonsmooth.symbolic.files.scene_values import WITH_UNIT, field_of, read_angle, read_exact, unit_named
+from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError
+from nonsmooth.symbolic.mechanics.units import AngleUnit
+from nonsmooth.symbolic.messages.scene_error import shown
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
-from nonsmooth.symbolic.scene_error import shown
-from nonsmooth.symbolic.units import AngleUnit
 
 _PRECISION = 128  # bits of a sum with pi, beyond those that a large rational part needs
 

@@ -1,7 +1,7 @@
 """What a ``[system]`` table of a scene file says: a switched system in any number of states.
 
-Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise`.  Whatever is wrong ends in one
-:class:`SceneError`, as for wheel arrays.
+Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.formulas.piecewise`.  Whatever is wrong ends in
+one :class:`SceneError`, as for wheel arrays.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.symbolic.cleared_fractions import Clearing
-from nonsmooth.symbolic.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.right_hand_sides import float_point, intervals_in, read_right_hand_sides, split_intervals
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
 from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument, regions_as_formulas
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
+from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
+from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, refuse_waves_of_rooted, rooted_in
+from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.signed_roots import SignedRoots, refuse_waves_of_rooted, rooted_in
-from nonsmooth.symbolic.sine_enclosures import has_waves
-from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
+from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
 
 LARGEST_RADIUS = 10**150  # squares of such numbers are floats
 

@@ -17,9 +17,9 @@ from pydantic import Field, PlainValidator, StrictBool
 from nonsmooth.symbolic.files.parameters import read_parameters
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_values import Exact, ExactField, TomlTable, read_exact
-from nonsmooth.symbolic.formula_text import first_that_holds, indicator, product_text
-from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text
+from nonsmooth.symbolic.formulas.piecewise import NUMBERS, SWITCHES
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 MAX_STATES = 8
 _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
@@ -106,7 +106,7 @@ class SystemDocument(TomlTable):
 #
 # The first table whose guards hold counts; the last one has no guards and holds everywhere else, so the fields cover
 # all states and nothing is ambiguous.  A guard is a factor, 1 where it holds and 0 elsewhere, so the tables become one
-# formula for each state (:mod:`nonsmooth.symbolic.formula_text`).  On borders values are ignored as everywhere
+# formula for each state (:mod:`nonsmooth.symbolic.formulas.formula_text`).  On borders values are ignored as everywhere
 # (Filippov 1988, sec. 4); but a guard with absolute values may be zero on a whole cell, where it counts.
 #
 # Where tables overlap all of them act whose guards hold: arbitrary switching between one right-hand side for each

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.scene import CheckedSquare, Wheel
-from nonsmooth.symbolic.units import AngleUnit, LengthUnit, Units
+from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Wheel
+from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, Units
 
 SIZES = 1 / 500, 50.0  # metres that an array may measure without a hint
 SPEEDS = 1 / 2000, 50.0  # m/s of the fastest wheel

@@ -14,7 +14,6 @@ from typing import Annotated, Any
 
 from pydantic import Field, StrictInt
 
-from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.files.layouts import Own, WheelPlace, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
     ContactTable,
@@ -44,12 +43,13 @@ from nonsmooth.symbolic.files.scene_values import (
 )
 from nonsmooth.symbolic.files.velocity_fields import Uniform
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
+from nonsmooth.symbolic.mechanics.characteristic_length import default_length
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene, Wheel
+from nonsmooth.symbolic.mechanics.support_polygon import default_radius
+from nonsmooth.symbolic.mechanics.vehicles import Vehicle
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene import CheckedSquare, Scene, Wheel
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.support_polygon import default_radius
-from nonsmooth.symbolic.vehicles import Vehicle
+from nonsmooth.symbolic.numbers.plane import Vector
 
 DEFAULT_RULE = "ellipse"  # rubber on ground, which rolls in no rollers
 MOST_ROWS = 500  # wheels of a side

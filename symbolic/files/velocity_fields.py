@@ -26,8 +26,8 @@ from nonsmooth.symbolic.files.scene_values import (
     read_pair,
     unit_of_angles,
 )
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.units import AngleUnit
+from nonsmooth.symbolic.mechanics.units import AngleUnit
+from nonsmooth.symbolic.numbers.plane import Vector
 
 Psi: TypeAlias = Callable[[Vector], Vector]
 Speed: TypeAlias = Literal["unit", "magnitude"] | Exact

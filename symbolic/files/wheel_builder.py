@@ -8,12 +8,12 @@ from nonsmooth.symbolic.files.layouts import Own, WheelPlace
 from nonsmooth.symbolic.files.scene_document import SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import INWARD
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
+from nonsmooth.symbolic.mechanics.scene import Friction, Wheel, WheelNumber
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, cross, dot
-from nonsmooth.symbolic.rule import BY_FRICTION_SET, MIXED
-from nonsmooth.symbolic.scene import Friction, Wheel, WheelNumber
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.number_text import short_text
+from nonsmooth.symbolic.numbers.plane import Vector, cross, dot
 
 
 class WheelBuilder:

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace, read_name
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
-from nonsmooth.symbolic.rule import read_rule
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.suggestions import is_meant
-from nonsmooth.symbolic.units import AngleUnit
+from nonsmooth.symbolic.mechanics.rule import read_rule
+from nonsmooth.symbolic.mechanics.units import AngleUnit
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.messages.suggestions import is_meant
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
 NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")

@@ -102,7 +102,7 @@ def latex_sum(summands: Iterable[Summand]) -> str:
 def number_summands(number: SumOfRoots) -> list[Summand]:
     """The number as signed products of a rational, at most one cosine, and square roots.
 
-    Their plain sum is text that :mod:`nonsmooth.symbolic.expression` reads back to the same number.
+    Their plain sum is text that :mod:`nonsmooth.symbolic.formulas.expression` reads back to the same number.
     """
     parts: list[Summand] = []
     for mask in _ordered_masks(number):

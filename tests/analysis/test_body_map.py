@@ -24,7 +24,7 @@ from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.small_steps import Contacts
 from tests.thorough import few, keep, thorough
 

@@ -23,9 +23,9 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model,
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import WheelData
 from tests.outlined import Depths, Floats, Pair, disc_depths, on, polygon_depths, polygon_of, under

@@ -18,11 +18,11 @@ from nonsmooth.analysis.cells.partition import AREA_ROOTS, Partition, RefusalErr
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.symbolic.constraints import Twist, scene_rows
-from nonsmooth.symbolic.contact_states import regular_states
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.constraints import Twist, scene_rows
+from nonsmooth.symbolic.mechanics.contact_states import regular_states
+from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
 from tests.thorough import few, keep

@@ -21,11 +21,11 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.conftest import WheelData
 from tests.oracles.small_steps import small_steps
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of

@@ -24,12 +24,12 @@ from nonsmooth.analysis.bodies.continuum import (
     predictions,
 )
 from nonsmooth.analysis.fields.plane_arrays import Floats
-from nonsmooth.symbolic.continuum import ContinuousField, Disc, PolygonShape
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.continuum import ContinuousField, Disc, PolygonShape
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene
 from tests.thorough import few, keep
 
 QUADRATURE = 1e-12  # Gauss-Legendre on pieces without the singular centre, or in coordinates that take it away

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, input_power, share_of_limit, usage
 from nonsmooth.analysis.minimizers.force_balance import balance_forces, imbalance
-from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.mechanics.constraints import constraint_matrix
 
 ROUNDING = 1e-13  # relative, of sums of a few dozen terms
 BOTH = pytest.mark.parametrize("functional", Functional)

@@ -14,8 +14,8 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
 from tests.thorough import few, keep

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
     from tests.conftest import Arrays
 
 TEN = Fraction(10)

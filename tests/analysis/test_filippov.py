@@ -24,11 +24,11 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_st
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.minimizers.sampling import literal_twist, sample_upper_derivative
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.numbers.plane import dot
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.cvxpy_programs import hull_upper_derivative_at, hull_upper_derivative_on
 from tests.thorough import few

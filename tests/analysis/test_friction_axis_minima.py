@@ -25,7 +25,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampling import greedy_twist
 from nonsmooth.analysis.motion.frames import wheel_slips
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.thorough import few
 
 Floats: TypeAlias = NDArray[np.float64]

@@ -15,7 +15,7 @@ import pytest
 from nonsmooth.analysis.bodies.mass_study import body_path, mass_ladder, mass_study, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Friction, Scene
+from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from tests.oracles.heavy_bodies import HeavyTable
 from tests.thorough import thorough
 

@@ -14,7 +14,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import GAP
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.similar_scenes import with_friction_ratio
+from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from tests.oracles.cvxpy_programs import MINIMIZERS
 from tests.oracles.least_dissipation import ReferenceMinimization
 from tests.thorough import keep

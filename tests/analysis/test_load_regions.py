@@ -10,7 +10,7 @@ import pytest
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, value_at
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
-from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from tests.hulls import stands
 from tests.thorough import few, keep
 

@@ -13,8 +13,8 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadSet, SpringLoads, load_set
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.symbolic.scene import Contact, Scene
-from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import WheelData
 from tests.springs import pressed
 from tests.thorough import few

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.load_sets import load_set
-from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Contact, Scene
-from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.body_engine import SETTLING, SLOW, THICK, Floats, plate_engine
 from tests.thorough import few
 

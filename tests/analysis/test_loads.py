@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.float_loads import ON_HULL, _outside, elastic_loads, loads_at, table_loads
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Contact, LoadTable
+from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable
 from tests.four_wheel import CORNERS
 
 Floats = NDArray[np.float64]

@@ -14,9 +14,9 @@ from nonsmooth.analysis.bodies import mass_study as studies
 from nonsmooth.analysis.bodies.mass_study import MassStudy, mass_ladder, mass_study, plate, rule_path
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.reports.simulations.masses import MassResult
-from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.analysis.test_body_path import pushed_back
 from tests.thorough import keep, thorough
 

@@ -14,10 +14,10 @@ from nonsmooth.analysis.bodies.mass_study import plate
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
-from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import WheelData
 from tests.oracles.small_steps import small_steps_of_mass
 from tests.outlined import Depths, Pair, on, polygon_depths, polygon_of

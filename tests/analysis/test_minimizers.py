@@ -22,8 +22,8 @@ from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
 from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.friction_set import UnitDiscs
-from nonsmooth.symbolic.similar_scenes import with_friction_ratio
+from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
+from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from tests.four_wheel import CORNERS
 from tests.oracles.cvxpy_programs import MINIMIZERS, CvxpyMinimizer, minimizers_of
 from tests.thorough import few, keep

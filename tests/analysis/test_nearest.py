@@ -15,10 +15,10 @@ from nonsmooth.analysis.cells.nearest import bisector, build_nearest_partition, 
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.sampling import literal_twist
-from nonsmooth.symbolic.constraints import Row, Twist, independent, roll_row, side_row, wheel_rows
-from nonsmooth.symbolic.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.constraints import Row, Twist, independent, roll_row, side_row, wheel_rows
+from nonsmooth.symbolic.mechanics.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Friction, Scene, Wheel
 from tests.conftest import Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.thorough import few, keep, thorough

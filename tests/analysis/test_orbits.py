@@ -18,7 +18,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.plane import around
+from nonsmooth.symbolic.numbers.plane import around
 from tests.thorough import keep
 
 START = (Fraction(3, 10), Fraction(1, 5), Fraction(1, 7))

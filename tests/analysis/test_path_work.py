@@ -14,7 +14,7 @@ from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.answers.failures import without
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.friction_set import UnitDiscs
+from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 
 
 def smooth(name: str) -> SmoothRule:

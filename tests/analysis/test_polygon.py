@@ -15,8 +15,8 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon, intersection, s
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane import hull_holds_zero
 from nonsmooth.symbolic.numbers.rounded import rounded
-from nonsmooth.symbolic.plane import hull_holds_zero
 
 Embed: TypeAlias = Callable[[Fraction | int], Any]
 

@@ -31,7 +31,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.proofs.theorem4_result import SmoothCheck
-from nonsmooth.symbolic.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from tests.conftest import Arrays, Pair, WheelData
 from tests.thorough import few
 

@@ -16,10 +16,10 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.friction_set import CutEllipse
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
+from nonsmooth.symbolic.mechanics.scene import Friction
+from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Friction
-from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 from tests.thorough import few, keep
 
 PAIRS = [(1.0, 0.02), (1.0, 0.3), (0.7, 0.69), (2.0, 0.5)]  # (mu_R, mu_S)

@@ -25,7 +25,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import DRAWN_DISTANCE
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.plane import around
+from nonsmooth.symbolic.numbers.plane import around
 
 LOSSES = (1e-3, 1e-5, 1e-8, 1e-11)  # share of the distance lost per turn: some 1e5 to 1e13 switches
 UNTOLD = 1e-14  # a loss that floats do not tell from none

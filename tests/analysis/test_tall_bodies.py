@@ -16,7 +16,7 @@ from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.proofs.answers.inertia import inertia_answer, near_rest
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.analysis.test_dynamics import random_model
 from tests.oracles.tall_bodies import SprungBody
 

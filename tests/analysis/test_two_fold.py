@@ -19,8 +19,8 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import WheelData
 from tests.thorough import few
 

@@ -16,7 +16,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.files.scene_file import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
-from nonsmooth.symbolic.vehicles import Vehicle
+from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from tests.thorough import few, thorough
 
 MEASURED = ("lynx-wh05", "jackal", "husky-a200", "leo-rover", "panther-wh01", "rosbot", "warthog")

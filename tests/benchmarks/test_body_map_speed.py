@@ -16,7 +16,7 @@ from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.reports.simulations.body_maps import pose_starts
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

@@ -15,7 +15,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.reports.engine.mjcf import export_scene
 from nonsmooth.symbolic.files.scene_file import build_scene, read_document
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.body_engine import run_beside_engine
 from tests.engine_export import error
 

@@ -17,7 +17,7 @@ from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, random_tie
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
     from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark

@@ -8,8 +8,8 @@ import pytest
 
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.symbolic.contact_states import possible_triples
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from tests.clauses import verdicts
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from tests.proofs.robust.test_smooth_bounds import drawn as smooth_array
 from tests.proofs.robust.test_smooth_discs import box_of
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.tolerances import Tolerance
+    from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.mechanics.tolerances import Tolerance
     from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark

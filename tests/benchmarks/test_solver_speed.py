@@ -21,7 +21,7 @@ from nonsmooth.proofs.system_audit import AuditResult, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import Answer, Question, ask_apart, with_cvc5, with_z3
 from tests.proofs.system_families import families

@@ -14,8 +14,8 @@ from nonsmooth.symbolic.files.system_file import load_any
 from tests.built_in import planar_systems
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
     from tests.benchmarks.conftest import Stopwatch
     from tests.conftest import Arrays
 

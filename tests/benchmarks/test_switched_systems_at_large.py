@@ -16,7 +16,7 @@ from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewis
 from tests.proofs.system_families import families
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
     from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 import sympy
 
-from nonsmooth.symbolic.constraints import RowKind, Triple
-from nonsmooth.symbolic.contact_states import regular_states
+from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple
+from nonsmooth.symbolic.mechanics.contact_states import regular_states
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

@@ -20,11 +20,11 @@ from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.checks.equilibrium_headings import headings_record
 from nonsmooth.reports.checks.records import check_record
-from nonsmooth.symbolic.continuum import ContinuousField, PolygonShape
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.mechanics.continuum import ContinuousField, PolygonShape
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.evidence.comparison import Comparison, published
 from tests.evidence.pushed_body import Contacts, masons_vote, push, random_push
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 CLOSE, NEAR = 0.05, 0.15  # relative errors up to which a prediction agrees with a measurement, or is near it
 

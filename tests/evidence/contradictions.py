@@ -23,9 +23,9 @@ from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Contradiction
-from nonsmooth.symbolic.rule import CONTACT_RULES
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.conftest import Arrays, Pair, WheelData
 from tests.oracles.tied_arrays import tied_array
 from tests.oracles.tied_scenes import scene_of

@@ -26,7 +26,7 @@ from nonsmooth.analysis.bodies.settling import Settled, Settling
 from nonsmooth.proofs.answers.answer import Inertia
 from nonsmooth.proofs.answers.inertia import NearRest, Simulated, near_rest, simulated
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.heavy_bodies import Floats, HeavyTable
 from tests.pressed_engine import EngineTable
 

@@ -33,7 +33,7 @@ from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 
 OFF = (0.0, 3.0, 9.0)  # degrees by which headings are wrong

@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nonsmooth.reports.figures.style import INK, LINES, figure_bytes
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.evidence.claims import claim_comparisons
 from tests.evidence.comparison import Comparison
 from tests.evidence.engine import Kind, engine_errors

@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import dblquad
 
 from nonsmooth.reports.figures.style import figure_bytes
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.evidence.claims import TRIANGLE, claim_comparisons, linear_moment, stable_headings
 from tests.evidence.comparison import Comparison, Verdict, measured_verdict, published
 from tests.evidence.page import COMPUTED, Evidence, comparison_table, evidence_figure, filled, ranking_table

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 Record: TypeAlias = dict[str, Any]

@@ -55,9 +55,9 @@ from nonsmooth.proofs.clauses.translation.quadratic import (
 )
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Translation
-from nonsmooth.symbolic.constraints import inner
+from nonsmooth.symbolic.mechanics.constraints import inner
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import around, cross, dot
+from nonsmooth.symbolic.numbers.plane import around, cross, dot
 
 
 @singledispatch

@@ -20,10 +20,10 @@ from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, LoadTable, Scene, Wheel
 from tests.array_certificates import evidence, said, subject
 from tests.oracles.array_bounds import assert_bounds_hold
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
+from nonsmooth.symbolic.mechanics.scene import Contact
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.scene import Contact
 from tests.conftest import WheelData
 from tests.oracles.nearest_paths import Wheel
 from tests.oracles.tied_arrays import SPEEDS, Pair, circle_point, rotated
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
     from tests.conftest import Arrays
 
 FRICTIONS: list[Pair] = [

@@ -9,7 +9,7 @@ from tests.conftest import WheelData
 from tests.oracles.nearest_paths import Wheel
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
     from tests.conftest import Arrays
 
 

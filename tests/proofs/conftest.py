@@ -9,7 +9,7 @@ from typing import TypeAlias
 import pytest
 
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import keep
 
 Load: TypeAlias = Callable[..., SwitchedSystem]

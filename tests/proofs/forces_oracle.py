@@ -16,11 +16,11 @@ from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
-from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, total
-from nonsmooth.symbolic.friction_set import FrictionSet
+from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, independent, inner, roll_row, scaled, total
+from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, cross, dot, turned
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers.plane import Vector, cross, dot, turned
 
 
 @dataclass(frozen=True)

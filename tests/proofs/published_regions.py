@@ -12,7 +12,7 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
 from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 class Published(NamedTuple):

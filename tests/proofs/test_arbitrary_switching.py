@@ -14,8 +14,8 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.full_turns import WorstTurn
 from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import few
 
 

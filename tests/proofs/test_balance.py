@@ -13,7 +13,7 @@ from nonsmooth.proofs.boxes.linearization import linearize
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.proofs.forces_oracle import solves
 from tests.ruled import ruled

@@ -23,9 +23,9 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, f
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal
 from nonsmooth.proofs.findings.verdicts import Feedback, Theorem4
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import inner
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep, thorough
 

@@ -18,7 +18,7 @@ from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import few
 
 Record = dict[str, Any]

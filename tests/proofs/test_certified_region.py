@@ -21,7 +21,7 @@ from tests.four_wheel import CORNERS
 from tests.thorough import few, keep
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
     from tests.conftest import Arrays
 
 Floats: TypeAlias = NDArray[np.float64]

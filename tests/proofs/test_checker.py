@@ -31,7 +31,7 @@ from nonsmooth.proofs.checker.theorem4 import Clauses
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import MAX_BYTES
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.scene import Contact, LoadTable
+from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable
 from tests.array_certificates import check_certificate, claim_disc, claim_rate, evidence, proofs, said, say, subject
 from tests.built_in import checked
 from tests.conftest import WheelData

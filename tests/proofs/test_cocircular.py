@@ -11,7 +11,7 @@ from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array, failed_hypotheses
-from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
+from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

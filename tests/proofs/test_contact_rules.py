@@ -24,7 +24,7 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, 
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.four_wheel import CORNERS
 from tests.ruled import ruled
 from tests.thorough import few

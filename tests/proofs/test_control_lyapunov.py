@@ -28,7 +28,7 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
     shape_regions,
 )
 from nonsmooth.proofs.clauses.feedback.gradient_law import certified_rate
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData
 from tests.thorough import few, keep
 

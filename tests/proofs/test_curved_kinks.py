@@ -22,7 +22,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.thorough import few
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
     from tests.proofs.conftest import Load
 
 NAMES = {"sign": np.sign, "Abs": np.abs}

@@ -19,10 +19,10 @@ from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, deriv
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import examples, few
 
 if TYPE_CHECKING:

@@ -41,11 +41,11 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, candidates_of
 from nonsmooth.proofs.findings.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.symbolic.constraints import cross_product, independent, inner, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.mechanics.constraints import cross_product, independent, inner, side_row
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from tests.conftest import WheelData
 from tests.oracles.clause_evidence import evidence_holds
 from tests.ruled import centred

@@ -14,7 +14,7 @@ from nonsmooth.proofs.boxes.linearization import _root_of_positive
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, common_twist, ellipse_point
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.four_wheel import CORNERS
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import solves, verifies

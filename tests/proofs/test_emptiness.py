@@ -13,10 +13,10 @@ from nonsmooth.analysis.cells.switched_cells import square_regions
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import PLANE
+from nonsmooth.symbolic.systems.switched_system import PLANE
 from tests.thorough import few
 
 FIELD = NumberField()

@@ -14,10 +14,10 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
 from nonsmooth.proofs.findings.verdicts import Equilibrium
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.plane import Vector, dot, separating_direction
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.numbers.plane import Vector, dot, separating_direction
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
 from tests.oracles.clause_evidence import evidence_holds

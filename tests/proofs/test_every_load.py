@@ -28,10 +28,10 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, 
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.measured_loads import carried_table
+from nonsmooth.symbolic.mechanics.measured_loads import carried_table
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Contact, Scene
-from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, thorough

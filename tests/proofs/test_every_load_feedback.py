@@ -21,11 +21,11 @@ from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, Wheel
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed, ultimate_bound
 from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.friction_set import CutEllipse
-from nonsmooth.symbolic.loop_errors import LoopErrors
-from nonsmooth.symbolic.scene import Contact, Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
-from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
+from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.measured_arrays import Kind, measured_array
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few

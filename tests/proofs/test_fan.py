@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.fan import Cone, build_fan
 from nonsmooth.analysis.cells.moves import slide_speed
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence, decide_cones
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import keep, thorough

@@ -20,10 +20,10 @@ from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.symbolic.constraints import RowKind
+from nonsmooth.symbolic.mechanics.constraints import RowKind
+from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import dot, turned
-from nonsmooth.symbolic.scene import Friction, Scene
+from nonsmooth.symbolic.numbers.plane import dot, turned
 from tests.conftest import HALF, Arrays, WheelData
 from tests.four_wheel import CORNERS, ROLL, SIDE
 from tests.thorough import thorough

@@ -23,9 +23,9 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.free_rollers import with_rims_along_axes
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from tests.array_certificates import check_certificate, evidence, said, subject
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.earlier_arrays import refusal_of_version_1

@@ -16,7 +16,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Theorem4
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.array_certificates import check_certificate, evidence, said
 from tests.conftest import Pair, WheelData
 

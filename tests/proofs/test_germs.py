@@ -18,10 +18,10 @@ from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.ray_moves import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.system_stability import PlanePoint
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import PLANE
+from nonsmooth.symbolic.systems.switched_system import PLANE
 from tests.thorough import keep
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import verifies
 

@@ -30,10 +30,10 @@ from nonsmooth.proofs.inequalities.prover import (
     prove,
 )
 from nonsmooth.proofs.inequalities.subdivision import multiplier
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.thorough import examples, few
 
 RANDOM = examples(120)

@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_fee
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.thorough import few, keep, thorough
 

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from tests.thorough import few, keep
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
     from tests.proofs.conftest import Load
 
 ENERGIES = {  # force: potential

@@ -22,11 +22,11 @@ from nonsmooth.proofs.clauses.translation import clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.symbolic.constraints import Triple, cross_product, inner
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, inner
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few
 

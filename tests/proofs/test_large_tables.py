@@ -11,10 +11,10 @@ from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.equilibrium import judged_equilibria
-from nonsmooth.symbolic.constraints import Triple, independent
 from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import Triple, independent
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

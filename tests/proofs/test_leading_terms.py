@@ -15,10 +15,10 @@ from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth
 from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
 from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.switched_system import PLANE
+from nonsmooth.symbolic.systems.switched_system import PLANE
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
 from tests.thorough import few, keep
 

@@ -28,7 +28,7 @@ from tests.proofs.forged import with_reach
 from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
+    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
     from tests.proofs.conftest import Load
 
 STEP, STEPS, STARTS = 1e-3, 1500, 12

@@ -23,7 +23,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep
 

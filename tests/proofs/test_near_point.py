@@ -16,7 +16,7 @@ from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departur
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.theorem_searches import show_verdict
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.mutants import Record, is_one_line
 from tests.proofs.switched_oracle import Judge, random_fan, spread
 from tests.thorough import few, thorough

@@ -17,7 +17,7 @@ from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import thorough
 
 KNOWN = {

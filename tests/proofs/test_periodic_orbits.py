@@ -20,7 +20,7 @@ from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival
 from tests.thorough import few, keep, thorough
 

@@ -15,9 +15,9 @@ from nonsmooth.analysis.cells.polygon import convex_polygon
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.proofs.clauses.every_load.possible_twists import PossibleTwist, possible_twists
-from nonsmooth.symbolic.constraints import rows_with_friction
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import rows_with_friction
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import keep
 
 DAMPED = np.array([-2.0, -1.5])

@@ -32,8 +32,8 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Translatio
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Friction, Scene
-from nonsmooth.symbolic.similar_scenes import with_friction_ratio
+from nonsmooth.symbolic.mechanics.scene import Friction, Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import verifies
 from tests.ruled import centred

@@ -16,9 +16,9 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, decide_rotation, drift_at_rest
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds

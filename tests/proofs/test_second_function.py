@@ -31,7 +31,7 @@ from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_sec
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
 from tests.thorough import keep, thorough
 

@@ -39,15 +39,15 @@ from nonsmooth.analysis.trajectories.smooth_path import IMPLICIT
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import ARRAY_VERDICTS, CASES
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.constraints import Row, Twist
-from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system
+from nonsmooth.symbolic.mechanics.constraints import Row, Twist
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import scaled, with_wheels
 from nonsmooth.symbolic.numbers import enclosures
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import scaled, with_wheels
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.four_wheel import CORNERS
 from tests.thorough import keep, thorough
 

@@ -19,7 +19,7 @@ from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import few, keep
 
 Fields = list[list[str]]

@@ -13,9 +13,9 @@ import pytest
 
 from nonsmooth.analysis.cells.filippov import upper_derivative_at
 from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.symbolic.mechanics.scene import Friction, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector
-from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.numbers.plane import Vector
 from tests.clauses import drift, verdicts
 from tests.conftest import Arrays
 

@@ -24,7 +24,7 @@ from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.oracles.mutants import Record
 from tests.proofs.forged import with_reach
 from tests.proofs.many_states.test_attacks import built

@@ -37,18 +37,18 @@ from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.reports.derivations.derivation import derive_report
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system, system_descriptions
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.surfaces import switching_factors
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane import hull_holds_zero
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import parse_piecewise
-from nonsmooth.symbolic.plane import hull_holds_zero
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.similar_systems import scaled_system, with_rate_ratio
-from nonsmooth.symbolic.surfaces import switching_factors
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 from tests.built_in import planar_systems
 from tests.thorough import examples, few, keep, thorough
 

@@ -17,10 +17,10 @@ from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4
-from nonsmooth.symbolic.contact_set import standing
-from nonsmooth.symbolic.contact_states import possible_triples
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.contact_states import possible_triples
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.clauses import drift, verdicts
 from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE

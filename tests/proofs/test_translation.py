@@ -19,8 +19,8 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, dec
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import dot
 from tests.four_wheel import CORNERS, ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep, thorough

@@ -18,7 +18,7 @@ from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.thorough import thorough
 

@@ -16,8 +16,8 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import few, keep
 
 ATTRACTS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
 
     from nonsmooth.reports.checks.subject import ArraySubject
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 def arms_section(subject: ArraySubject) -> Section:

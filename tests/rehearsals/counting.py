@@ -11,7 +11,7 @@ from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.studies.study_command import command
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon, square
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.sampling import greedy_twist
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 
 class FarthestRule(CellRule):

@@ -10,8 +10,8 @@ from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.facts import Fact, number_fact
 from nonsmooth.proofs.findings.verdicts import Theorem4
-from nonsmooth.symbolic.plane import Vector, dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import Vector, dot
 
 
 class Mirror(StrEnum):

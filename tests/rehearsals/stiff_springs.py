@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import inner, scaled
-from nonsmooth.symbolic.load_model import Arithmetic, LoadModel, Three, X
+from nonsmooth.symbolic.mechanics.constraints import inner, scaled
+from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, X
 from nonsmooth.symbolic.numbers.number import Number
 
 

@@ -19,7 +19,7 @@ from nonsmooth.proofs.kernel.search import Entry, Kind, Search
 from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.systems.findings import Finding, Known, Strategy
 from nonsmooth.proofs.theorem_searches import TheoremSearch
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 def show_still(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:

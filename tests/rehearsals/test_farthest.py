@@ -16,7 +16,7 @@ from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from tests.rehearsals.farthest import FarthestRule
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough

@@ -30,10 +30,10 @@ from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.symbolic.contact_set import with_only
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import moved, scaled
+from nonsmooth.symbolic.mechanics.contact_set import with_only
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled
 from tests.rehearsals.stiff_springs import StiffSprings
 
 STIFFNESS = (1, 3, 2, 5, 1, 2)

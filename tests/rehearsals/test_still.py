@@ -17,7 +17,7 @@ from nonsmooth.proofs.system_decision import STRATEGIES, decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.rehearsals.still import CONSTANTS, NO_MOTION, STILL, show_by_constants, show_still
 
 

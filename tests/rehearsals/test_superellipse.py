@@ -18,9 +18,9 @@ from nonsmooth.proofs.answers.other_rules import other_rules
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.friction_set import CutEllipse
-from nonsmooth.symbolic.rule import CONTACT_RULES
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.rehearsals.superellipse import Superellipse, SuperellipseRule
 
 PLACES = np.array([[0.2, 0.4], [-0.3, 0.1], [0.05, -0.6]])

@@ -10,7 +10,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from tests.thorough import few, keep
 
 if TYPE_CHECKING:

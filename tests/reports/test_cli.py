@@ -24,8 +24,8 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run
-from nonsmooth.symbolic.expression import parse
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles
+from nonsmooth.symbolic.formulas.expression import parse
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.reports.conftest import DESTINATIONS, OTHERS

@@ -17,7 +17,7 @@ from nonsmooth.reports.checks.answers import destinations_head
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.simulations.body_maps import BodyMapResult, destinations_figure
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import thorough
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from tests.reports.derived import derived
 from tests.thorough import keep
 

@@ -24,7 +24,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:

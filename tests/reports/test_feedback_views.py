@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.number_text import lower_text
+from nonsmooth.symbolic.numbers.number_text import lower_text
 from tests.thorough import few
 
 if TYPE_CHECKING:

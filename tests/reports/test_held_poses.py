@@ -28,7 +28,7 @@ from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import WheelData
 from tests.oracles.clause_evidence import evidence_holds
 from tests.ruled import ruled

@@ -29,8 +29,8 @@ from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.reports.laws.law_table import LawKind
 from nonsmooth.reports.output.choices import LawName
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.units import Units
 from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:

@@ -35,8 +35,8 @@ from nonsmooth.reports.output.choices import LawName
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import Units
 from tests.structured_text import FunctionBlock, StructuredTextError
 from tests.thorough import few
 

@@ -33,7 +33,7 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.reports.simulations.paths import ArrayPath, PathResult
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from tests.thorough import few, keep, thorough
 
 Floats = NDArray[np.float64]

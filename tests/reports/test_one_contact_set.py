@@ -13,8 +13,8 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.reports.figures.path import MARKERS
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.contact_set import standing
 from tests.outlined import polygon_depths
 from tests.thorough import few
 

@@ -15,7 +15,7 @@ from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
 from nonsmooth.analysis.bodies.mass_study import body_of, body_path
 from nonsmooth.reports.simulations.heading_maps import HeadingsResult
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.mechanics.units import Units
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke

@@ -11,8 +11,8 @@ import pytest
 
 from nonsmooth.reports.figures.style import lay_out
 from nonsmooth.reports.figures.wheels import array_figure
-from nonsmooth.symbolic.contact_set import standing, whole
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -33,7 +33,7 @@ from nonsmooth.reports.figures.measurements import measurements_figure
 from nonsmooth.reports.output.console import INTERRUPTED
 from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.precision_page import page_text
 from tests.thorough import few
 

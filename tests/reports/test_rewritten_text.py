@@ -9,7 +9,7 @@ import pytest
 
 from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.formula_text import tidied
+from nonsmooth.symbolic.formulas.formula_text import tidied
 
 RATES = ["sin(x) - 2*sgn(x + y) - y", "1/4 - (1 - x)*cos(2*x - y) + Abs(y)", "-(x/2 + sin(y + pi/2)) + 10*sin(x)**2"]
 

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
     from tests.reports.conftest import Invoke
 
 TABLE = """

@@ -18,8 +18,8 @@ from nonsmooth.proofs.systems.ray_moves import RayKind, resting_edges
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, sampled_rates
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.reports.conftest import Invoke
 
 SIGNS = {"sin": np.sin, "cos": np.cos, "pi": math.pi, "Abs": np.abs, "sgn": np.sign}

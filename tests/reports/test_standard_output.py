@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import pytest
 
-from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.numbers.plane import Vector
 from tests.thorough import thorough
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from nonsmooth.reports.output.progress import CLEAR_LINE, end_progress, steps
 from nonsmooth.reports.output.refusals import RefusedError
 from nonsmooth.reports.simulations.simulate import SIMULATE
 from nonsmooth.reports.sweeps.sweep_study import SWEEP
-from nonsmooth.symbolic.under_way import listening, part_of, parts, tell, tell_count
+from nonsmooth.symbolic.messages.under_way import listening, part_of, parts, tell, tell_count
 from tests.thorough import few
 
 HASTY = (
@@ -183,7 +183,7 @@ import sys, time
 from nonsmooth.reports import cli
 from nonsmooth.reports.output import progress
 from nonsmooth.reports.simulations.simulate import SIMULATE
-from nonsmooth.symbolic.under_way import tell
+from nonsmooth.symbolic.messages.under_way import tell
 progress.LOGGED = 0.1
 run = type(SIMULATE).run
 def late(self, scene, options):

@@ -15,7 +15,7 @@ from nonsmooth.reports.derivations.parts import names_of
 from nonsmooth.reports.output.console import BAD_INPUT
 from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,13 +11,13 @@ import mpmath
 import pytest
 from mpmath import mp
 
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.scene_values import AngleReading, read_angle
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import AngleUnit
 from nonsmooth.symbolic.numbers.measured_angles import ROUNDING, angle_notes, choose_angles, degree_of, turn_of_radians
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.units import AngleUnit
 
 DIGITS = 60
 DEGREE, RADIAN = AngleUnit.DEGREE, AngleUnit.RADIAN

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.mechanics.continuum import Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\n[body]\n'
 

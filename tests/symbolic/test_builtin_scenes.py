@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 import nonsmooth.symbolic.files.scene_file
-from nonsmooth.symbolic.constraints import Twist, cross_product, scene_rows, side_row
-from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, load_scene
-from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import Twist, cross_product, scene_rows, side_row
+from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import cross, dot
 from tests.four_wheel import CORNERS
 
 HALF = Fraction(1, 2)

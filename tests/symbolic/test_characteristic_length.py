@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.characteristic_length import default_length, rational_size
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.mechanics.characteristic_length import default_length, rational_size
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, moved, scaled
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.similar_scenes import in_own_length, moved, scaled
 
 FACTORS = (Fraction(1000), Fraction(100), Fraction(5000, 127), Fraction(1, 3), Fraction(10) ** 200)
 ROUNDING = 6e-3  # relative, of three digits

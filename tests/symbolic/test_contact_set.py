@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from nonsmooth.symbolic.contact_set import TipsError, alone, contact_set, standing
-from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.mechanics.contact_set import TipsError, alone, contact_set, standing
+from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import few
 
 GRID = "[friction]\nmu_roll = 1\nmu_side = 0.5\n[grid]\nrows = 6\ncolumns = 6\npitch = 1\n"

@@ -13,7 +13,8 @@ import pytest
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.symbolic.constraints import (
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     RowKind,
     Twist,
@@ -22,7 +23,7 @@ from nonsmooth.symbolic.constraints import (
     scene_rows,
     wheel_rows,
 )
-from nonsmooth.symbolic.contact_states import (
+from nonsmooth.symbolic.mechanics.contact_states import (
     ContactCensus,
     ContactState,
     possible_triples,
@@ -30,7 +31,6 @@ from nonsmooth.symbolic.contact_states import (
     solve_rows,
     take_census,
 )
-from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.four_wheel import ROLL, SIDE

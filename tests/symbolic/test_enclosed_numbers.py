@@ -16,9 +16,9 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 FORMULAS = [
     ["-sqrt(2)*x + y", "-x/sqrt(3) - sign(y)*sqrt(5)"],

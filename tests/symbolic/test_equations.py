@@ -12,9 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.symbolic.constraints import side_row
-from nonsmooth.symbolic.contact_states import regular_states, solve_rows
-from nonsmooth.symbolic.equations import (
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.formulas.expression import parse
+from nonsmooth.symbolic.formulas.linear_formulas import LINE_BREAK, Formula, constant, number_latex
+from nonsmooth.symbolic.mechanics.constraints import side_row
+from nonsmooth.symbolic.mechanics.contact_states import regular_states, solve_rows
+from nonsmooth.symbolic.mechanics.equations import (
     Coordinates,
     annihilator,
     control_matrix,
@@ -23,12 +26,9 @@ from nonsmooth.symbolic.equations import (
     stacked_constraints,
     wheel_constraints,
 )
-from nonsmooth.symbolic.expression import parse
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.formulas import LINE_BREAK, Formula, constant, number_latex
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene import Scene
 from tests.thorough import examples, few
 
 if TYPE_CHECKING:

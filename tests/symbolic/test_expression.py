@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_value, parse, turn_of
+from nonsmooth.symbolic.formulas.expression import MAX_LENGTH, ExpressionError, decimal_value, parse, turn_of
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from tests.thorough import examples, few

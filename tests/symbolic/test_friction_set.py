@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.symbolic.friction_set import BorderPiece, Box, CutEllipse, FrictionSet, float_sets
+from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, Box, CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.thorough import examples
 

@@ -10,11 +10,11 @@ import pytest
 from mpmath import mp
 
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.measured_angles import MOST_DEGREE, angle_notes, choose_angles, degree_of
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS, rational_direction, simplest_between
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import Scene
 from tests.thorough import few
 
 DEGREE = Fraction(1, 180)

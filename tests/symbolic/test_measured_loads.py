@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.measured_loads import NoSpringsError, carried_table, centre_of
+from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, carried_table, centre_of
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.scene_error import SceneError
 from tests.springs import pressed
 
 ROUNDING = 1e-9

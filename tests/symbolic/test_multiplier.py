@@ -9,7 +9,7 @@ import sympy
 
 from nonsmooth.symbolic.files.scene_file import read_document
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
-from nonsmooth.symbolic.vehicles import FORMULA
+from nonsmooth.symbolic.mechanics.vehicles import FORMULA
 
 BASE, TRACK, ROLL, SIDE, SPEED = sympy.symbols("L W mu_R mu_S u", positive=True)
 OMEGA = sympy.Symbol("omega")

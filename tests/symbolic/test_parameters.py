@@ -8,7 +8,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 STATES = 'states = ["x", "v"]\n'
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nonsmooth.symbolic.files.scene_file import SceneError, load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.thorough import examples, keep, thorough
 
 Strategy: TypeAlias = st.SearchStrategy[Any]

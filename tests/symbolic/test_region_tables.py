@@ -14,8 +14,8 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import keep
 
 COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, shown
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, shown
 from tests.thorough import few
 
 FRICTION = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'

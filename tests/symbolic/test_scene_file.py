@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import LoadTable, Scene
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.numbers.plane import cross, dot
 from tests.thorough import keep
 
 FRICTION = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'

@@ -11,8 +11,8 @@ import nonsmooth as ns
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.similar_scenes import moved, scaled
+from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'
 RING = "[ring]\ncount = 3\n"

@@ -10,11 +10,11 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.files.start_values import read_start_angle
-from nonsmooth.symbolic.rule import CONTACT_RULES
-from nonsmooth.symbolic.suggestions import RULES, is_meant
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from nonsmooth.symbolic.messages.suggestions import RULES, is_meant
 
 SCENE = """
 name = "guess"

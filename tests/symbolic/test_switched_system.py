@@ -13,9 +13,9 @@ import pytest
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
 from nonsmooth.symbolic.files.system_file import holds_system, load_system
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
 from tests.built_in import planar_systems
 
 
@@ -189,7 +189,7 @@ def test_pieces_that_are_no_polynomials_are_refused(load: Load) -> None:
 
 
 def test_too_many_surfaces_are_refused(load: Load, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nonsmooth.symbolic.switched_system.MAX_PATTERNS", 64)
+    monkeypatch.setattr("nonsmooth.symbolic.systems.switched_system.MAX_PATTERNS", 64)
     relays = " + ".join(f"sign(x - {k})*sign(y - {k})" for k in range(4))
     with pytest.raises(SceneError, match="fewer switching surfaces"):
         load(["x", "y"], [f"Abs({relays})", "0"]).surfaces()

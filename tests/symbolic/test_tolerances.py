@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.similar_scenes import scaled
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import scaled
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 FOUR_WHEEL = Path(__file__).parents[2] / "symbolic" / "scenes" / "four-wheel.toml"
 

@@ -10,9 +10,9 @@ import pytest
 
 from nonsmooth.proofs.certificate import scene_record
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.units import LengthUnit, SpeedUnit, Units
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 HEAD = "[friction]\nmu_roll = 1\nmu_side = 0.5\n"
 WHEELS = (

@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import MAX_NESTING, MAX_PARTS, load_scene, toml_excess
 from nonsmooth.symbolic.files.system_file import load_any
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import few
 
 TABLE = "x,y\n1,0\n0,2\n-1,0\n"

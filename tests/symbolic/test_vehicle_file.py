@@ -8,8 +8,8 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles, load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle, vehicle_descriptions
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.vehicles import Vehicle
+from nonsmooth.symbolic.mechanics.vehicles import Vehicle
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 FRICTION = "[friction]\nmu_roll = 1\nmu_side = 1\n"
 SIDES = "[vehicle]\ntrack = 0.6\nwheel_base = 0.5\n"

@@ -11,10 +11,10 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
 
 SCENE = '[friction]\nmu_roll = 1\nmu_side = 0.5\n[wheels]\nfile = "w.csv"\n'
 UNTOLD = "w.csv states no heading: all wheels drive toward (0, 0); a column heading, or [field], says otherwise"

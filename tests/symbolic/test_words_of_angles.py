@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.start_values import read_start_angle
-from nonsmooth.symbolic.units import AngleUnit
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.mechanics.units import AngleUnit
 
 if TYPE_CHECKING:
     from pathlib import Path

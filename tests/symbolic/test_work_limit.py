@@ -12,10 +12,10 @@ from nonsmooth.proofs import theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers import enclosures
 from nonsmooth.symbolic.numbers.enclosures import MOST_BITS, rational_below, square_root
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number_text import real_text
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
 
 FEW = 100

@@ -16,9 +16,9 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field, wave_weight
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.sine_enclosures import Wave
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.formulas.sine_enclosures import Wave
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import examples, few
 
 NAMES = {

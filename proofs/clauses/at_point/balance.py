@@ -1,7 +1,7 @@
 """Equilibrium at rest under a rule without cells, exactly.
 
 At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with the support functions f_i of the
-friction sets (:mod:`nonsmooth.symbolic.friction_set`; rule ``ellipse``:
+friction sets (:mod:`nonsmooth.symbolic.mechanics.friction_set`; rule ``ellipse``:
 ``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``), iff ``0 in dD(0)``.  Where every loaded wheel slips at rest
 (``u_i != 0``), D is smooth there and that is the balance ::
 
@@ -22,11 +22,11 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.proofs.boxes.linearization import Slip, gradient, slips_at
-from nonsmooth.symbolic.constraints import Triple, cofactors, combine, gram, inner, scaled
-from nonsmooth.symbolic.friction_set import BorderPiece, FrictionSet
+from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, combine, gram, inner, scaled
+from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, FrictionSet
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
 
 
 @dataclass(frozen=True)

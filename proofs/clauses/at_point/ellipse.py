@@ -37,11 +37,11 @@ from nonsmooth.proofs.boxes.linearization import (
 )
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.constraints import Row, RowKind, Twist, independent, scene_rows
-from nonsmooth.symbolic.contact_states import solve_rows
-from nonsmooth.symbolic.friction_set import BorderPiece
-from nonsmooth.symbolic.number_text import brief_text, float_text
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import Row, RowKind, Twist, independent, scene_rows
+from nonsmooth.symbolic.mechanics.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.friction_set import BorderPiece
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 
 _PRECISION = 256
 _FEW_BISECTIONS = 8  # mostly these suffice

@@ -8,7 +8,7 @@ from fractions import Fraction
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint
 from nonsmooth.proofs.findings.verdicts import Equilibrium
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.number_text import brief_text
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.scene import CheckedSquare, Scene
 
 MOST = 16  # points that are judged: each costs a partition of its own
 SHARE = 8  # the square about a point is this many times smaller than the checked one

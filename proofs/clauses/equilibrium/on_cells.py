@@ -14,11 +14,11 @@ from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import brief_text, place_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import brief_text, place_text
+from nonsmooth.symbolic.numbers.plane import Vector, cross, dot, separating_direction
 from nonsmooth.symbolic.numbers.rounded import certain_sign
-from nonsmooth.symbolic.plane import Vector, cross, dot, separating_direction
 
 
 @dataclass(frozen=True)

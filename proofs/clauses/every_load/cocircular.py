@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.contact_rule import LimitedForces, rule_of
-from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 
 @dataclass(frozen=True)

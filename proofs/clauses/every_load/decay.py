@@ -34,7 +34,7 @@ from itertools import combinations
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, hessian
-from nonsmooth.symbolic.constraints import cross_product, inner
+from nonsmooth.symbolic.mechanics.constraints import cross_product, inner
 from nonsmooth.symbolic.numbers.number import Number
 
 MOST_CORNERS = 100  # of the set of loads: the form is evaluated at all pairs

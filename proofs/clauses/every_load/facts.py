@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.proofs.findings.facts import Fact, Quantity
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 
 
 def load_facts(scene: Scene) -> Iterator[Fact]:

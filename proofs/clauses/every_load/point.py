@@ -30,7 +30,7 @@ from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.float_loads import float_loads
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import common_slope, under_load, wheel_slips
 from nonsmooth.proofs.findings.verdicts import Equilibrium
-from nonsmooth.symbolic.constraints import (
+from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     Triple,
     Twist,
@@ -41,12 +41,12 @@ from nonsmooth.symbolic.constraints import (
     scaled,
     scene_rows,
 )
-from nonsmooth.symbolic.measured_loads import carried_table
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.mechanics.measured_loads import carried_table
+from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import separating_direction
-from nonsmooth.symbolic.scene import Contact, Scene
+from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.plane import separating_direction
 
 MOST_SHOWN = 8  # wheels whose loads are all written into a sentence
 FEW_SHOWN = 3  # of more wheels

@@ -19,10 +19,10 @@ from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at
-from nonsmooth.symbolic.constraints import added, combine, scaled
+from nonsmooth.symbolic.mechanics.constraints import added, combine, scaled
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import cross
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.numbers.plane import cross
 
 
 def wheel_slips(scene: Scene, omega: Number) -> tuple[Slip[Number], ...] | None:

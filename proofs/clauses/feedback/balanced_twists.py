@@ -49,9 +49,9 @@ from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.fields.float_shape import FloatShape
 from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
-from nonsmooth.symbolic.constraints import Triple, inner, roll_row, scaled, side_row
-from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import Triple, inner, roll_row, scaled, side_row
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 PRECISION = 256  # bits of balls
 BITS = 50  # of proposed values

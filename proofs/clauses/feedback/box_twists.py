@@ -40,7 +40,7 @@ from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.symbolic.constraints import (
+from nonsmooth.symbolic.mechanics.constraints import (
     RowKind,
     Triple,
     cross_product,
@@ -50,9 +50,9 @@ from nonsmooth.symbolic.constraints import (
     scaled,
     side_row,
 )
-from nonsmooth.symbolic.friction_set import FrictionSet
+from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Friction, Scene
 
 _DIGITS = 10  # binary: candidates have length one up to this
 _BITS = 20  # of the rational below sqrt(1 - kappa^2)

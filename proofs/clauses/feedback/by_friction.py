@@ -67,17 +67,17 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
 )
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.symbolic.constraints import Triple
-from nonsmooth.symbolic.free_rollers import with_rims_along_axes
-from nonsmooth.symbolic.number_text import brief_text, lower_text
+from nonsmooth.symbolic.mechanics.constraints import Triple
+from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, with_wheels
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, float_quotient, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number_text import brief_text, lower_text
+from nonsmooth.symbolic.numbers.plane import around, cross, dot
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.plane import around, cross, dot
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.similar_scenes import in_own_length, with_wheels
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample

@@ -55,9 +55,9 @@ from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin, build_ma
 from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.symbolic.constraints import Triple
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import brief_text
 
 BOTH_VANISH = "both input coefficients vanish at this c and theta"
 

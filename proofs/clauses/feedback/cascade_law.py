@@ -62,12 +62,12 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import are_above, segments
 from nonsmooth.proofs.clauses.feedback.rational_bounds import BELOW, DIGITS, ball_of
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_cones
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import around, cross, dot, turned
-from nonsmooth.symbolic.scene import Wheel
+from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, turned
 
 LAW = (
     "u_w = d_w . (v + omega J p_w) for w = i, j with omega = -k theta, v = k |c| e - (n_i . J p_i) omega n_i, "

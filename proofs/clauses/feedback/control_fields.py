@@ -25,12 +25,12 @@ from nonsmooth.analysis.cells.support import Support, limiting_support
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, Demand
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal
 from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.symbolic.constraints import RowKind, Triple, independent
-from nonsmooth.symbolic.contact_states import ContactState
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple, independent
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import around, between, dot, minus, turned
-from nonsmooth.symbolic.scene import Wheel
+from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.plane import around, between, dot, minus, turned
 
 ONE_INPUT = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
 

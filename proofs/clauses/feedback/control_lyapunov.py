@@ -26,7 +26,7 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import late
 from nonsmooth.proofs.clauses.translation.decrease_region import squared_distance
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, root_above, shaped
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import Vector, around, dot, turned
+from nonsmooth.symbolic.numbers.plane import Vector, around, dot, turned
 
 Shape: TypeAlias = tuple[Fraction, Fraction]
 

@@ -20,9 +20,17 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
 from nonsmooth.proofs.clauses.feedback.rational_bounds import MUCH_BELOW, confirmed, rounded_down
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
-from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, side_row
+from nonsmooth.symbolic.mechanics.constraints import (
+    Triple,
+    cross_product,
+    independent,
+    inner,
+    roll_row,
+    scaled,
+    side_row,
+)
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.scene import Scene, Wheel
 
 Floats: TypeAlias = NDArray[np.float64]
 

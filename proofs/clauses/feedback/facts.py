@@ -18,9 +18,9 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, LimitedR
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.findings.facts import Fact, Quantity, Record, said
-from nonsmooth.symbolic.number_text import decimal_text, float_text, lower_text, real_text
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.numbers.number_text import decimal_text, float_text, lower_text, real_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample

@@ -58,11 +58,11 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import (
     late,
     rounded_down,
 )
-from nonsmooth.symbolic.constraints import Triple
+from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane import around, dot
 from nonsmooth.symbolic.numbers.rounded import plain
-from nonsmooth.symbolic.plane import around, dot
 
 _BISECTIONS = 60
 SLACK = Fraction(1, 100)  # eta

@@ -36,13 +36,13 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.control_fields import RowInputs, lever
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.symbolic.constraints import independent
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.mechanics.constraints import independent
+from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, turned
 from nonsmooth.symbolic.numbers.rounded import either_way
-from nonsmooth.symbolic.plane import around, cross, dot, turned
-from nonsmooth.symbolic.scene import Wheel
 
 DENOMINATOR = 10**4  # of a rational lower bound
 NO_COMMON = "no common input lowers V in both cells at this c and theta (read c as a direction)"

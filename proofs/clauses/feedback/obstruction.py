@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from nonsmooth.symbolic.constraints import Triple, cross_product, independent, leading_one
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, independent, leading_one
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number_text import brief_text
 
 
 def common_normal(twists: Sequence[Triple], field: NumberField) -> Triple | None:

@@ -11,8 +11,8 @@ from nonsmooth.analysis.minimizers.dissipation import functional_of
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample, SampledLaw, sample_closed_loop
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 
 # Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
 # a few hundred.

@@ -22,9 +22,9 @@ from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.slopes import blocks
 from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists, edge_of, side_planes
-from nonsmooth.symbolic.constraints import Triple, independent, roll_row, side_row
-from nonsmooth.symbolic.friction_set import Box, float_sets
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.constraints import Triple, independent, roll_row, side_row
+from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 ENOUGH = 60  # candidates beyond which three independent unique minimizers end the search: a better rate is not sought
 LOOKED_AT = 20_000  # wheels times candidates that are looked at: a minute or so under rule ellipse

@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
 from nonsmooth.proofs.findings.facts import Fact, Quantity, Record
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
-from nonsmooth.symbolic.number_text import brief_text, float_text
+from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 
 

@@ -23,10 +23,10 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 STABLE_TRANSLATIONS = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)

@@ -18,12 +18,12 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
 from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.number_text import Real, brief_text
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import Real, brief_text
+from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
-from nonsmooth.symbolic.plane import dot
-from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative

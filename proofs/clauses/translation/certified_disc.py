@@ -18,10 +18,10 @@ from typing import TypeAlias
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.support import limiting_support
-from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import around, between, dot, minus
+from nonsmooth.symbolic.numbers.plane import around, between, dot, minus
 
 Floats: TypeAlias = tuple[float, float]
 State: TypeAlias = tuple[int, int]  # position of a cell, and of a state in it

@@ -15,7 +15,7 @@ from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
 from nonsmooth.proofs.findings.facts import Fact, Quantity, number_fact, said
 from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative

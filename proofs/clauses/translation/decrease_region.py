@@ -11,8 +11,8 @@ from nonsmooth.analysis.cells.filippov import CellDerivative
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.symbolic.numbers.enclosures import rational_below, square_root
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
 from nonsmooth.symbolic.numbers.rounded import either_way
-from nonsmooth.symbolic.plane import around, cross, dot, minus
 
 
 def region_radius(

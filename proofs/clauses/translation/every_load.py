@@ -13,7 +13,7 @@ from nonsmooth.proofs.clauses.every_load.wheel_pulls import wheel_slips
 from nonsmooth.proofs.clauses.translation.at_point import WithoutCells
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.numbers.plane import dot
 
 INWARD = (
     "the friction of every wheel points to the middle at the motion about the point, so c . v < 0 under every load, "

@@ -50,10 +50,10 @@ from nonsmooth.analysis.cells.moves import departure_sign, slide_speed
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import brief_text, place_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.numbers.number_text import brief_text, place_text
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 
 class Move(StrEnum):

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.findings.facts import Fact, Quantity
-from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.units import Units
+from nonsmooth.symbolic.mechanics.units import Units
+from nonsmooth.symbolic.numbers.number_text import float_text
 
 GRAVITY = Fraction(981, 100)  # m/s^2
 

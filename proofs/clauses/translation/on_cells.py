@@ -35,11 +35,11 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.plane import cross, dot
 from nonsmooth.symbolic.numbers.rounded import either_way
-from nonsmooth.symbolic.plane import cross, dot
 
 LYAPUNOV = "x**2 + y**2"
 

@@ -28,12 +28,12 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import lower_text, upper_text
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.plane import Vector, around, dot, minus
+from nonsmooth.symbolic.numbers.number_text import lower_text, upper_text
+from nonsmooth.symbolic.numbers.plane import Vector, around, dot, minus
 
 DENOMINATOR = 2**12  # of the rounded a and b
 DIGITS = 4  # significant digits of a radius, a decay and a speed, on the safe side

@@ -63,9 +63,9 @@ from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     y2,
 )
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.scene import Contact, Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import dot, turned
-from nonsmooth.symbolic.scene import Contact, Friction, Scene
+from nonsmooth.symbolic.numbers.plane import dot, turned
 
 PAPER = "Murphey and Burdick, On the Stability and Design of Distributed Manipulation Control Systems (2001)"
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from nonsmooth.reports.output.document import Block, Code, display
 from nonsmooth.reports.output.prose import paragraph
-from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import cross, dot
 
 
 def is_paper_array(scene: Scene) -> bool:

@@ -23,12 +23,12 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.output.document import Block, Math, Paragraph, Section, display
 from nonsmooth.reports.output.prose import listed, paragraph, prose
-from nonsmooth.symbolic.formulas import Formula, number_latex
+from nonsmooth.symbolic.formulas.linear_formulas import Formula, number_latex
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane import cross
 from nonsmooth.symbolic.numbers.polynomial import Terms, multiply_terms
 from nonsmooth.symbolic.numbers.printing import number_summands
-from nonsmooth.symbolic.plane import cross
 
 MOST_FACTORS = 6  # 2^6 products make 2016 pairs
 NAMES = (Math("v_x", "v_x"), Math("v_y", "v_y"), Math(r"\omega", "omega"))

@@ -25,7 +25,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Event, EventKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.thorough import few
 
 ROUNDING = 1e-13

@@ -28,7 +28,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import few, keep
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.mechanics.scene import Scene
     from tests.conftest import Arrays
 
 WITHIN = 0.2  # of the predicted slope

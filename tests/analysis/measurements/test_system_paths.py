@@ -13,7 +13,7 @@ from nonsmooth.analysis.measurements.harness import Limits, StudyPlan, fitted_sl
 from nonsmooth.analysis.measurements.path_studies import SYSTEM_PATHS, Followed, build_system_paths
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 QUICK = Limits(runs=1, seconds=2.0)
 

@@ -27,8 +27,8 @@ from nonsmooth.proofs.robust.level_sets import (
 from nonsmooth.proofs.robust.rest_points import _rising, is_carried_away
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, FIRST_PIECES, least_rate, piece_rates
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.friction_set import CutEllipse
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.thorough import thorough
 

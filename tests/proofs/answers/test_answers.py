@@ -28,7 +28,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.reports.checks.check import REQUIRABLE
 from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import few, keep
 
 

@@ -26,11 +26,11 @@ from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.robust.rest_points import DISCS, attracting_disc
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.proofs.theorem4_result import SmoothCheck
-from nonsmooth.symbolic.edge_headings import ball_of
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.edge_headings import ball_of
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rounded import plain, rounded
-from nonsmooth.symbolic.scene import Scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.thorough import keep
 

@@ -15,9 +15,9 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.failures import NO_DRIVE, NO_TABLE, Failure, FailureKind, failures_of, worst_failure
-from nonsmooth.symbolic.contact_set import standing, with_only
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.under_way import listening
+from nonsmooth.symbolic.mechanics.contact_set import standing, with_only
+from nonsmooth.symbolic.messages.under_way import listening
 from tests.thorough import few, keep
 
 CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]

@@ -18,7 +18,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.small_steps import Contacts
 from tests.thorough import keep
 

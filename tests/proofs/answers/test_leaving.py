@@ -16,9 +16,9 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.robust.drift import driven_out, largest_spin
 from nonsmooth.proofs.robust.ends import decide_ends
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.symbolic.contact_set import ContactSet
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import ContactSet
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.thorough import keep
 

@@ -26,10 +26,10 @@ from nonsmooth.proofs.robust.touching_rings import FINER, TouchingRings, ring_ra
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
-from nonsmooth.symbolic.contact_set import ContactSet
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.mechanics.contact_set import ContactSet
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.thorough import keep, thorough
 

@@ -20,9 +20,9 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, mi
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
 from nonsmooth.proofs.headings.stay import set_motion
-from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.mechanics.contact_set import whole
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.thorough import few, keep, thorough
 
 Floats: TypeAlias = NDArray[np.float64]

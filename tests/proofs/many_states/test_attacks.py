@@ -21,9 +21,9 @@ from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import few, keep, thorough
 

@@ -19,7 +19,7 @@ from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, f
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.symbolic.files.system_builder import build_system, parse_lyapunov
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import with_z3
 from tests.thorough import few, keep

@@ -13,7 +13,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import contradiction
 
 STATES = ("x", "y", "u", "v")

@@ -17,7 +17,7 @@ from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.dissipative_systems import dissipative_systems
 from tests.thorough import keep
 

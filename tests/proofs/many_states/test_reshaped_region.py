@@ -18,7 +18,7 @@ from nonsmooth.proofs.many_states.reshaped_region import EFFORTS, SearchEffort, 
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, find_region_of_another_function
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.thorough import keep
 
 Floats: TypeAlias = NDArray[np.float64]

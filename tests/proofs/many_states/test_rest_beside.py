@@ -12,7 +12,7 @@ import nonsmooth as ns
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import FloatInclusion
 
 AGREE = ["sign(y - x) + sign(z - x)", "sign(x - y) + sign(z - y)", "sign(x - z) + sign(y - z)"]

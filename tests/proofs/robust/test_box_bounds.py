@@ -19,11 +19,11 @@ from nonsmooth.proofs.robust.annulus import AnnulusPiece, polygon_about, ring
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.robust.rings import EndDisc
-from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from tests.thorough import few, keep, thorough
 
 Floats: TypeAlias = NDArray[np.float64]

@@ -21,8 +21,8 @@ from nonsmooth.proofs.robust import nearest
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Scene, Wheel
-from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from tests.conftest import Arrays as Builders
 from tests.thorough import few, thorough
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import nonsmooth as ns
-from nonsmooth.symbolic.expression import parse_tree
-from nonsmooth.symbolic.float_formulas import float_value
-from nonsmooth.symbolic.piecewise import MAX_TEXT
+from nonsmooth.symbolic.formulas.expression import parse_tree
+from nonsmooth.symbolic.formulas.float_formulas import float_value
+from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
 
 BUILT_IN = (
     "eq-3",

@@ -14,7 +14,7 @@ from nonsmooth.reports.sweeps.sweep_plan import SweepPlan, read_plan
 from nonsmooth.reports.sweeps.values import Range, SweepError, read_values
 from nonsmooth.symbolic.files.key_paths import find_path, numeric_paths, path_text, with_value
 from nonsmooth.symbolic.files.scene_file import read_document
-from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 
 def entries(text: str) -> list[int | str]:

@@ -11,7 +11,7 @@ from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.workbench.documents import document_of, opened, written
 from nonsmooth.reports.workbench.exact_edits import edited
 from nonsmooth.reports.workbench.requests import RequestError
-from nonsmooth.symbolic.scene import Wheel
+from nonsmooth.symbolic.mechanics.scene import Wheel
 
 SCENES = ("four-wheel", "ring-5", "spiral-30", "off-center", "omni-3", "elliptic")
 

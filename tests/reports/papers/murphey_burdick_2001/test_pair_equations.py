@@ -28,10 +28,10 @@ from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     x2,
     y2,
 )
-from nonsmooth.symbolic.constraints import RowKind, roll_row, side_row
-from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.scene import Wheel
+from nonsmooth.symbolic.mechanics.constraints import RowKind, roll_row, side_row
+from nonsmooth.symbolic.mechanics.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.scene import Wheel
 
 
 def wheel_symbols(name: str) -> tuple[sympy.Symbol, ...]:

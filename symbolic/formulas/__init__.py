@@ -1,0 +1,1 @@
+"""Formulas in states and parameters: parsed, split into polynomial pieces, enclosed, written."""

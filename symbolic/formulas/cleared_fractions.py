@@ -1,0 +1,171 @@
+"""Right-hand sides with states in denominators, multiplied by one positive function until they have none.
+
+``x' = f/d`` and ``x' = f`` with ``d > 0`` have the same paths at other speeds, also as Filippov inclusions: one
+positive factor of all fields scales the set of velocities.  So stability, regions and the signs of V' are the same;
+rates are not.  A denominator that is negative at the checked point changes its sign and that of its numerator: floats
+choose, and whoever decides stability proves that all denominators are positive on the checked square.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
+from nonsmooth.symbolic.formulas.float_formulas import float_value
+from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, SIGNS, SWITCHES
+from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
+from nonsmooth.symbolic.messages.scene_error import shown
+
+_OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-"}
+
+
+@dataclass(frozen=True)
+class Fraction:
+    """A formula as a numerator over a product of denominators, as texts."""
+
+    top: str
+    bottom: Counter[str] = field(default_factory=Counter)
+
+
+@dataclass(frozen=True)
+class Cleared:
+    """Formulas times one product of denominators.
+
+    Attributes:
+        formulas: without fractions.
+        denominators: each once; empty where there were none.
+        scale: the product; empty where there were none.
+    """
+
+    formulas: tuple[object, ...]
+    denominators: tuple[str, ...] = ()
+    scale: str = ""
+
+
+@dataclass(frozen=True)
+class Clearing:
+    """What it takes to clear the fractions of formulas.
+
+    Attributes:
+        states: their names.
+        point: the checked point in floats, by name.
+    """
+
+    states: frozenset[str]
+    point: Mapping[str, float]
+
+    def clear(self, formulas: Sequence[object]) -> Cleared:
+        """The formulas times one product of denominators; as they were where there are none.
+
+        Raises:
+            ExpressionError: for a denominator that is zero at the checked point, and for a fraction in a denominator.
+        """
+        if not any(map(self._has_fraction, formulas)):
+            return Cleared(tuple(formulas))
+        parsed = [parse_tree(formula, MAX_TEXT, "a formula") for formula in formulas]
+        found = [self._fraction(tree, text) for text, tree in parsed]
+        every: Counter[str] = Counter()
+        for part in found:
+            every |= part.bottom
+        # A field that is no cone by its factors is none by accident either: cones claim the whole plane.
+        extra = Counter() if all(map(_is_sum_of_squares, every)) else Counter(list(every))
+        cleared = tuple(_times(part.top, every - part.bottom + extra) for part in found)
+        return Cleared(cleared, tuple(every), _times("1", every + extra))
+
+    def _has_fraction(self, formula: object) -> bool:
+        try:
+            tree = parse_tree(formula, MAX_TEXT, "a formula")[1]
+        except ExpressionError:
+            return False
+        return any(
+            isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and self._moves(node.right)
+            for node in ast.walk(tree)
+        )
+
+    def _moves(self, node: ast.AST) -> bool:
+        """Whether a part holds a state outside of ``sign``: elsewhere it is a number on each cell."""
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SIGNS:
+            return False
+        if isinstance(node, ast.Name):
+            return node.id in self.states
+        return any(map(self._moves, ast.iter_child_nodes(node)))
+
+    def _fraction(self, node: ast.expr, text: str) -> Fraction:
+        if not any(isinstance(n, ast.BinOp) and isinstance(n.op, ast.Div) and self._moves(n) for n in ast.walk(node)):
+            return Fraction(f"({ast.get_source_segment(text, node)})")
+        match node:
+            case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
+                inner = self._fraction(node.operand, text)
+                return Fraction(f"(-{inner.top})", inner.bottom) if isinstance(node.op, ast.USub) else inner
+            case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(power))) if power > 0:
+                inner = self._fraction(node.left, text)
+                return Fraction(f"({inner.top}**{power})", Counter({d: k * power for d, k in inner.bottom.items()}))
+            case ast.BinOp(op=ast.Add() | ast.Sub()):
+                tops, bottom = self._common([node.left, node.right], text)
+                return Fraction(f"({tops[0]} {_OPERATORS[type(node.op)]} {tops[1]})", bottom)
+            case ast.BinOp(op=ast.Mult()):
+                left, right = (self._fraction(side, text) for side in (node.left, node.right))
+                return Fraction(f"({left.top}*{right.top})", left.bottom + right.bottom)
+            case ast.BinOp(op=ast.Div()):
+                return self._quotient(node, text)
+            case ast.Call(func=ast.Name(id=name), keywords=[]) if name in SWITCHES:
+                return self._switching(name, node.args, text)
+        raise ExpressionError(f"required fractions of polynomials, received {shown(text)}")
+
+    def _quotient(self, node: ast.BinOp, text: str) -> Fraction:
+        left = self._fraction(node.left, text)
+        if not self._moves(node.right):
+            return Fraction(f"({left.top}/({ast.get_source_segment(text, node.right)}))", left.bottom)
+        right = self._fraction(node.right, text)
+        if right.bottom or has_waves(right.top):
+            raise ExpressionError(
+                f"required no fraction and no sine of states in a denominator, received {shown(text)}"
+            )
+        value = float_value(parse_tree(right.top, MAX_TEXT, "a formula")[1], self.point, text)
+        if not value:
+            raise ExpressionError(f"required denominators that are not zero at the checked point, received {text}")
+        side = "" if value > 0 else "-"
+        return Fraction(f"({side}{left.top})", left.bottom + Counter([f"({side}{right.top})"]))
+
+    def _switching(self, name: str, arguments: Sequence[ast.expr], text: str) -> Fraction:
+        """Positive denominators go through: all these functions but sign are homogeneous of degree one."""
+        tops, bottom = self._common(arguments, text)
+        joined = f"{name}({', '.join(tops)})"
+        return Fraction(joined) if name in SIGNS else Fraction(joined, bottom)
+
+    def _common(self, nodes: Sequence[ast.expr], text: str) -> tuple[list[str], Counter[str]]:
+        """Numerators over one product of denominators."""
+        parts = [self._fraction(node, text) for node in nodes]
+        bottom: Counter[str] = Counter()
+        for part in parts:
+            bottom |= part.bottom
+        return [_times(part.top, bottom - part.bottom) for part in parts], bottom
+
+
+def _times(top: str, factors: Counter[str]) -> str:
+    return "*".join([top, *sorted(factors.elements())])
+
+
+def _is_sum_of_squares(text: str) -> bool:
+    """Whether a denominator is written as a positive number and even powers with plus signs: positive everywhere."""
+    return all(_is_square(term) for term in _terms(parse_tree(text, MAX_TEXT, "a formula")[1]))
+
+
+def _terms(node: ast.expr) -> list[ast.expr]:
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+        return [*_terms(node.left), *_terms(node.right)]
+    return [node]
+
+
+def _is_square(node: ast.expr) -> bool:
+    match node:
+        case ast.Constant():
+            return True
+        case ast.BinOp(op=ast.Mult(), left=ast.Constant()):
+            return _is_square(node.right)
+        case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(power))):
+            return power % 2 == 0
+    return False

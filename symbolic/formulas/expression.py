@@ -1,0 +1,301 @@
+"""User text to exact numbers, through a small whitelist over Python's own grammar.
+
+Text is parsed by :func:`ast.parse` and walked; it is never evaluated.  Allowed: numbers (decimals are
+exact, ``0.1 = 1/10``), ``+ - * /``, ``**`` with a small literal integer, ``sqrt``, ``sin``, ``cos``, ``pi``
+and the variable names the caller names.  Length, exponents and the size of results are bounded, so no
+text can keep the machine busy.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+
+from nonsmooth.symbolic.messages.scene_error import shown
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
+from nonsmooth.symbolic.numbers.square_roots import NestingError
+
+MAX_LENGTH = 400  # characters; longer formulas belong in a CSV file
+MAX_EXPONENT = 64
+MAX_BITS = 20_000  # size of an intermediate rational
+MAX_ROOTS = 6  # independent square roots in one number: quotients hold up to 2^6 terms
+MAX_DECIMAL_EXPONENT = 400
+MAX_ANGLE_DENOMINATOR = 360
+MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the degree of the field
+
+_WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
+_FUNCTIONS = ("sqrt", "sin", "cos")
+_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
+
+
+class ExpressionError(ValueError):
+    """Text that is no number or formula of the accepted kind; the message says what was expected."""
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A checked formula; ``names`` are the variables it mentions."""
+
+    text: str
+    tree: ast.expr
+    names: frozenset[str]
+
+    def value(self, field: NumberField, values: Mapping[str, Number] | None = None) -> Number:
+        """Exact value for the given variables.
+
+        Raises:
+            ExpressionError: on division by zero, a negative square root, or a number out of bounds.
+        """
+        try:
+            return _value(self.tree, self.text, field, values or {})
+        except ZeroDivisionError:
+            raise ExpressionError(
+                f"required a finite number, received a division by zero in {shown(self.text)}"
+            ) from None
+
+    def turns(self) -> Iterator[Fraction]:
+        """Every angle ``pi * turn`` under a sine or cosine: these fix the base of the number field."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Call) and _name(node.func) in ("sin", "cos"):
+                yield turn_of(node.args[0], self.text)
+
+    def parts_in_pi(self) -> tuple[Fraction, Fraction]:
+        """Rational a and b of a formula ``a + b pi``.
+
+        Raises:
+            ExpressionError: for any other formula.
+        """
+        return _linear_in_pi(self.tree, self.text)
+
+
+def parse(value: object, variables: Collection[str] = ()) -> Expression:
+    """Check a TOML number or string and return it as an :class:`Expression`.
+
+    Raises:
+        ExpressionError: for anything outside the whitelist.
+    """
+    text, tree = parse_tree(value, MAX_LENGTH, 'a number or a formula such as "sqrt(2)/2"')
+    _check(tree, text, frozenset(variables))
+    names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & set(variables)
+    expression = Expression(text, tree, frozenset(names))
+    if base_order(expression.turns()) > MAX_FIELD_ORDER:
+        raise ExpressionError(f"required angles of few different denominators, received {shown(text)}")
+    return expression
+
+
+def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.expr]:
+    """The text of a TOML number or string, and its tree, of which nothing is checked yet.
+
+    Args:
+        value: what the file holds.
+        longest: characters of a string.
+        required: what should have stood there, with an example.
+
+    Raises:
+        ExpressionError: for other values, long texts, decimals out of bounds, and what Python cannot parse.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
+        raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
+    if isinstance(value, int) and value.bit_length() > 4 * MAX_LENGTH:  # str() refuses very long integers
+        raise ExpressionError(f"required at most {MAX_LENGTH} digits, received {shown(value)}")
+    text = str(value).strip()
+    if "#" not in text:  # a comment would go on
+        text = " ".join(text.splitlines())
+    most = longest if isinstance(value, str) else MAX_LENGTH
+    if len(text) > most:
+        raise ExpressionError(f"required at most {most} characters, received {len(text)}")
+    if isinstance(value, float | Decimal):
+        decimal_value(text)
+    try:
+        if "#" in text:
+            raise SyntaxError("a comment")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
+            return text, ast.parse(text, mode="eval").body
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        hint = _without_unit(text)
+        raise ExpressionError(f"required {hint or required}, received {shown(value)}") from None
+
+
+def _without_unit(text: str) -> str:
+    """What stands for a number with a percent sign or a unit behind it; empty for other texts."""
+    named = _WITH_UNIT.fullmatch(text)
+    if named is None:
+        return ""
+    if named[2] == "%":
+        return f'a number (for {named[1]} % write "{named[1]}/100")'
+    return f"a number without a unit: lengths and speeds as [units] states them, mass in kg (is {named[1]} meant?)"
+
+
+def decimal_value(text: str) -> Fraction:
+    """Exact value of a decimal literal.
+
+    Raises:
+        ExpressionError: for NaN, infinities and exponents beyond the bound.
+    """
+    try:
+        number = Decimal(text.replace("_", ""))
+    except InvalidOperation:
+        raise ExpressionError(f"required a decimal number, received {shown(text)}") from None
+    if not number.is_finite():
+        raise ExpressionError(f"required a finite number, received {shown(text)}")
+    if abs(number.adjusted()) > MAX_DECIMAL_EXPONENT and number:
+        bound = MAX_DECIMAL_EXPONENT
+        raise ExpressionError(f"required a decimal exponent between -{bound} and {bound}, received {shown(text)}")
+    return Fraction(number) if number else Fraction(0)
+
+
+def turn_of(node: ast.expr, text: str) -> Fraction:
+    """Rational t with ``node = t * pi``.
+
+    Raises:
+        ExpressionError: if the angle is no rational multiple of pi of moderate denominator.
+    """
+    constant, multiple = _linear_in_pi(node, text)
+    if constant:
+        raise ExpressionError(f'required a rational multiple of pi such as "pi/3", received {shown(text)}')
+    if multiple.denominator > MAX_ANGLE_DENOMINATOR:
+        raise ExpressionError(
+            f"required a multiple of pi of denominator up to {MAX_ANGLE_DENOMINATOR}, received {shown(text)}"
+        )
+    return multiple
+
+
+def _check(node: ast.expr, text: str, variables: frozenset[str]) -> None:
+    """Refuse every construct outside the whitelist."""
+    match node:
+        case ast.Constant(value=int() | float()) if not isinstance(node.value, bool):
+            _literal(node, text)
+        case ast.Name(id="pi"):
+            pass
+        case ast.Name(id=name) if name in variables:
+            pass
+        case ast.UnaryOp(op=ast.UAdd() | ast.USub()):
+            _check(node.operand, text, variables)
+        case ast.BinOp(op=ast.Pow()):
+            _check(node.left, text, variables)
+            _exponent(node.right, text)
+        case ast.BinOp() if isinstance(node.op, _OPERATORS):
+            _check(node.left, text, variables)
+            _check(node.right, text, variables)
+        case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in _FUNCTIONS:
+            if name == "sqrt":
+                _check(argument, text, variables)
+            else:
+                turn_of(argument, text)
+        case _:
+            allowed = ", ".join([*sorted(variables), "numbers", "+ - * / **", *_FUNCTIONS, "pi"])
+            raise ExpressionError(f"required a formula of {allowed}, received {shown(text)}")
+
+
+def _literal(node: ast.Constant, text: str) -> Fraction:
+    if isinstance(node.value, int):
+        return Fraction(node.value)
+    return decimal_value(ast.get_source_segment(text, node) or "nan")
+
+
+def _exponent(node: ast.expr, text: str) -> int:
+    signed = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd)
+    negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
+    inner = node.operand if isinstance(node, ast.UnaryOp) and signed else node
+    value = inner.value if isinstance(inner, ast.Constant) else None
+    if not isinstance(value, int) or isinstance(value, bool) or value > MAX_EXPONENT:
+        raise ExpressionError(f"required an integer exponent up to {MAX_EXPONENT}, received {shown(text)}")
+    return -value if negative else value
+
+
+def _linear_in_pi(node: ast.expr, text: str) -> tuple[Fraction, Fraction]:
+    """``node = constant + multiple * pi`` with rational parts."""
+    match node:
+        case ast.Constant():
+            return _literal(node, text), Fraction(0)
+        case ast.Name(id="pi"):
+            return Fraction(0), Fraction(1)
+        case ast.UnaryOp(op=ast.USub()):
+            constant, multiple = _linear_in_pi(node.operand, text)
+            return -constant, -multiple
+        case ast.UnaryOp(op=ast.UAdd()):
+            return _linear_in_pi(node.operand, text)
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
+            s = 1 if isinstance(node.op, ast.Add) else -1
+            return a + s * c, b + s * d
+        case ast.BinOp(op=ast.Mult()):
+            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
+            if not (b and d):
+                return a * c, a * d + b * c
+        case ast.BinOp(op=ast.Div()):
+            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
+            if not d and c:
+                return a / c, b / c
+    raise ExpressionError(f'required a rational multiple of pi such as "2*pi/3", received {shown(text)}')
+
+
+def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, Number]) -> Number:
+    match node:
+        case ast.Constant():
+            return field.rational(_literal(node, text))
+        case ast.Name(id=name) if name in values:
+            return values[name]
+        case ast.Name(id="pi"):
+            expected = "numbers such as 1/3 or sqrt(3)/2, with pi only inside sin and cos or in an angle"
+            raise ExpressionError(f"required {expected}, received {shown(text)}")
+        case ast.UnaryOp():
+            operand = _value(node.operand, text, field, values)
+            return -operand if isinstance(node.op, ast.USub) else operand
+        case ast.BinOp(op=ast.Pow()):
+            base, exponent = _value(node.left, text, field, values), _exponent(node.right, text)
+            _bounded(base, text, factor=max(1, abs(exponent)))
+            return base**exponent
+        case ast.BinOp():
+            left, right = _value(node.left, text, field, values), _value(node.right, text, field, values)
+            return _bounded(_apply(node.op, left, right), text)
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            if name == "sqrt":
+                return _square_root(_value(argument, text, field, values), text)
+            turn = turn_of(argument, text)
+            return field.cos_pi(turn) if name == "cos" else field.sin_pi(turn)
+    raise ExpressionError(f"required a formula, received {shown(text)}")
+
+
+def _apply(operator: ast.operator, left: Number, right: Number) -> Number:
+    match operator:
+        case ast.Add():
+            return left + right
+        case ast.Sub():
+            return left - right
+        case ast.Mult():
+            return left * right
+        case _:
+            return left / right
+
+
+def _square_root(value: Number, text: str) -> Number:
+    if value.sign() < 0:
+        raise ExpressionError(f"required a non-negative number under sqrt, received {shown(text)}")
+    try:
+        return value.sqrt()
+    except NestingError as error:
+        raise ExpressionError(f"{error}, received {shown(text)}") from None
+
+
+def _bounded(value: Number, text: str, factor: int = 1) -> Number:
+    """Refuse numbers whose coefficients or square roots grow beyond the bounds."""
+    roots = 0
+    for mask in value.terms:
+        roots |= mask
+    if roots.bit_count() > MAX_ROOTS:
+        raise ExpressionError(f"required at most {MAX_ROOTS} independent square roots, received {shown(text)}")
+    if value.size_bits * factor > MAX_BITS:
+        raise ExpressionError(f"required numbers of at most {MAX_BITS} bits, received {shown(text)}")
+    return value
+
+
+def _name(node: ast.expr) -> str:
+    return node.id if isinstance(node, ast.Name) else ""

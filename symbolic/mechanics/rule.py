@@ -1,0 +1,44 @@
+"""The contact rules that a scene may name, and where each is written.
+
+This is the registry.  A contact rule is one class on
+:class:`nonsmooth.analysis.cells.contact_rule.ContactRule` and one line here; the commands, their completion,
+scene files, comparisons and reports offer whatever stands here, in this order.  Only names are kept, so that
+a command line can offer them at once; :func:`nonsmooth.analysis.cells.contact_rule.contact_rule` imports the
+class when it is needed.
+
+A rule in ``BY_FRICTION_SET`` gives each wheel a set of forces of its own, so wheels of one array may name different
+ones.  Such an array has the rule :data:`MIXED`, which nobody names.
+"""
+
+from __future__ import annotations
+
+from nonsmooth.symbolic.messages.suggestions import is_meant
+
+DEFAULT_RULE = "nearest"
+MIXED = "mixed"
+
+CONTACT_RULES = {  # name in scenes and on the command line: module and class
+    "nearest": "nonsmooth.analysis.contact_rules.nearest:NearestRule",
+    "box": "nonsmooth.analysis.contact_rules.box:BoxRule",
+    "ellipse": "nonsmooth.analysis.contact_rules.ellipse:EllipseRule",
+    "roller": "nonsmooth.analysis.contact_rules.roller:RollerRule",
+}
+BY_FRICTION_SET = {"ellipse", "roller"}
+MIXED_RULE = "nonsmooth.analysis.contact_rules.mixed:MixedRule"
+
+
+def read_rule(value: object) -> str:
+    """The name of a contact rule.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, str) or value not in CONTACT_RULES:
+        raise ValueError(f"required {required_rule()}{is_meant(value, CONTACT_RULES)}")
+    return value
+
+
+def required_rule() -> str:
+    """The names in words: ``'nearest', 'box', 'ellipse' or 'roller'``."""
+    *others, last = (repr(name) for name in CONTACT_RULES)
+    return f"{', '.join(others)} or {last}"

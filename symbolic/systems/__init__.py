@@ -1,0 +1,1 @@
+"""Plain systems: switched fields in states, and those that behave alike."""

@@ -1,0 +1,337 @@
+"""Switched systems ``x' = f(x)`` in any number of states, and what is to be checked of them.
+
+The right-hand sides are formulas with ``sign``, ``Abs``, ``Max``, ``Min``: polynomials on each cell that the switching
+surfaces cut.  On the surfaces the values of f are ignored (Filippov 1988, sec. 4).  Solutions are followed in any
+number of states, and stability is decided in any number; cells are drawn and derived for two (:func:`require_plane`).
+Verdicts are about the displacement from the checked point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import prod
+from typing import ClassVar, Literal
+
+from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
+from nonsmooth.symbolic.formulas.sine_enclosures import Wave
+from nonsmooth.symbolic.formulas.surfaces import switching_factors
+from nonsmooth.symbolic.messages.notebook import ShortRepr
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+
+PLANE = ("x", "y")  # the displacement of two states
+ONE_SIDE = "one right-hand side (under arbitrary switching only stability is decided)"
+MAX_PATTERNS = 4_096  # sign patterns of one switching part of a right-hand side: twelve surfaces that cross
+
+
+class UnknownSign(Exception):
+    """A surface whose sign is asked for and not given."""
+
+    def __init__(self, surface: Polynomial) -> None:
+        super().__init__(surface)
+        self.surface = surface
+
+
+@dataclass(frozen=True)
+class SystemCheck:
+    """What is checked: the equilibrium ``x*``, and the cube ``|x_k - x*_k| <= radius`` about it.
+
+    ``lyapunov`` is V in the displacement from ``x*``, written with the states' names; ``is_default`` where the scene
+    names none, so that it is the sum of their squares.  Where it names a quotient, that is kept as numerator and
+    denominator, and ``lyapunov`` is the sum of squares, too.
+    """
+
+    equilibrium: tuple[Number, ...]
+    radius: Number
+    lyapunov: PiecewiseExpression
+    is_default: bool = False
+    quotient: tuple[PiecewiseExpression, PiecewiseExpression] | None = None
+
+    @property
+    def named_lyapunov(self) -> str | None:
+        """The V that the scene names, but a quotient."""
+        return None if self.is_default else self.lyapunov.text
+
+
+@dataclass(frozen=True)
+class SeenByRoots:
+    """What a system in signed roots of states stands for (:mod:`nonsmooth.symbolic.formulas.signed_roots`).
+
+    Attributes:
+        roots: which states they are.
+        extended: the stated system with each ``sqrt(Abs(x))`` as a further state, whose right-hand side is no field.
+        unscaled: the stated right-hand sides in the roots, in the stated time: rates of x, not of its root.
+    """
+
+    roots: SignedRoots
+    extended: SwitchedSystem
+    unscaled: SwitchedSystem
+
+
+@dataclass(frozen=True, repr=False)
+class SwitchedSystem(ShortRepr):
+    """A switched system with everything a check needs; numbers live in one field.
+
+    Attributes:
+        name: of the scene.
+        field: the number field.
+        states: their names.
+        rhs: one right-hand side per state.
+        check: what is checked.
+        source: where it came from (a file or a built-in name).
+        others: further right-hand sides; the field is any of them, or any mixture, at any time (arbitrary switching).
+        written: the formulas as they were stated, where the right-hand sides are not these but scaled (fractions) or
+            enclose them (sines and cosines of states); empty otherwise.
+        waves: what is enclosed; the right-hand sides are the values at all ends of its weights.
+        denominators: formulas that must be positive on the checked square.
+        scale: the positive factor by which the stated fields were multiplied; None without fractions.
+        named_rhs: the one field that is enclosed, in the states and in names of its sines and cosines; else empty.
+        names: what these names mean.
+        by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
+        order: how many further terms of sines and cosines are taken
+        (:mod:`nonsmooth.symbolic.formulas.sine_enclosures`). encloses_numbers: whether the right-hand sides have
+        rational bounds in place of irrational numbers. intervals: names of the parameters that were stated as
+        intervals; the right-hand sides are those at their ends. overlaps: whether tables of regions may overlap; each
+        right-hand side takes another one of them first.
+    """
+
+    kind: ClassVar[Literal[SceneKind.SYSTEM]] = SceneKind.SYSTEM
+
+    name: str
+    field: NumberField
+    states: tuple[str, ...]
+    rhs: tuple[PiecewiseExpression, ...]
+    check: SystemCheck
+    source: str = ""
+    others: tuple[tuple[PiecewiseExpression, ...], ...] = ()
+    written: tuple[tuple[str, ...], ...] = ()
+    waves: tuple[Wave, ...] = ()
+    denominators: tuple[PiecewiseExpression, ...] = ()
+    scale: PiecewiseExpression | None = None
+    by_roots: SeenByRoots | None = None
+    named_rhs: tuple[PiecewiseExpression, ...] = ()
+    names: tuple[Wave, ...] = ()
+    order: int = 0
+    encloses_numbers: bool = False
+    intervals: tuple[str, ...] = ()
+    overlaps: bool = False
+
+    @property
+    def members(self) -> tuple[SwitchedSystem, ...]:
+        """One system for each right-hand side."""
+        return tuple(
+            replace(self, rhs=rhs, others=(), waves=(), named_rhs=(), names=()) for rhs in (self.rhs, *self.others)
+        )
+
+    @property
+    def has_one_field(self) -> bool:
+        """Whether the system as it was stated has one right-hand side: several may enclose it."""
+        return not self.others or (self.only_encloses and len(self.written) == 1)
+
+    @property
+    def only_encloses(self) -> bool:
+        """Whether the right-hand sides only enclose the stated field: what one of them allows, that need not."""
+        return bool(self.waves) or self.encloses_numbers
+
+    @property
+    def stated_states(self) -> tuple[str, ...]:
+        """The names of the states as they were stated: without roots of states."""
+        return self.states if self.by_roots is None else self.by_roots.roots.states
+
+    @property
+    def origin(self) -> str:
+        """Where the scene came from, for messages: its file or built-in name, else its own name."""
+        return self.source or self.name
+
+    def coordinates(self) -> tuple[Polynomial, ...]:
+        """The states as polynomials in themselves."""
+        return tuple(Polynomial.variable(self.field, self.states, name) for name in self.states)
+
+    def argument_of(self, wave: Wave, states: Sequence[Polynomial] | None = None) -> Polynomial:
+        """What a sine or cosine is of, as a polynomial.
+
+        Args:
+            wave: one of the system's.
+            states: the states as polynomials; :meth:`coordinates` unless given.
+
+        Raises:
+            ExpressionError: where it is none.
+        """
+        values = dict(zip(self.states, self.coordinates() if states is None else states, strict=True))
+        return parse_piecewise(wave.argument, self.states).polynomial(values, _no_sign)
+
+    def displaced(self, names: Sequence[str]) -> tuple[Polynomial, ...]:
+        """The states as polynomials in the displacement from the checked point, whose entries have these names."""
+        variables = (Polynomial.variable(self.field, tuple(names), name) for name in names)
+        return tuple(v + centre for v, centre in zip(variables, self.check.equilibrium, strict=True))
+
+    def velocity(self, sign_of: SignOf, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
+        """The smooth field of the first right-hand sides for the given signs of the inner expressions.
+
+        Args:
+            sign_of: sign of an inner expression.
+            states: the states as polynomials; :meth:`coordinates` unless given.
+
+        Raises:
+            SceneError: where a piece is no polynomial.
+        """
+        values = self.coordinates() if states is None else states
+        return tuple(self._piece(k, sign_of, values) for k in range(len(self.rhs)))
+
+    def surfaces(self, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
+        """Every surface on which some right-hand side may switch, each once, with leading coefficient 1.
+
+        Every outermost switching part of a right-hand side is asked with every answer of the signs it asks for.
+        Answers are not tested for being possible together, so a surface may be listed that switches nothing: the
+        field is the same on both sides.
+
+        Args:
+            states: as for :meth:`velocity`.
+
+        Raises:
+            SceneError: for too many patterns of signs, or where no piece is a polynomial.
+        """
+        values = self.coordinates() if states is None else states
+        found: dict[Polynomial, None] = {}
+        for member in self.members if self.others else (self,):
+            for k in range(len(self.rhs)):
+                found.update(dict.fromkeys(member._surfaces_of(k, values)))
+        return tuple(found)
+
+    def _surfaces_of(self, k: int, values: Sequence[Polynomial]) -> list[Polynomial]:
+        parts = (self._asked(k, part, values) for part in self.rhs[k].switching_parts)
+        return list(dict.fromkeys(surface for part in parts for surface in part))
+
+    def _asked(self, k: int, part: PiecewiseExpression, values: Sequence[Polynomial]) -> list[Polynomial]:
+        """The surfaces of which a part of a formula asks the signs."""
+        found: dict[Polynomial, None] = {}
+        waiting: list[dict[Polynomial, int]] = [{}]
+        ended, refusal = 0, None
+        while waiting:
+            signs = waiting.pop()
+            try:
+                self._value(k, part, signs_by_factors(signs), values)
+            except UnknownSign as unknown:
+                found[unknown.surface] = None
+                waiting += [{**signs, unknown.surface: -1}, {**signs, unknown.surface: 1}]
+                if len(waiting) + ended > MAX_PATTERNS:
+                    expected = "a formula with fewer switching surfaces"
+                    raise self._error(k, expected, StatedFact(f"over {MAX_PATTERNS} sign patterns")) from None
+                continue
+            except SceneError as error:  # perhaps of a pattern that no state has
+                refusal = error
+                continue
+            ended += 1
+        if not ended and refusal is not None:
+            raise refusal
+        return list(found)
+
+    def _piece(self, k: int, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
+        return self._value(k, self.rhs[k], sign_of, values)
+
+    def _value(self, k: int, formula: PiecewiseExpression, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
+        try:
+            return formula.polynomial(dict(zip(self.states, values, strict=True)), sign_of)
+        except ExpressionError as error:
+            raise self._error(k, requirement(error), self.rhs[k].text) from None
+
+    def _error(self, k: int, expected: str, received: object) -> SceneError:
+        return SceneError(self.origin, f"system.rhs[{k + 1}]", expected, received)
+
+
+def _no_sign(expression: Polynomial) -> int:
+    raise ExpressionError(f"required no switching, received {expression}")
+
+
+def require_plane(system: SwitchedSystem) -> None:
+    """Refuse a system in another number of states than two.
+
+    Raises:
+        SceneError: for such a system.
+    """
+    if len(system.states) != len(PLANE):
+        raise SceneError(system.origin, "system.states", "two states", list(system.stated_states))
+
+
+def require_stated(system: SwitchedSystem) -> None:
+    """Refuse square roots of states.
+
+    Raises:
+        SceneError: for a system that is seen by signed roots.
+    """
+    if system.by_roots is None:
+        return
+    roots = tuple(f"sqrt(Abs({name}))" for name in system.by_roots.roots.rooted)
+    may = "with it stability is decided in one or two states, and paths are followed"
+    expected = f"formulas without {roots[0]} ({may})"
+    for k, side in enumerate(system.written, 1):
+        for j, formula in enumerate(side, 1):
+            if any(root in formula for root in roots):
+                key = f"system.rhs[{k}][{j}]" if len(system.written) > 1 else f"system.rhs[{j}]"
+                raise SceneError(system.origin, key, expected, formula)
+    raise SceneError(system.origin, "check.lyapunov", expected, StatedFact(roots[0]))
+
+
+def require_one_field(system: SwitchedSystem) -> None:
+    """Refuse arbitrary switching, and square roots of states; sines and cosines of states are enclosed, one field.
+
+    Raises:
+        SceneError: for a system that was stated with several right-hand sides, or with such roots.
+    """
+    require_stated(system)
+    if not system.has_one_field:
+        raise _several(system)
+
+
+def require_single(system: SwitchedSystem) -> None:
+    """Refuse arbitrary switching, sines and cosines of states, which are enclosed, and square roots of states.
+
+    Raises:
+        SceneError: for a system with several right-hand sides, or with such roots.
+    """
+    require_stated(system)
+    if not system.has_one_field:
+        raise _several(system)
+    if system.others:
+        expected = "formulas without sin and cos of states" if system.waves else ONE_SIDE
+        raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
+
+
+def _several(system: SwitchedSystem) -> SceneError:
+    """That one right-hand side is required, by the key that says that there are several."""
+    if system.intervals:
+        key, expected = (
+            f"system.parameters.{system.intervals[0]}",
+            "a number (with an interval only stability is decided)",
+        )
+        return SceneError(system.origin, key, expected, StatedFact("an interval"))
+    if system.overlaps:
+        expected = "false (where tables overlap only stability is decided)"
+        return SceneError(system.origin, "system.overlap", expected, StatedFact("true"))
+    count = len(system.written) or 1 + len(system.others)
+    return SceneError(system.origin, "system.rhs", ONE_SIDE, StatedFact(f"{count}"))
+
+
+def sign_by_factors(expression: Polynomial, sign_of_factor: Callable[[Polynomial], int]) -> int:
+    """Sign of an inner expression from the signs of the surfaces that are its factors."""
+    if not expression:
+        return 0
+    total, factors = switching_factors(expression)
+    return total * prod(map(sign_of_factor, factors))
+
+
+def signs_by_factors(signs: Mapping[Polynomial, int]) -> SignOf:
+    """The sign of any inner expression for given signs of the surfaces; it raises UnknownSign for another surface."""
+
+    def known(surface: Polynomial) -> int:
+        if surface not in signs:
+            raise UnknownSign(surface)
+        return signs[surface]
+
+    return lambda expression: sign_by_factors(expression, known)
