@@ -443,9 +443,10 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
 # ``z = 0`` are the same curves: the change of coordinates is a diffeomorphism there, and the time scale is positive.
 # On ``z = 0`` the scaled field has no part along the axis, so a solution that slides along ``x = 0`` would rest in
 # time s.  What is required: at every point of the axis but the checked one all velocities have a part across it, of one
-# sign.  Then every solution crosses at single instants, in both times (``|x|`` grows like t, so ``ds = dt/(2 sqrt(|x|))``
-# is integrable), and solutions correspond one to one until they meet the checked point.  Near it that suffices for the
-# verdict; for a region and for the plane it is required on all of it (docs/theory.md).
+# sign.  Then every solution crosses at single instants, in both times (``|x|`` grows like t, so
+# ``ds = dt/(2 sqrt(|x|))`` is integrable), and solutions correspond one to one until they meet the checked point.
+# Near it that suffices for the verdict; for a region and for the plane it is required on all of it
+# (docs/theory.md).
 
 
 LINE = ("s",)
