@@ -70,6 +70,17 @@ def _askew(wheels: Iterable[Wheel]) -> list[Block]:
     return [paragraph("Where the friction axis `a_i` is not the rim, the rows are those along and across it:"), rows]
 
 
+def askew_slips(wheels: Iterable[Wheel]) -> list[Block]:
+    """The slips of wheels whose friction axis is not their rim, where there are any."""
+    if all(wheel.axis is None for wheel in wheels):
+        return []
+    slips = display(
+        r"a_i \cdot v(p_i) - u_i\, a_i \cdot d_i, \qquad n_i \cdot v(p_i) - u_i\, n_i \cdot d_i, \qquad n_i = J a_i",
+        "a_i . v(p_i) - u_i a_i . d_i, n_i . v(p_i) - u_i n_i . d_i, n_i = J a_i",
+    )
+    return [paragraph("Where the friction axis `a_i` is not the rim, the slips are those along and across it:"), slips]
+
+
 def constraining_wheels(result: CellCheck) -> list[Wheel]:
     """The wheels whose rows are held somewhere in the square."""
     held = {row.wheel.index for state in result.partition.states for row in state.rows}
@@ -108,7 +119,7 @@ def contact_states_section(result: CellCheck) -> Section:
             "D(xi) = sum_i N_i (mu_R |d_i . v(p_i) - u_i| + mu_S |n_i . v(p_i)|)",
         )
         words = paragraph("The motion minimizes the dissipation below; a minimizer satisfies three independent rows.")
-        blocks = (_census(result), words, functional)
+        blocks = (_census(result), words, functional, *askew_slips(result.scene.wheels))
     states = tuple(_state_section(result, state) for state in result.partition.states)
     return Section("Contact states and governing equations", blocks, states)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from nonsmooth.analysis.cells.contact_rule import all_rules, smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -25,7 +27,10 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import paragraph, prose
-from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.reports.sections.contact import askew_slips
+from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+from nonsmooth.symbolic.mechanics.scene import Friction
+from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
 
 MOST_WHEELS = 24  # up to which the cells of rule box take a second or two; 36 wheels have some 450 cells
 
@@ -106,28 +111,63 @@ def _agreement_map(subject: ArraySubject) -> Figure:
 # ---- rules without cells -------------------------------------------------------------------------
 
 
-def _functional(place: EllipsePoint) -> tuple[Block, Block]:
-    """What the motion minimizes, in words and as a formula."""
+class _Losses(NamedTuple):
+    """The dissipation of one wheel per unit of load: in words, in LaTeX and as plain text."""
+
+    words: str
+    latex: str
+    text: str
+
+
+_SLIPS_LATEX = r"\qquad r_i = d_i \cdot v(p_i) - u_i, \quad s_i = n_i \cdot v(p_i)"
+_SLIPS = "r_i = d_i . v(p_i) - u_i, s_i = n_i . v(p_i)"
+_ELLIPSE = _Losses(
+    "with the friction ellipse of Fig. 3",
+    r"\sqrt{\mu_R^2 r_i^2 + \mu_S^2 s_i^2}",
+    "sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)",
+)
+_TURNING = _Losses(
+    "with rollers that stand or turn at the speed t",
+    r"\min_t \left(\mu_R |(r_i, s_i - t)| + \mu_S |t|\right)",
+    "min_t (mu_R |(r_i, s_i - t)| + mu_S |t|)",
+)
+_STANDING = _Losses("with rollers that never turn", r"\mu_R \sqrt{r_i^2 + s_i^2}", "mu_R sqrt(r_i^2 + s_i^2)")
+
+
+def losses_of(limits: FrictionSet, friction: Friction) -> _Losses:
+    """The support function of the forces that a wheel can carry."""
+    if limits.is_cut:
+        return _TURNING
+    return _ELLIPSE if limits.across == friction.side else _STANDING
+
+
+def _functional(place: EllipsePoint) -> tuple[Block, ...]:
+    """What the motion minimizes, in words and as a formula; one for each kind of wheel where there are several."""
     rule = smooth_rule_of(place.scene)
-    if any(rule.friction_set(wheel.friction).is_cut for wheel in place.scene.wheels):
-        words = "The motion minimizes the dissipation of sec. 2 with rollers that stand or turn at the speed t:"
-        return paragraph(words), display(
-            r"D(\xi) = \sum_i N_i \min_t \left(\mu_R |(r_i, s_i - t)| + \mu_S |t|\right), \qquad"
-            r" r_i = d_i \cdot v(p_i) - u_i, \quad s_i = n_i \cdot v(p_i)",
-            "D(xi) = sum_i N_i min_t (mu_R |(r_i, s_i - t)| + mu_S |t|), r_i = d_i . v(p_i) - u_i, s_i = n_i . v(p_i)",
+    wheels: dict[_Losses, list[int]] = {}
+    for wheel in place.scene.wheels:
+        wheels.setdefault(losses_of(rule.friction_set(wheel.friction), wheel.friction), []).append(wheel.index)
+    if len(wheels) == 1:
+        (losses,) = wheels
+        return paragraph(f"The motion minimizes the dissipation of sec. 2 {losses.words}:"), display(
+            rf"D(\xi) = \sum_i N_i {losses.latex}, {_SLIPS_LATEX}", f"D(xi) = sum_i N_i {losses.text}, {_SLIPS}"
         )
-    words = "The motion minimizes the dissipation of sec. 2 with the friction ellipse of Fig. 3:"
-    return paragraph(words), display(
-        r"D(\xi) = \sum_i N_i \sqrt{\mu_R^2 r_i^2 + \mu_S^2 s_i^2}, \qquad r_i = d_i \cdot v(p_i) - u_i, \quad"
-        r" s_i = n_i \cdot v(p_i)",
-        "D(xi) = sum_i N_i sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2), r_i = d_i . v(p_i) - u_i, s_i = n_i . v(p_i)",
-    )
+    blocks: list[Block] = [
+        paragraph("The motion minimizes the dissipation of sec. 2, of each wheel with its own friction:"),
+        display(rf"D(\xi) = \sum_i N_i h_i, {_SLIPS_LATEX}", f"D(xi) = sum_i N_i h_i, {_SLIPS}"),
+    ]
+    for losses, numbers in wheels.items():
+        which = "wheel" if len(numbers) == 1 else "wheels"
+        blocks.append(paragraph(f"Of {which} {numbers_text(tuple(numbers))}, {losses.words}:"))
+        blocks.append(display(f"h_i = {losses.latex}", f"h_i = {losses.text}"))
+    return tuple(blocks)
 
 
 def situation_section(place: EllipsePoint) -> Section:
     """The functional, the loads and the exact minimizer at the checked point."""
     blocks: list[Block] = [
         *_functional(place),
+        *askew_slips(place.scene.wheels),
         paragraph(
             "At the checked point: {}. Reason: {}. The loads there, for total weight 1:", place.situation, place.reason
         ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -17,8 +17,10 @@ from nonsmooth.analysis.cells.contact_rule import rule_of, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.reports.sections.rules import losses_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
+from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.reports.conftest import Invoke
@@ -264,6 +266,38 @@ def test_paths_sweeps_and_reports_take_it(invoke: Invoke, tmp_path: Path) -> Non
     assert invoke("derive", file, "--only", "answers,verdict", "-o", str(tmp_path / "a.json")).status in {0, 1}
     text = json.dumps(json.loads((tmp_path / "a.json").read_text(encoding="utf-8")))
     assert "of wheels 1, 3 roller" in text
+
+
+LOSSES: dict[str, Callable[[float, float, float, float], float]] = {
+    "sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)": lambda along, across, r, s: np.hypot(along * r, across * s),
+    "mu_R sqrt(r_i^2 + s_i^2)": lambda along, across, r, s: along * np.hypot(r, s),
+    "min_t (mu_R |(r_i, s_i - t)| + mu_S |t|)": lambda along, across, r, s: min(
+        along * np.hypot(r, s - t) + across * abs(t) for t in np.linspace(-abs(s), abs(s), 20_001)
+    ),
+}
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("side", ["1/20", "7/10", "3/5", "4/5", "0"])
+def test_reports_print_the_dissipation_that_is_minimized(rule: str, side: str) -> None:
+    wheels = [ns.Wheel(place, heading="inward") for place in PLACES]
+    scene = ns.Array(wheels, mu_roll="7/10", mu_side=side, rule=rule).scene
+    friction = scene.wheels[0].friction
+    limits = smooth_rule_of(scene).friction_set(friction)
+    along, across = float(friction.roll), float(friction.side)
+    written = LOSSES[losses_of(limits, friction).text]
+    for r, s in np.random.default_rng(5).normal(size=(20, 2)):
+        (held,) = float_sets([limits]).support(np.array([r]), np.array([s]))
+        assert held == pytest.approx(written(along, across, r, s), rel=1e-4)
+
+
+def test_reports_print_the_dissipation_of_each_kind_of_wheel(invoke: Invoke, tmp_path: Path) -> None:
+    out = tmp_path / "report.md"
+    invoke("derive", scene_file(tmp_path, ROLLERS_AND_RUBBER), "--only", "situation", "-o", str(out))
+    text = out.read_text(encoding="utf-8")
+    assert r"D(\xi) = \sum_i N_i h_i" in text
+    assert "Of wheels 1, 3, with rollers that stand or turn" in text
+    assert "Of wheels 2, 4, with the friction ellipse" in text
 
 
 def test_a_vehicle_may_have_both(tmp_path: Path) -> None:
