@@ -17,6 +17,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import show_rate
@@ -36,6 +37,7 @@ from nonsmooth.proofs.systems.decay_rate import (
     DisturbanceGain,
     gain_above,
     rates_below,
+    slowest_ratio,
 )
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
@@ -108,9 +110,10 @@ def decay_rate(function: ExaminedLyapunov) -> DecayRate | None:
     falling = [own for own in function.asked if own.is_about_fall]
     for decay in DecayKind:
         unit = rate_claims(function, decay, Fraction(1))
-        ratios = (_ratio(own, claim) for own, claim in zip(falling, unit, strict=True))
-        most = min(ratios, default=0.0)
-        for kappa in rates_below(Fraction(most)) if np.isfinite(most) else ():
+        samples = [np.zeros((2, 0))]
+        for own, claim in zip(falling, unit, strict=True):
+            samples += _ratios(own, claim)
+        for kappa in rates_below(slowest_ratio(*np.hstack(samples))):
             proofs = _proofs(function, falling, decay, kappa)
             if proofs is not None:
                 return DecayRate(decay, kappa, proofs)
@@ -186,17 +189,13 @@ def _evidence(claim: Claim, known: Shown | None) -> dict[str, Any] | None:
     return None if found is None else found.evidence
 
 
-def _ratio(own: Asked, unit: Claim) -> float:
-    """The least value of -V' over 1 or V at many points.
+def _ratios(own: Asked, unit: Claim) -> Iterator[NDArray[np.float64]]:
+    """The values of -V' over ``V^p`` at many points, and their distances, (2, n), for each inequality.
 
     Args:
         own: the claim that V falls; with functions mu, unless they are known in every part of a face only.
         unit: the same with ``kappa = 1``.
     """
-    return min(_ratios(own, unit), default=float("inf"))
-
-
-def _ratios(own: Asked, unit: Claim) -> Iterator[float]:
     shapes = mu_shapes([own.claim])
     mu = () if own.found is None or own.found.mu is None else own.found.mu
     if len(mu) < len(shapes):
@@ -215,4 +214,4 @@ def _ratios(own: Asked, unit: Claim) -> Iterator[float]:
         points = points[inside]
         if len(points):
             below = float_values(terms_of(inequality.value - other.value), points)
-            yield float(np.min(float_values(condition.constant, points) / below))
+            yield np.array([float_values(condition.constant, points) / below, np.linalg.norm(points, axis=1)])

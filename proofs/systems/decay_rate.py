@@ -27,9 +27,10 @@ from enum import StrEnum
 from fractions import Fraction
 from itertools import combinations, combinations_with_replacement
 from math import isqrt
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import common_edges
@@ -45,8 +46,13 @@ from nonsmooth.symbolic.numbers.plane import cross, dot, hull_holds_zero, minus
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
 
+Floats: TypeAlias = NDArray[np.float64]
+
 SHARES = (Fraction(15, 16), Fraction(3, 4), Fraction(1, 2), Fraction(1, 4))  # of what samples allow, tried in turn
-DENOMINATOR = 64  # of kappa and gamma
+DENOMINATOR = 64  # of kappa and gamma; of slow rates twice as large until it holds FEWEST of them
+FEWEST = 8
+NEAR, FARTHER = 4.0, (32.0, 256.0)  # of the least distance of samples: up to the first, and between the others
+VANISHES = 2.0**-2  # of the least ratio farther away: a smaller one near the point tends to zero there
 LEVEL_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, tried in turn
 
 
@@ -123,10 +129,31 @@ def rate_scales(cells: Sequence[LyapunovCell], rate: DecayRate) -> bool:
     return True
 
 
+def slowest_ratio(ratios: Floats, distances: Floats) -> Fraction:
+    """The largest rate that samples allow, and zero where it seems that none is positive.
+
+    Args:
+        ratios: of ``-V'`` to ``V^p``, shape (n,).
+        distances: of the samples from the point, shape (n,).
+    """
+    least = float(ratios.min(initial=np.inf))
+    if not 0 < least < np.inf:
+        return Fraction(0)
+    times = distances / distances.min()
+    farther = ratios[(times >= FARTHER[0]) & (times <= FARTHER[1])]
+    vanishes = len(farther) and ratios[times <= NEAR].min() < VANISHES * farther.min()
+    return Fraction(0) if vanishes and least * DENOMINATOR < 1 else Fraction(least)
+
+
 def rates_below(largest: Fraction) -> Iterator[Fraction]:
     """Short rates to be tried in turn, of the largest that samples allow."""
+    if not largest:
+        return
+    denominator = DENOMINATOR
+    while largest * denominator < FEWEST:
+        denominator *= 2
     for share in SHARES:
-        kappa = Fraction(int(largest * share * DENOMINATOR), DENOMINATOR)
+        kappa = Fraction(int(largest * share * denominator), denominator)
         if kappa > 0:
             yield kappa
 
@@ -170,7 +197,7 @@ def _falls_below(cells: Sequence[LyapunovCell], kappa: Fraction, level: Fraction
 
 def _largest_rate(cells: Sequence[LyapunovCell], decay: DecayKind) -> Fraction:
     """The largest rate that sampled points of the cells allow; zero where no point is in any of them."""
-    found = []
+    ratios, distances = [np.zeros(0)], [np.zeros(0)]
     for cell in cells:
         points = sample_points(cell.region)
         if not len(points):
@@ -180,8 +207,9 @@ def _largest_rate(cells: Sequence[LyapunovCell], decay: DecayKind) -> Fraction:
         usable = (sizes > 0) & np.isfinite(sizes) & np.isfinite(falls)
         if not usable.any():  # a square beyond the range of floats: nothing is proposed
             return Fraction(0)
-        found.append(float((falls[usable] / sizes[usable]).min()))
-    return Fraction(max(min(found, default=0.0), 0.0))
+        ratios.append(falls[usable] / sizes[usable])
+        distances.append(np.hypot(*points[usable].T))
+    return slowest_ratio(np.concatenate(ratios), np.concatenate(distances))
 
 
 def _rate_holds(cells: Sequence[LyapunovCell], decay: DecayKind, kappa: Fraction) -> bool:

@@ -49,7 +49,7 @@ def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach
     (system, subject), search = known, Search()
     on = [(Domain(None), FAR * half)] if entry is not None else []
     for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
-        for kappa in rates_below(max(slowest(farthest, decay), Fraction(0))):
+        for kappa in rates_below(slowest(farthest, decay)):
             rate = DecayRate(decay, kappa)
             level = None if domain.radius is None else half
             gain = None

@@ -14,10 +14,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, partial
 
+import numpy as np
+
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
-from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.decay_rate import DecayKind, slowest_ratio
 from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.proofs.systems.line_reach import line_reach
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
@@ -193,13 +195,14 @@ def slowest(scene: SwitchedSystem, farthest: Fraction, decay: DecayKind) -> Frac
     """
     factor, power = {DecayKind.FINITE: (1, 0), DecayKind.EXPONENTIAL: (1, 1), DecayKind.ALGEBRAIC: (2, 3)}[decay]
     places = [farthest * Fraction(k, PLACES) / 4**j for k in range(1, PLACES + 1) for j in range(HALVINGS)]
-    speeds = (
+    speeds = [
         -_value(_outward(member, turn, _sign_at(place)), place) * factor / place**power
         for place in places
         for turn in (1, -1)
         for member in scene.members
-    )
-    return Fraction(float(min(speeds)))
+    ]
+    distances = np.repeat([float(place) for place in places], len(speeds) // len(places))
+    return slowest_ratio(np.array([float(speed) for speed in speeds]), distances)
 
 
 def clear_distance(scene: SwitchedSystem) -> Number | Fraction:

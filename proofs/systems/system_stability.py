@@ -25,6 +25,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
@@ -134,10 +135,26 @@ def _rate_of(scene: SwitchedSystem, cells: Sequence[LyapunovCell]) -> DecayRate 
 
 
 def cells_of_checked_square(scene: SwitchedSystem, function: PlaneFunction) -> tuple[LyapunovCell, ...]:
-    """The cells of the checked square with V; none for one of pieces."""
+    """The cells of the checked square with V, which is known there: a V of pieces is one on the plane."""
     if function.is_given:
         return inhabited(cells_of_square(scene))
-    return () if function.formula is None else searched_cells(scene, function.formula, scene.check.radius)
+    if function.formula is None:
+        return _within_square(function.result.cells, scene.check.radius)
+    return searched_cells(scene, function.formula, scene.check.radius)
+
+
+def _within_square(cells: Sequence[LyapunovCell], radius: Number) -> tuple[LyapunovCell, ...]:
+    """The parts of cells in a square about the point."""
+    one, zero = radius.field.one, radius.field.zero
+    sides = [(one, zero, radius), (-one, zero, radius), (zero, one, radius), (zero, -one, radius)]
+    found = []
+    for cell in cells:
+        region: Region | None = cell.region
+        for side in sides:
+            region = None if region is None else region.clipped(side)
+        if region is not None:
+            found.append(replace(cell, region=region))
+    return tuple(found)
 
 
 def _beyond(scene: SwitchedSystem, function: PlaneFunction) -> SublevelRegion | None:
@@ -146,6 +163,8 @@ def _beyond(scene: SwitchedSystem, function: PlaneFunction) -> SublevelRegion | 
     None where V bends, and for a V that was searched where its derivative has a high degree, as that of enclosed sines.
     """
     if function.domain.radius == scene.check.radius or (not function.is_given and scene.waves):
+        return None
+    if not function.is_given and function.formula is None:  # known on the smaller square alone
         return None
     cells = cells_of_checked_square(scene, function)
     if function.is_given:

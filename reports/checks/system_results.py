@@ -346,5 +346,5 @@ def _proof_words(result: StabilityResult) -> str:
     function = result.function
     if function is None:
         return result.reason
-    shown = f"a V in {len(function.pieces)} pieces" if function.pieces else f"V = {function.text}"
+    shown = f"a V in {len(function.pieces)} pieces" if len(function.pieces) > 1 else f"V = {function.text}"
     return f"{shown}, on {function.domain.text(result.scene.states)}: {result.reason}"

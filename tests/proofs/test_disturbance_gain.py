@@ -219,6 +219,52 @@ def test_one_state(rhs: str) -> None:
     assert any(own.get("gain", {}).get("gamma") == "1" for own in claims)
 
 
+PACES = [  # right-hand sides of every kind of rate; those of two states with a V of one formula, and of pieces
+    ("-sign(x) - x",),
+    ("-x",),
+    ("-x**3",),
+    ("y", "-x - y/5"),
+    ("y", "-x - 4*Max(x, 0) - y/5"),
+    ("-2*sgn(x) + sgn(y)/2 - x**3", "-sgn(y) - sgn(x)/4"),
+    ("-x**3 + y**3", "-x**3 - y**3"),
+    ("-x", "-3*y + Abs(x)", "-2*z"),
+]
+
+
+@pytest.mark.parametrize("rhs", PACES)
+def test_a_slower_system_has_a_slower_rate(rhs: tuple[str, ...]) -> None:
+    """The unit of time decides nothing; the certificate states the rate."""
+    names, rates = ["x", "y", "z"][: len(rhs)], []
+    for speed in (Fraction(1), Fraction(1, 100_000)):
+        slower = [f"({speed})*({text})" for text in rhs]
+        result = decide_system(build_system({"system": {"states": names, "rhs": slower}}, "t", Path("t.toml")))
+        assert result.reach.rate is not None
+        rates.append((result.reach.rate.decay, float(result.reach.rate.kappa / speed)))
+        claims = certificate_of(result)["statement"]["claims"]
+        assert any(own.get("rate", {}).get("kappa") == str(result.reach.rate.kappa) for own in claims)
+    (kind, fast), (other, slow) = rates
+    assert kind is other
+    assert 0.8 < slow / fast < 1.25
+
+
+def test_a_v_of_pieces_has_a_rate_on_the_plane() -> None:
+    """Along solutions of a spring that is stiffer on one side V falls at least as fast as is said."""
+    result = decide_system(
+        build_system({"system": {"states": ["x", "y"], "rhs": ["y", "-x - 4*Max(x, 0) - y/5"]}}, "t", Path("t.toml"))
+    )
+    reach = result.reach
+    assert result.function is not None
+    assert len(result.function.pieces) > 1
+    assert reach.rate is not None
+    assert reach.rate_domain is not None
+    assert reach.rate_domain.radius is None
+    slowest = 0.2  # of V along solutions: twice the damping ratio at the least
+    assert 0.02 < float(reach.rate.kappa) <= slowest
+    assert reach.gain is not None
+    assert reach.gain_domain is not None
+    assert reach.gain_domain.radius == result.scene.check.radius
+
+
 SLOW = {  # the largest kappa in V' <= -kappa V**2 near the point, and whether it holds everywhere
     ("-x**3",): (2.0, True),
     ("-Max(x, x**3)",): (2.0, False),
