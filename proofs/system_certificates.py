@@ -408,7 +408,7 @@ def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
 def _stated_on(result: DecidedSystem, domain: Domain) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the V that decides, on a domain; in one state with the distance."""
     if result.function is None and result.reach.rate is not None:
-        return distance_hypotheses(result.scene, domain, result.reach.rate.decay)
+        return distance_hypotheses(result.scene, domain, result.reach.rate)
     stated, cells = stated_function(result.scene, domain.radius, result.function)
     return stability_hypotheses(cells.record, stated, str(result.verdict))
 

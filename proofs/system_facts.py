@@ -27,7 +27,6 @@ from nonsmooth.proofs.systems.findings import (
     PotentialPiece,
     Reach,
 )
-from nonsmooth.proofs.systems.line_reach import distance_text
 from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.formula_text import tidied
@@ -323,7 +322,7 @@ def gain_words(reach: Reach, states: Sequence[str]) -> str:
 
 def _potential_words(rate: DecayRate, states: Sequence[str]) -> str:
     """What V is, in one state, where nothing else names it."""
-    return f"V = {distance_text(states[0], rate.decay)}: ".replace("Abs", "abs") if len(states) == 1 else ""
+    return f"V = {rate.function}: ".replace("Abs", "abs") if rate.function else ""
 
 
 def _rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:

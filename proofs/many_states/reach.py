@@ -116,7 +116,7 @@ def decay_rate(function: ExaminedLyapunov) -> DecayRate | None:
         for kappa in rates_below(slowest_ratio(*np.hstack(samples))):
             proofs = _proofs(function, falling, decay, kappa)
             if proofs is not None:
-                return DecayRate(decay, kappa, proofs)
+                return DecayRate(decay, kappa, proofs=proofs)
     return None
 
 

@@ -82,13 +82,15 @@ class DecayRate:
     """A proved rate.
 
     Attributes:
-        decay: which of the two.
+        decay: of which kind.
         kappa: the rate.
+        function: V in one state, where nothing else names it; empty elsewhere.
         proofs: the evidence by the names of the checker's claims, where it is found in that form.
     """
 
     decay: DecayKind
     kappa: Fraction
+    function: str = ""
     proofs: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     @property

@@ -2,8 +2,8 @@
 
 V is the distance from the point.  ``V' <= -kappa`` or ``V' <= -kappa V`` is asked on the whole line where every start
 comes to the point, then on an interval about it; ``|grad V| = 1``, so a disturbance d adds ``|d|`` at most.  Where
-neither holds, ``V' <= -kappa V^2`` is asked of its square.  The claims are those of theorem ``lyapunov``; floats
-propose kappa.
+neither holds, solutions come like ``s' = -s^q``, and ``V' <= -kappa V^2`` is asked of ``V = s^(q-1)``.  The claims are
+those of theorem ``lyapunov``; floats propose kappa.
 """
 
 from __future__ import annotations
@@ -27,16 +27,17 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 FAR = 1 << 10  # half-widths of the interval, for rates on the whole line
 
-Slowest: TypeAlias = Callable[[Fraction, DecayKind], Fraction]
+Slowest: TypeAlias = Callable[[Fraction, DecayKind, int], Fraction]
 
 
-def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach:
+def line_reach(scene: SwitchedSystem, half: Fraction, order: int, slowest: Slowest) -> Reach:
     """Whether every start comes to the point, with a rate and a gain of the distance.
 
     Args:
         scene: in one state; of right-hand sides that were scaled, or in the root of the state, no rate is known.
         half: every start nearer than this comes to the point.
-        slowest: about how fast solutions come from as far as a distance, at least.
+        order: q, of the slowest solutions near the point.
+        slowest: the largest kappa that floats allow up to a distance, for a kind and a power of the distance.
     """
     (name,) = scene.states
     entry = find_global_attraction(scene, [parse_piecewise(f"{name}**2", scene.states)])
@@ -49,8 +50,9 @@ def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach
     (system, subject), search = known, Search()
     on = [(Domain(None), FAR * half)] if entry is not None else []
     for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
-        for kappa in rates_below(slowest(farthest, decay)):
-            rate = DecayRate(decay, kappa)
+        power = max(order - 1, 1) if decay is DecayKind.ALGEBRAIC else 1
+        for kappa in rates_below(slowest(farthest, decay, power)):
+            rate = DecayRate(decay, kappa, _distance_text(name, power))
             level = None if domain.radius is None else half
             gain = None
             if decay is not DecayKind.ALGEBRAIC:
@@ -61,20 +63,20 @@ def line_reach(scene: SwitchedSystem, half: Fraction, slowest: Slowest) -> Reach
     return everywhere
 
 
-def distance_text(state: str, decay: DecayKind) -> str:
-    """V as a formula: the distance, or its square."""
-    return f"{state}**2" if decay is DecayKind.ALGEBRAIC else f"Abs({state})"
+def _distance_text(state: str, power: int) -> str:
+    """A power of the distance as a formula."""
+    distance = f"Abs({state})" if power % 2 else state
+    return distance if power == 1 else f"{distance}**{power}"
 
 
-def distance_hypotheses(scene: SwitchedSystem, domain: Domain, decay: DecayKind) -> dict[str, Any]:
-    """Of theorem ``lyapunov``, with the distance from the point, which attracts, or its square.
+def distance_hypotheses(scene: SwitchedSystem, domain: Domain, rate: DecayRate) -> dict[str, Any]:
+    """Of theorem ``lyapunov``, with the power of the distance from the point of a rate.
 
     Raises:
         BeyondReachError: for too many cells.
     """
-    text = distance_text(scene.states[0], decay)
-    cells = stated_cells(scene, domain.radius, surfaces_of(scene, parse_piecewise(text, scene.states)))
-    return stability_hypotheses(cells.record, text, ASYMPTOTICALLY_STABLE)
+    cells = stated_cells(scene, domain.radius, surfaces_of(scene, parse_piecewise(rate.function, scene.states)))
+    return stability_hypotheses(cells.record, rate.function, ASYMPTOTICALLY_STABLE)
 
 
 def _is_shown(
@@ -88,7 +90,7 @@ def _is_shown(
     level = None if gain is None or gain.level is None else str(gain.level)
     more = {"rate": rate.record, "level": level} | ({} if gain is None else {"gain": str(gain.gamma)})
     try:
-        search.entry(subject, "lyapunov", distance_hypotheses(scene, domain, rate.decay) | more)
+        search.entry(subject, "lyapunov", distance_hypotheses(scene, domain, rate) | more)
     except (BeyondReachError, NotShownError):
         return False
     return True

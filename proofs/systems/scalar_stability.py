@@ -95,7 +95,8 @@ class LinePoint(CheckedPoint):
         right, left = self.sides.right.reach, self.sides.left.reach
         if right is None or left is None:
             return Reach()
-        return line_reach(self.system, min(within(right), within(left)), partial(slowest, self.system))
+        near = min(within(right), within(left))
+        return line_reach(self.system, near, _order(self.system), partial(slowest, self.system))
 
 
 def decide_by_signs(point: LinePoint, known: Known) -> Finding:
@@ -187,16 +188,23 @@ def _marks(scene: SwitchedSystem, turn: int) -> list[RealRoot]:
     return _inside(scene, [*surfaces, *(f for f in fields if f.degree)])
 
 
-def slowest(scene: SwitchedSystem, farthest: Fraction, decay: DecayKind) -> Fraction:
+def _order(scene: SwitchedSystem) -> int:
+    """q, where the slowest solutions near the point come like ``s' = -s^q``."""
+    near = _sign_at(within(clear_distance(scene)) / 2)
+    fields = [_outward(member, turn, near) for turn in (1, -1) for member in scene.members]
+    return max(min((sum(exponents) for exponents in own.terms), default=0) for own in fields)
+
+
+def slowest(scene: SwitchedSystem, farthest: Fraction, decay: DecayKind, m: int) -> Fraction:
     """The largest kappa that some places allow; proves nothing.
 
-    In ``V' <= -kappa V^p`` V is the distance s, or for an algebraic rate its square: then kappa is at most 2/s^3 times
+    In ``V' <= -kappa V^p`` V is the power ``s^m`` of the distance: then kappa is at most ``m s^(m - 1 - m p)`` times
     the speed toward the point.
     """
-    factor, power = {DecayKind.FINITE: (1, 0), DecayKind.EXPONENTIAL: (1, 1), DecayKind.ALGEBRAIC: (2, 3)}[decay]
+    power = 1 - m + m * decay.power
     places = [farthest * Fraction(k, PLACES) / 4**j for k in range(1, PLACES + 1) for j in range(HALVINGS)]
     speeds = [
-        -_value(_outward(member, turn, _sign_at(place)), place) * factor / place**power
+        -_value(_outward(member, turn, _sign_at(place)), place) * m / place**power
         for place in places
         for turn in (1, -1)
         for member in scene.members

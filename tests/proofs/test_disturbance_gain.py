@@ -268,6 +268,9 @@ def test_a_v_of_pieces_has_a_rate_on_the_plane() -> None:
 SLOW = {  # the largest kappa in V' <= -kappa V**2 near the point, and whether it holds everywhere
     ("-x**3",): (2.0, True),
     ("-Max(x, x**3)",): (2.0, False),
+    ("-x**5",): (4.0, True),
+    ("-x*Abs(x) - x**3",): (1.0, True),
+    ("-x**4*sign(x)/3",): (1.0, True),
     ("-x**3 + y**3", "-x**3 - y**3"): (1.0, True),
     ("-y - x**3", "x - y**3"): (1.0, False),
     ("-x**3 - z**3", "-y**3", "x**3 - z**3"): (2 / 3, True),
