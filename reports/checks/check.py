@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 from nonsmooth.reports.output.choices import LawName, RegionSearch
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import notice, progress, steps
-from nonsmooth.reports.output.refusals import RefusedError, bad_input, refusals_named
+from nonsmooth.reports.output.refusals import RefusedError, UnwrittenError, bad_input, refusals_named
 from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
@@ -294,8 +294,10 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
     if options.certificate is not None:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
 
-        with bad_input(result.scene, NoCertificateError):
+        try:
             result, certificate = result.certified()
+        except NoCertificateError as error:
+            raise UnwrittenError(f"{result.scene.origin}: {error}", result) from error
     if result.contradictions:
         for path in filter(None, (options.certificate, options.law)):
             notice(path, "not written: what the check says contradicts itself")
@@ -308,7 +310,8 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
         try:
             result.law(options.law_name).save(options.law)
         except NoLawError as error:
-            raise RefusedError(f"{result.scene.origin}: --law: {error}") from None
+            raise UnwrittenError(f"{result.scene.origin}: --law: {error}", result) from None
+        notice(options.law, f"the {options.law_name} law of {len(result.scene.wheels)} wheels")
     return result
 
 
@@ -353,8 +356,10 @@ def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.system_certificates import certificate_text, left_out
 
-        with bad_input(system, NoCertificateError):
+        try:
             certificate = result.certificate()
+        except NoCertificateError as error:
+            raise UnwrittenError(f"{system.origin}: {error}", result) from error
         write_whole(Path(options.certificate), certificate_text(certificate).encode())
         for line in left_out(certificate):
             notice(options.certificate, f"left out: {line}")

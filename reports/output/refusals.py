@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.symbolic.scene_error import SceneError
 
@@ -16,6 +16,14 @@ if TYPE_CHECKING:
 
 class RefusedError(Exception):
     """A scene that can be read but not checked; ``str(error)`` is one line."""
+
+
+class UnwrittenError(RefusedError):
+    """A file for which what was found does not serve; ``found`` is shown all the same, since it took the work."""
+
+    def __init__(self, message: str, found: Any) -> None:
+        super().__init__(message)
+        self.found = found
 
 
 class OptionError(RefusedError, ValueError):
