@@ -249,11 +249,12 @@ class BodyMapResult(MapResult):
         rows, others = self.shares[:SHOWN], self.destinations[SHOWN:]
         if others:
             rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
-        rows.insert(0, home_row(self.scene, self.home))
+        moving = self.found.by(BodyEnd.TIME)
+        rows.insert(0, home_row(self.scene, self.home, moving=bool(moving.any())))
         rows += self._tipping()
         unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
-        ended = self.found.times[~self.found.by(BodyEnd.TIME)]
-        latest = f"t = {ended.max():.6g}{second}" if len(ended) else "none ends"
+        ended = self.found.times[~moving]
+        latest = f"t = {ended.max():.6g}{second}" if len(ended) else f"none until t = {self.found.until:.6g}{second}"
         rows.append((f"latest end{massless(self.scene)}", latest))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
         head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"

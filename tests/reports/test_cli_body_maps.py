@@ -174,7 +174,8 @@ def test_ends_say_by_when_and_how_fast_bodies_turn_on(invoke: Invoke) -> None:
     assert f"by t = {end['t']:.3g}, turning at {degrees(end['turning']):.3g} deg per unit of time" in shown
     moving = " ".join(invoke("simulate", *spiral, "--grid", "2", "--until", "1").out.replace("│", " ").split())
     assert "still moving at the last time, at heading -" in moving
-    assert "latest end none ends" in moving
+    assert "of 4 end, or are at the last time, within" in moving  # none of them ends
+    assert "latest end none until t = 1 " in moving
     assert "turning" not in invoke("simulate", "four-wheel", "--rule", "ellipse", "--grid", "3").out
 
 
