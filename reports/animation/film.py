@@ -16,6 +16,7 @@ from nonsmooth.analysis.motion.twists import last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.style import Floats
 from nonsmooth.reports.figures.wheels import outline_of, placed
+from nonsmooth.reports.simulations.maps import massless
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -197,7 +198,10 @@ def _pivot(scene: Scene, trajectory: Trajectory, *, closed: bool) -> Sequence[fl
 def _title(scene: Scene, trajectory: Trajectory, partition: Partition | None, loop: FeedbackLoop | None) -> str:
     rule = scene.contact.rule if partition is None else partition.rule
     head = f"{one_line(scene.name)}: "
-    head += "full dynamics" if trajectory.method == "dynamics" else f"rule {rule}, {trajectory.kinematics} kinematics"
+    if trajectory.method == "dynamics":
+        head += "full dynamics"
+    else:
+        head += f"rule {rule}, {trajectory.kinematics} kinematics{massless(scene)}"
     return head if loop is None else f"{head}, {loop.title}, k = {loop.gain:g}"
 
 
