@@ -16,7 +16,6 @@ from nonsmooth.analysis.motion.twists import last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.style import Floats
 from nonsmooth.reports.figures.wheels import outline_of, placed
-from nonsmooth.reports.simulations.maps import massless
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -201,7 +200,8 @@ def _title(scene: Scene, trajectory: Trajectory, partition: Partition | None, lo
     if trajectory.method == "dynamics":
         head += "full dynamics"
     else:
-        head += f"rule {rule}, {trajectory.kinematics} kinematics{massless(scene)}"
+        head += f"rule {rule}, {trajectory.kinematics} kinematics"
+        head += ", without inertia" if scene.inertia is not None else ""
     return head if loop is None else f"{head}, {loop.title}, k = {loop.gain:g}"
 
 
