@@ -14,7 +14,7 @@ from nonsmooth.reports.output.refusals import RefusedError, UnwrittenError, bad_
 from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
-from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.scene_error import SceneError, one_line, shown
 from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ THEOREM = "theorem4"
 # The questions, and the theorem; tests hold them to the registry.
 REQUIRABLE = ("position", "heading", "pose", "inertia", "tolerances", THEOREM)
 CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
+ONE_FAILS = (None, 1, "1", "any")  # of --fail
 OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
 OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
 
@@ -78,7 +79,7 @@ class CheckOptions(Options):
     )
     continuum: bool = option(False, "Add what a continuous field would do to an object.")
     headings: bool = option(False, "Look for headings at which a body rests around the checked point too.")
-    fail: int | None = option(None, FAIL, metavar="1")
+    fail: Any = option(None, FAIL, str | None, metavar="1|any")
     region: RegionSearch = option(
         RegionSearch.AUTO,
         "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
@@ -120,8 +121,8 @@ class CheckStudy(SceneStudy[CheckOptions]):
         """Refuse what cannot be asked of these scenes."""
         options, scenes = asked.options, _listed(asked.scene)
         _ = options.required
-        if options.fail not in (None, 1):
-            raise RefusedError(f"--fail: required 1, the number of wheels that fail, received {options.fail}")
+        if options.fail not in ONE_FAILS:
+            raise RefusedError(f"--fail: required 1 or any, one wheel at a time, received {shown(options.fail)}")
         for flag, file, endings in (("--certificate", options.certificate, CERTIFICATES), ("--law", options.law, LAWS)):
             if file is not None:
                 if options.rule == ALL_RULES:
@@ -239,6 +240,9 @@ def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
     from nonsmooth.reports.checks.check_results import TippedResult, compared
     from nonsmooth.symbolic.contact_set import TipsError
 
+    if options.headings and scenes[0].body is None:
+        why = "without an outline of the body ([body] shape) all wheels carry it at every heading, and it moves alike"
+        notice(scenes[0].origin, f"--headings: none to look for: {why}")
     continuum = _predictions(scenes[0]) if options.continuum else None
     try:
         with steps("check") as announce:
