@@ -19,6 +19,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 UNDECIDED = "undecided"
+WHY_BELOW = "; why: below"  # at the end of an answer beside which the clauses stand
 
 
 class Position(StrEnum):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import cast
 
-from nonsmooth.proofs.answers.answer import Answer, Position, Results, has_dynamics, is_by_rounding
+from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Position, Results, has_dynamics, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life, of_length
 from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -212,7 +212,7 @@ def _where_to(scene: Scene, looked: Nearness, unit: str) -> str:
 def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looked: Nearness | None) -> str:
     """The sentence where there is no number to say."""
     if verdict is Position.UNDECIDED and is_by_rounding(results, "equilibrium", "translation"):
-        return "rounding decides; why: below"
+        return f"rounding decides{WHY_BELOW}"
     if verdict is Position.STAYS_NEAR:
         return "a body that starts close by stays close by"
     if _by_clauses(results) is Position.LEAVES:
@@ -224,7 +224,7 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
         why = f": {looked.why_not}" if looked is not None and looked.why_not else ""
         open_end = f"whether farther than the accuracy, {accuracy}, is not decided{why}"
         return f"{gone}; {open_end}; simulate --grid 9 samples where bodies end"
-    return "what happens near the point is not decided; why: below"
+    return f"what happens near the point is not decided{WHY_BELOW}"
 
 
 def _disc(found: AnyTranslation, unit: str) -> Iterator[Fact]:

@@ -56,7 +56,7 @@ def _answers(subject: ArraySubject) -> Section:
 def _ends(subject: ArraySubject) -> Section:
     """Where and when bodies end: what is proved of it, what is simulated, and where sampled starts go."""
     answers, scene, unit = subject.answers, subject.scene, of_length(subject.scene)
-    second = f" {scene.units.time}".rstrip()
+    second = " s"  # which every answer says of its times
     found = answers.answers[0].numbers
     start = "the point" if found.get("within") is None else f"anywhere within {at_least(found['within'])}{unit} of it"
     items = []

@@ -407,6 +407,12 @@ def test_what_cannot_be_written_is_refused(
     assert not list(tmp_path.iterdir())
 
 
+def test_no_line_ends_within_the_name_of_a_wheel() -> None:
+    program = ns.load("grid-4x4").check(rule="box").law().program("st")
+    named = re.findall(r"\[\d+\] wheel \d+(?:,| \*\))", program)
+    assert len(named) == 16
+
+
 def test_answers_are_shown_beside_a_law_that_there_is_not(invoke: Invoke) -> None:
     done = invoke("check", "four-wheel-side", "--law", "a.c", "--json")
     assert (done.status, done.record["answers"]["position"]["verdict"]) == (2, "stays near")
