@@ -203,3 +203,10 @@ def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
     assert labels[-2:] == ["checked point", "wheel"]
     labels = labels[:-2]
     assert sum(float(label.split(" %")[0]) for label in labels) == pytest.approx(100, abs=0.5)
+
+
+def test_wheels_are_named_where_there_is_room() -> None:
+    array = nonsmooth.load("carton-on-6x6")
+    assert isinstance(array, nonsmooth.Array)
+    _, places = array.with_(rule="box").map(2).figure().axes
+    assert {text.get_text() for text in places.texts} - {""} == {str(number) for number in range(1, 37)}
