@@ -205,11 +205,12 @@ class ContactModel(ShortRepr, ContactRows):
         lengths = np.hypot(d[:, 0], d[:, 1])
         if not (lengths > 0).all():
             raise ValueError(f"required rims of nonzero length, received {d[~(lengths > 0)][0]}")
-        d = d / lengths[:, None]
-        a, heads = _friction_axes(d, axes)
-        frames = np.stack([a, turned(a)], axis=1)
-        moments = frames @ turned(p)[..., None]
-        targets = u[:, None] * heads if u.ndim == 1 else u
+        with np.errstate(invalid="ignore"):  # of numbers that are not finite, which the class refuses
+            d = d / lengths[:, None]
+            a, heads = _friction_axes(d, axes)
+            frames = np.stack([a, turned(a)], axis=1)
+            moments = frames @ turned(p)[..., None]
+            targets = u[:, None] * heads if u.ndim == 1 else u
         return cls(
             rows=np.concatenate([frames, moments], axis=2).reshape(-1, 3),
             targets=targets.reshape(-1),

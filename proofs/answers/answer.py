@@ -19,6 +19,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 
 UNDECIDED = "undecided"
+WHY_BELOW = "; why: below"  # at the end of an answer beside which the clauses stand
 
 
 class Position(StrEnum):

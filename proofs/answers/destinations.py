@@ -82,8 +82,8 @@ class Destination:
 
     Attributes:
         goal: what it is.
-        points: the point, the ends of the line or the corners of the area, in the coordinates of the scene; empty
-            for an end without a place.
+        points: the point, the ends of the line or the corners of the area, in the coordinates of the scene; of a
+            sampled area two opposite corners of a rectangle around it; empty for an end without a place.
         position: where a body goes that starts near the place; None where that was not judged.
         heading: what its heading does there; None where that was not judged.
         share: of the starts that end so, sampled.
@@ -238,7 +238,8 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
         return None
     shares = [float(np.mean(ends.reached == k)) for k in range(len(ends.places))]
     if len(shares) > MOST_PLACES:
-        found = [Destination(Goal.AREA, (), None, None, sum(shares))]
+        (left, low), (right, high) = ends.places.min(axis=0).tolist(), ends.places.max(axis=0).tolist()
+        found = [Destination(Goal.AREA, ((left, low), (right, high)), None, None, sum(shares))]
     else:
         found = [
             Destination(Goal.POINT, ((px, py),), None, None, share)

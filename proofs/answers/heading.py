@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import cast
 
-from nonsmooth.proofs.answers.answer import Answer, Heading, Results, is_by_rounding
+from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Heading, Results, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, angle_at_most, at_most, of_length
 from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
@@ -114,5 +114,5 @@ def _why_undecided(results: Results) -> str:
     if results["equilibrium"].verdict is Equilibrium.FAILS:
         return "the body does not stay at the point; --at auto asks about a place where it rests"
     if is_by_rounding(results, "equilibrium", "rotation"):
-        return "rounding decides; why: below"
-    return "whether a body at rest turns is not decided; why: below"
+        return f"rounding decides{WHY_BELOW}"
+    return f"whether a body at rest turns is not decided{WHY_BELOW}"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
-from nonsmooth.proofs.answers.answer import Answer, Pose, Results
+from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
@@ -120,9 +120,9 @@ def _why_not(found: AnyFeedback) -> str:
     if found.verdict is Feedback.NOT_APPLICABLE:
         return f"not examined: {found.reason}"
     if BY_ROUNDING in found.reason:
-        return "rounding decides; why: below"
+        return f"rounding decides{WHY_BELOW}"
     if found.obstruction is None:
-        return "no law was found, and none is excluded; why: below"
+        return f"no law was found, and none is excluded{WHY_BELOW}"
     turns = not any(found.obstruction[:2])
     what = "no speeds turn the body" if turns else "the wheels cannot push it in every direction"
     return f"{what} near the point, so no law of the pose alone holds it"

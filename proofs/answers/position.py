@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import cast
 
-from nonsmooth.proofs.answers.answer import Answer, Position, Results, has_dynamics, is_by_rounding
+from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Position, Results, has_dynamics, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life, of_length
 from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -17,9 +17,11 @@ from nonsmooth.proofs.findings.facts import Fact, Quantity, said
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.robust.ends import Ends
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import Real, float_text, place_text
 
 MOST_TEXT = 20  # characters of a number that is printed exactly
+ALL_DIGITS = 17  # which tell any float from all others
 
 OF_TRANSLATION = {
     Translation.ASYMPTOTICALLY_STABLE: Position.COMES_HOME,
@@ -145,7 +147,7 @@ def _coming_near(scene: Scene, ends: Ends, unit: str) -> Iterator[Fact]:
     yield said(f"within {ends_within}{unit} of the point, {start}")
     yield _swing(ends, unit)
     if any(ends.at):
-        yield said(f"it ends within {at_most(ends.about)}{unit} of {_point(scene, ends)}")
+        yield said(_where(scene, ends, unit))
     yield said(f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}")
     yield from (Fact(key, Quantity(None)) for key in ("seconds_per_distance", "rate", "stays_within"))
 
@@ -180,8 +182,14 @@ def _swing(disc: Ends | HomeDisc, unit: str) -> Fact:
     return Fact("swings_out_to", Quantity(Fraction(most)), f"it swings out to at most {most}{unit}" if farther else "")
 
 
-def _point(scene: Scene, ends: Ends) -> str:
-    return place_text([x + offset for x, offset in zip(scene.check.equilibrium, ends.at, strict=True)], DIGITS)
+def _where(scene: Scene, ends: Ends, unit: str) -> str:
+    """The disc in which bodies end: digits tell its centre to a tenth of its radius, which covers their error."""
+    place = [x + offset for x, offset in zip(scene.check.equilibrium, ends.at, strict=True)]
+    for digits in range(DIGITS, ALL_DIGITS + 1):
+        error = sum(abs(x - Fraction(float_text(x, digits))) for x in place)
+        if sign(10 * error - ends.about) <= 0:
+            break
+    return f"it ends within {at_most(ends.about + error)}{unit} of {place_text(place, digits)}"
 
 
 def _away(scene: Scene, looked: Nearness, unit: str) -> str:
@@ -193,9 +201,8 @@ def _where_to(scene: Scene, looked: Nearness, unit: str) -> str:
     accuracy = f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}"
     if looked.ends is not None:
         ends = looked.ends
-        place = f"it ends within {at_most(ends.about)}{unit} of {_point(scene, ends)}"
         distance = f"{float_text(ends.distance, DIGITS)}{unit} from the point"
-        return f"{place}, {distance}, after at most {at_most(ends.after)} s; {accuracy}"
+        return f"{_where(scene, ends, unit)}, {distance}, after at most {at_most(ends.after)} s; {accuracy}"
     if looked.out_after is not None:
         return f"it is driven farther away than the accuracy in at most {at_most(looked.out_after)} s; {accuracy}"
     near = f"within {at_most(looked.thrown_out_from)}{unit} of it" if looked.thrown_out_from else "as near as one likes"
@@ -205,7 +212,7 @@ def _where_to(scene: Scene, looked: Nearness, unit: str) -> str:
 def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looked: Nearness | None) -> str:
     """The sentence where there is no number to say."""
     if verdict is Position.UNDECIDED and is_by_rounding(results, "equilibrium", "translation"):
-        return "rounding decides; why: below"
+        return f"rounding decides{WHY_BELOW}"
     if verdict is Position.STAYS_NEAR:
         return "a body that starts close by stays close by"
     if _by_clauses(results) is Position.LEAVES:
@@ -217,7 +224,7 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
         why = f": {looked.why_not}" if looked is not None and looked.why_not else ""
         open_end = f"whether farther than the accuracy, {accuracy}, is not decided{why}"
         return f"{gone}; {open_end}; simulate --grid 9 samples where bodies end"
-    return "what happens near the point is not decided; why: below"
+    return f"what happens near the point is not decided{WHY_BELOW}"
 
 
 def _disc(found: AnyTranslation, unit: str) -> Iterator[Fact]:

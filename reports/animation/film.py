@@ -197,7 +197,11 @@ def _pivot(scene: Scene, trajectory: Trajectory, *, closed: bool) -> Sequence[fl
 def _title(scene: Scene, trajectory: Trajectory, partition: Partition | None, loop: FeedbackLoop | None) -> str:
     rule = scene.contact.rule if partition is None else partition.rule
     head = f"{one_line(scene.name)}: "
-    head += "full dynamics" if trajectory.method == "dynamics" else f"rule {rule}, {trajectory.kinematics} kinematics"
+    if trajectory.method == "dynamics":
+        head += "full dynamics"
+    else:
+        head += f"rule {rule}, {trajectory.kinematics} kinematics"
+        head += ", without inertia" if scene.inertia is not None else ""
     return head if loop is None else f"{head}, {loop.title}, k = {loop.gain:g}"
 
 

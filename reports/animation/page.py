@@ -25,6 +25,7 @@ from nonsmooth.symbolic.numbers.number_text import float_text
 
 WIDE = 1000.0  # width of the frame in the view box
 LEFT, BELOW, BEYOND = 90, 50, 20  # beside it for the numbers at its edges, and on the other sides
+ROUNDING = 1e-6  # of the fastest rim: slips below are those of a wheel that sticks
 DIGITS = 1  # decimals of a coordinate in the picture
 MOST_ROWS = 24  # wheels up to which their numbers stand in a table
 RING, HEADING, BODY = 2.4, 7.0, 0.7  # radius of a ring, length of the heading's line, radius of the point, in rims
@@ -32,8 +33,13 @@ CLASSES = ("", "slips", "sticks")  # of the ring of a wheel, by its contact
 CONTACTS = {WheelContact.FREE: "carries nothing", WheelContact.SLIPS: "slips", WheelContact.STICKS: "sticks"}
 
 
-def film_page(film: Film) -> str:
-    """The page, ending in a newline."""
+def film_page(film: Film, said: Sequence[str] = ()) -> str:
+    """The page, ending in a newline.
+
+    Args:
+        film: what is shown.
+        said: sentences that stand beside it: where the body ends.
+    """
     from jinja2 import Environment, StrictUndefined
     from markupsafe import Markup
 
@@ -43,6 +49,7 @@ def film_page(film: Film) -> str:
     return (
         environment.from_string(template_part("film.html.j2")).render(
             film=film,
+            said=said,
             picture=picture,
             style=Markup(template_part("film.css")),
             script=Markup(script),
@@ -65,6 +72,7 @@ class _Picture:
         self.has_table = len(film.shown) <= MOST_ROWS
         self.size = f"{float_text(right - self.left, 3)} wide"
         self.label = length_label("x, y", film.scene.units)
+        self.rounding = ROUNDING * float(np.nan_to_num(np.abs(film.frames.speeds)).max(initial=0.0))
         self.speed_unit = f" [{film.scene.units.speed}]" if film.scene.units.speed else ""
 
     @property
@@ -191,7 +199,7 @@ class _Picture:
         """Speed, slip along and slip across of every wheel, as the table shows them."""
         frames, shown = self.film.frames, self.film.shown
         rows = np.column_stack([frames.speeds[k][shown], frames.slips[k][shown]])
-        return [[_number(value) for value in row] for row in rows]
+        return [[_number(value, self.rounding) for value in row] for row in rows]
 
     def _point(self, point: Floats) -> list[float]:
         x, y = (point[0] - self.left) * self.scale, (self.high - point[1]) * self.scale
@@ -210,8 +218,8 @@ def _line(place: Sequence[float], half: Sequence[float]) -> list[float]:
     return [round(value, DIGITS) for value in (x - dx, y - dy, x + dx, y + dy)]
 
 
-def _number(value: float) -> str:
-    """Three digits; an en dash where there is none."""
+def _number(value: float, rounding: float) -> str:
+    """Three digits; an en dash where there is none, zero for what is rounding."""
     if not math.isfinite(value):
         return "\N{EN DASH}"
-    return float_text(value, 3) if abs(value) > 1e-9 else "0"
+    return float_text(value, 3) if abs(value) > rounding else "0"

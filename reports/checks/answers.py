@@ -237,7 +237,7 @@ def merged_rows(destinations: Destinations) -> list[Destination]:
 
 def goal_text(found: Destination) -> str:
     """What becomes of a body there, and where that is."""
-    places = " to " if len(found.points) == 2 else ", "  # the ends of a line
+    places = " to " if len(found.points) == 2 else ", "  # the ends of a line, or opposite corners
     at = places.join(place_text(point, PLACE_DIGITS) for point in found.points)
     return f"{found.goal} {at}" if at else str(found.goal)
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 from nonsmooth.reports.output.choices import LawName, RegionSearch
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import notice, progress, steps
-from nonsmooth.reports.output.refusals import RefusedError, bad_input, refusals_named
+from nonsmooth.reports.output.refusals import RefusedError, UnwrittenError, bad_input, refusals_named
 from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED
-from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ THEOREM = "theorem4"
 # The questions, and the theorem; tests hold them to the registry.
 REQUIRABLE = ("position", "heading", "pose", "inertia", "tolerances", THEOREM)
 CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
+ONE_FAILS = (None, 1, "1", "any")  # of --fail
 OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
 OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
 
@@ -78,7 +79,7 @@ class CheckOptions(Options):
     )
     continuum: bool = option(False, "Add what a continuous field would do to an object.")
     headings: bool = option(False, "Look for headings at which a body rests around the checked point too.")
-    fail: int | None = option(None, FAIL, metavar="1")
+    fail: Any = option(None, FAIL, str | None, metavar="1|any")
     region: RegionSearch = option(
         RegionSearch.AUTO,
         "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
@@ -120,8 +121,8 @@ class CheckStudy(SceneStudy[CheckOptions]):
         """Refuse what cannot be asked of these scenes."""
         options, scenes = asked.options, _listed(asked.scene)
         _ = options.required
-        if options.fail not in (None, 1):
-            raise RefusedError(f"--fail: required 1, the number of wheels that fail, received {options.fail}")
+        if options.fail not in ONE_FAILS:
+            raise RefusedError(f"--fail: required 1 or any, one wheel at a time, received {shown(options.fail)}")
         for flag, file, endings in (("--certificate", options.certificate, CERTIFICATES), ("--law", options.law, LAWS)):
             if file is not None:
                 if options.rule == ALL_RULES:
@@ -239,6 +240,9 @@ def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
     from nonsmooth.reports.checks.check_results import TippedResult, compared
     from nonsmooth.symbolic.mechanics.contact_set import TipsError
 
+    if options.headings and scenes[0].body is None:
+        why = "without an outline of the body ([body] shape) all wheels carry it at every heading, and it moves alike"
+        notice(scenes[0].origin, f"--headings: none to look for: {why}")
     continuum = _predictions(scenes[0]) if options.continuum else None
     try:
         with steps("check") as announce:
@@ -294,8 +298,10 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
     if options.certificate is not None:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
 
-        with bad_input(result.scene, NoCertificateError):
+        try:
             result, certificate = result.certified()
+        except NoCertificateError as error:
+            raise UnwrittenError(f"{result.scene.origin}: {error}", result) from error
     if result.contradictions:
         for path in filter(None, (options.certificate, options.law)):
             notice(path, "not written: what the check says contradicts itself")
@@ -308,7 +314,8 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
         try:
             result.law(options.law_name).save(options.law)
         except NoLawError as error:
-            raise RefusedError(f"{result.scene.origin}: --law: {error}") from None
+            raise UnwrittenError(f"{result.scene.origin}: --law: {error}", result) from None
+        notice(options.law, f"the {options.law_name} law of {len(result.scene.wheels)} wheels")
     return result
 
 
@@ -353,8 +360,10 @@ def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.system_certificates import certificate_text, left_out
 
-        with bad_input(system, NoCertificateError):
+        try:
             certificate = result.certificate()
+        except NoCertificateError as error:
+            raise UnwrittenError(f"{system.origin}: {error}", result) from error
         write_whole(Path(options.certificate), certificate_text(certificate).encode())
         for line in left_out(certificate):
             notice(options.certificate, f"left out: {line}")

@@ -9,7 +9,7 @@ import typer
 
 from nonsmooth.reports.output.console import write
 from nonsmooth.reports.output.options import SceneText
-from nonsmooth.reports.output.refusals import RefusedError, refusals_named
+from nonsmooth.reports.output.refusals import RefusedError, beyond_floats_named, refusals_named
 from nonsmooth.reports.output.study_options import SceneOptions
 from nonsmooth.reports.studies.study_command import offered
 
@@ -88,7 +88,7 @@ def export(
             loaded = build_scene(data, label, file, allow_outside=allow_outside)
         loaded = loaded if rule is None else loaded.under(rule)
     stated = place is not None or is_vehicle
-    with refusals_named(loaded):
+    with refusals_named(loaded), beyond_floats_named(loaded):
         start = loaded.check.equilibrium if stated else None
         exported = export_world(loaded, start) if frame is ExportFrame.WORLD else export_scene(loaded, start)
     if path is None:

@@ -56,15 +56,13 @@ def _answers(subject: ArraySubject) -> Section:
 def _ends(subject: ArraySubject) -> Section:
     """Where and when bodies end: what is proved of it, what is simulated, and where sampled starts go."""
     answers, scene, unit = subject.answers, subject.scene, of_length(subject.scene)
-    second = f" {scene.units.time}".rstrip()
+    second = " s"  # which every answer says of its times
     found = answers.answers[0].numbers
     start = "the point" if found.get("within") is None else f"anywhere within {at_least(found['within'])}{unit} of it"
     items = []
     if found.get("at") is not None and found.get("after") is not None:
         within = found.get("ends_within")
-        place = (
-            f"about {place_text([float(entry) for entry in found['at']], DIGITS)}" if within != 0 else "at the point"
-        )
+        place = f"about {place_text([float(entry) for entry in found['at']])}" if within != 0 else "at the point"
         near = f", within {at_most(within)}{unit} of the checked point" if within else ""
         after = f"after at most {at_most(found['after'])}{second}"
         items.append(f"Without inertia: {place}{near}, {after}, from {start} (proved).")

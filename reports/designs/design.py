@@ -219,7 +219,7 @@ class DesignResult(Result, Generic[Held]):
         design = self.design
         arrays = {"the given array": design.base} | ({"the best found": design.best} if self.is_another else {})
         rows = [
-            (answers[0].name, *(f"{answer.verdict}: {answer.sentence}" for answer in answers))
+            (answers[0].name, *map(_in_words, answers))
             for answers in zip(*(found.answers for found in arrays.values()), strict=False)
         ]
         rows.append((WHAT[self.wish.maximize], *(_text(found.value) for found in arrays.values())))
@@ -243,15 +243,16 @@ class DesignResult(Result, Generic[Held]):
             return f"{name}: no speeds meet the requirements: {design.impossible}"
         asked, checked = ", ".join(self.wish.required), f"{design.checks} array{'s' * (design.checks != 1)}"
         if not design.is_found:
-            missing = ", ".join(design.best.unmet)
-            return f"{name}: none of {checked} meets all of {asked}; the nearest lacks {missing}"
+            if len(self.wish.required) == 1:
+                return f"{name}: none of {checked} meets {asked}"
+            return f"{name}: none of {checked} meets all of {asked}; the nearest lacks {', '.join(design.best.unmet)}"
         if self.improved is False:
             return f"{name}: nothing is improved: of {checked} checked none is better than the given one"
         return f"{name}: {self._change()}; found with {asked} among {checked} checked"
 
     def _said(self) -> Iterator[tuple[str, str]]:
         for answer in self.design.best.answers:
-            yield answer.name, f"{answer.verdict}: {answer.sentence}"
+            yield answer.name, _in_words(answer)
         objective = self.wish.maximize
         yield objective, f"{_text(self.value)}, {WHAT[objective]}; of the given array {_text(self.given_value)}"
 
@@ -331,6 +332,13 @@ def _fewest_words(fewest: Fewest) -> str:
     if fewest.undecided:
         return f"{which} is known to suffice; {fewest.undecided} choices are undecided, all others are refuted"
     return f"{which} suffices: all were checked and refuted"
+
+
+def _in_words(answer: Answer) -> str:
+    """An answer; a design shows no clauses below it."""
+    from nonsmooth.proofs.answers.answer import WHY_BELOW
+
+    return f"{answer.verdict}: {answer.sentence.replace(WHY_BELOW, '; check says why')}"
 
 
 def _from_to(before: Answer, after: Answer) -> str:

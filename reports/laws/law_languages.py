@@ -21,6 +21,7 @@ from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text
 
 WIDTH = 100  # of lines
+TIED = "\N{NO-BREAK SPACE}"  # in place of a space at which no line ends
 _FRACTION = re.compile(r"\b\d+/[1-9]\d*\b")
 _NAMES = {"e": "E", "f": "F", "w": "WEIGHT", "l": "LENGTH"}
 
@@ -74,7 +75,12 @@ def header(law: LawTable, at: str, language: Language) -> list[str]:
     said.append("Where one would be exceeded all speeds are scaled by one factor: the body takes the same way, later.")
     said.append(f"The speeds are combinations of: {law.kind}.")
     said = [_FRACTION.sub(_decimal, sentence) if units.length else sentence for sentence in said]
-    return [line for sentence in said for line in wrap(sentence, WIDTH, subsequent_indent="  ")]
+    return [line for sentence in said for line in _wrapped(sentence.replace(" = ", f"{TIED}={TIED}"), WIDTH, "  ")]
+
+
+def _wrapped(text: str, width: int, indent: str = "") -> list[str]:
+    """Lines of a text, in which tied words stay together."""
+    return [line.replace(TIED, " ") for line in wrap(text, width, subsequent_indent=indent)]
 
 
 def _where_not(law: LawTable) -> Iterator[str]:
@@ -95,8 +101,10 @@ def _decimal(fraction: re.Match[str]) -> str:
 
 def _order(law: LawTable, first: int) -> list[str]:
     """Which wheel each place of an array of speeds belongs to, whose places are counted from ``first``."""
-    places = (f"[{k}] {_wheel_words(wheel.index)}" for k, wheel in enumerate(law.scene.wheels, first))
-    return wrap(f"speeds by wheel: {', '.join(places)}", WIDTH - 10)
+    places = (
+        f"[{k}] {_wheel_words(wheel.index)}".replace(" ", TIED) for k, wheel in enumerate(law.scene.wheels, first)
+    )
+    return _wrapped(f"speeds by wheel: {', '.join(places)}", WIDTH - 10)
 
 
 def _wheel_words(index: int) -> str:

@@ -27,6 +27,7 @@ PROGRAM = "nonsmooth"
 # Typer's own errors of usage; before Typer 0.27.3 they are Click's, the second base of this one.
 USAGE_ERROR: Any = getattr(typer, "TyperException", typer.BadParameter.__mro__[2])
 BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
+NUMBERS = {"int_parsing": "a whole number", "float_parsing": "a number"}  # by the kind of what cannot be read as one
 
 
 def prepare_streams() -> None:
@@ -101,8 +102,21 @@ def _usage_line(error: Any) -> str:
     instead = _instead(message, "" if context is None else context.info_name, getattr(error, "option_name", ""))
     if instead is not None:
         return instead
+    misread = _misread(error)
+    if misread is not None:
+        return misread
     command = PROGRAM if context is None else context.command_path
     return f"{message}; see '{command} --help'"
+
+
+def _misread(error: Any) -> str | None:
+    """A value that is no number, in our own words where Typer leaves it to the words of a library (from 0.21 on)."""
+    found: list[Any] = getattr(error.__cause__, "errors", list)()
+    parameter = getattr(error, "param", None)
+    required = NUMBERS.get(found[0]["type"]) if found else None
+    if required is None or parameter is None:
+        return None
+    return f"{max(parameter.opts, key=len)}: required {required}, received {str(found[0]['input'])[:60]!r}"
 
 
 def _instead(message: str, command: str, option: str) -> str | None:

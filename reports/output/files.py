@@ -38,6 +38,8 @@ def output_path(text: str, suffixes: Collection[str]) -> Path:
     """
     path = Path(text)
     ending = path.suffix.lower()
+    if text.endswith(("/", os.sep)):
+        raise OutputError(path, "a file name", f"that of a folder, {text!r}")
     if ending not in suffixes:
         gone = f", which was removed: {removed.ENDINGS[ending]}" if ending in removed.ENDINGS else ""
         received = repr(path.suffix or path.name) + gone

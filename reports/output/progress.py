@@ -163,7 +163,11 @@ class _StepLine:
         """Name the step and what it tells, and the whole seconds since the start, which are seen on any width."""
         said = ": ".join(part for part in (self.step, self._told) if part)
         seconds = f" ({time.monotonic() - self._started:.0f} s)"
-        self._write(said[: max(shutil.get_terminal_size().columns - 1 - len(seconds), 0)] + seconds)
+        self._write(self._fitted(said, seconds))
+
+    def _fitted(self, said: str, seconds: str) -> str:
+        """Both within the width of the terminal."""
+        return said[: max(shutil.get_terminal_size().columns - 1 - len(seconds), 0)] + seconds
 
     def _write(self, text: str) -> None:
         """Replace the line."""
@@ -180,6 +184,9 @@ class _LogLines(_StepLine):
 
     def _pace(self) -> tuple[float, float]:
         return LOGGED, LOGGED
+
+    def _fitted(self, said: str, seconds: str) -> str:
+        return said + seconds  # a file is not as wide as a terminal
 
     def _write(self, text: str) -> None:
         if text:  # there is nothing to clear

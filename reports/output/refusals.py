@@ -5,17 +5,26 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.numbers.number import Number
     from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 class RefusedError(Exception):
     """A scene that can be read but not checked; ``str(error)`` is one line."""
+
+
+class UnwrittenError(RefusedError):
+    """A file for which what was found does not serve; ``found`` is shown all the same, since it took the work."""
+
+    def __init__(self, message: str, found: Any) -> None:
+        super().__init__(message)
+        self.found = found
 
 
 class OptionError(RefusedError, ValueError):
@@ -58,3 +67,50 @@ def refusals_named(scene: Scene | SwitchedSystem) -> Iterator[None]:
 
     with bad_input(scene, RefusalError):
         yield
+
+
+# ---- numbers beyond floats -------------------------------------------------------------------------
+
+LARGEST, LEAST = 1e150, 1e-150  # of numbers whose squares floats hold
+DIGITS = 6
+
+
+@contextmanager
+def beyond_floats_named(loaded: Any) -> Iterator[None]:
+    """Arithmetic that fails on an array with a number far beyond floats is that number's doing, which is named.
+
+    Such a number is no fault of itself: exact steps take it, and whole checks do where they need no others.
+
+    Args:
+        loaded: a scene, one with its document or words, or a list of scenes.
+    """
+    try:
+        yield
+    except (SceneError, RefusedError):
+        raise
+    except (ArithmeticError, TypeError, ValueError) as error:
+        for one in loaded if isinstance(loaded, list) else [loaded]:
+            _refuse_beyond_floats(getattr(one, "scene", one), error)
+        raise
+
+
+def _refuse_beyond_floats(scene: Any, error: Exception) -> None:
+    """Name the first number of an array that is beyond floats, if there is one."""
+    from nonsmooth.symbolic.messages.scene_kind import SceneKind
+    from nonsmooth.symbolic.numbers.number_text import decimal_text
+
+    for key, value in _numbers_of(scene) if scene.kind is SceneKind.ARRAY else ():
+        if value.sign() and not LEAST <= abs(float(value)) <= LARGEST:
+            expected = f"0 or a size of {LEAST:g} to {LARGEST:g}: floats, which are needed here, fail beyond"
+            raise SceneError(scene.origin, key, expected, StatedFact(decimal_text(value, DIGITS))) from error
+
+
+def _numbers_of(scene: Scene) -> Iterator[tuple[str, Number]]:
+    """The keys of the numbers of an array, and these."""
+    for wheel in scene.wheels:
+        own = f"wheel[{wheel.index:d}]"
+        for name, value in (("mu_roll", wheel.friction.roll), ("mu_side", wheel.friction.side)):
+            yield f"{own if name in wheel.named else 'friction'}.{name}", value
+        yield from ((f"{own}.position", entry) for entry in wheel.position)
+        yield f"{own}.speed", wheel.speed
+    yield "check.radius", scene.check.radius

@@ -19,6 +19,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.figures.style import (
     INK,
     LEGEND_LINE,
+    POINTS_PER_INCH,
     TOLD_APART,
     centre_labels,
     corners_of,
@@ -33,7 +34,7 @@ from nonsmooth.reports.figures.style import (
     start_labels,
     title_figure,
 )
-from nonsmooth.reports.figures.wheels import outline_of, placed
+from nonsmooth.reports.figures.wheels import AXES_SHARE, draw_names, outline_of, placed
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.simulations.maps import (
@@ -249,11 +250,12 @@ class BodyMapResult(MapResult):
         rows, others = self.shares[:SHOWN], self.destinations[SHOWN:]
         if others:
             rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
-        rows.insert(0, home_row(self.scene, self.home))
+        moving = self.found.by(BodyEnd.TIME)
+        rows.insert(0, home_row(self.scene, self.home, moving=bool(moving.any())))
         rows += self._tipping()
         unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
-        ended = self.found.times[~self.found.by(BodyEnd.TIME)]
-        latest = f"t = {ended.max():.6g}{second}" if len(ended) else "none ends"
+        ended = self.found.times[~moving]
+        latest = f"t = {ended.max():.6g}{second}" if len(ended) else f"none until t = {self.found.until:.6g}{second}"
         rows.append((f"latest end{massless(self.scene)}", latest))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
         head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"
@@ -404,11 +406,14 @@ def _draw_bodies(axes: Axes, shown: BodyMapResult) -> None:
 
 
 def _draw_contacts(axes: Axes, shown: BodyMapResult) -> None:
-    """Wheels as dots; the view stays."""
+    """Wheels as dots with their names, where there is room; the view stays."""
     limits = {"xlim": axes.get_xlim(), "ylim": axes.get_ylim()}
     places = corners_of(wheel.position for wheel in shown.scene.wheels)
     axes.plot(*places.T, linestyle="none", marker=".", markersize=3, color=INK, zorder=5)
     axes.set(**limits)
+    draw_names(axes, shown.scene, AXES_SHARE * SIZE[0] / 2 * POINTS_PER_INCH)
+    for name in axes.texts:  # those of wheels at the border would lie on the numbers of the axes
+        name.set_clip_path(axes.patch)
 
 
 def _destinations_legend(result: BodyMapResult) -> list[Patch]:

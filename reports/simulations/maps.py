@@ -102,12 +102,20 @@ def within_accuracy(scene: Scene, places: Floats) -> NDArray[np.bool_]:
     return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(scene)))
 
 
-def home_row(scene: Scene, home: NDArray[np.bool_], perhaps: int = 0) -> tuple[str, str]:
-    """How many of all starts end within the accuracy, and how many more by one of several solutions."""
+def home_row(scene: Scene, home: NDArray[np.bool_], perhaps: int = 0, moving: bool = False) -> tuple[str, str]:
+    """How many of all starts end within the accuracy, and how many more by one of several solutions.
+
+    Args:
+        scene: the array.
+        home: of each start, whether it does.
+        perhaps: how many more may.
+        moving: whether some still move at the last time, of which where they are then counts.
+    """
     unit = f" {scene.units.length}".rstrip()
     accuracy = float_text(accuracy_at_point(scene), 3)
     more = f", {perhaps} more by one of several solutions" if perhaps else ""
-    return "at the point", f"{int(home.sum())} of {len(home)} end within {accuracy}{unit} of it{more}"
+    end = "end, or are at the last time," if moving else "end"
+    return "at the point", f"{int(home.sum())} of {len(home)} {end} within {accuracy}{unit} of it{more}"
 
 
 class MapResult(Result):

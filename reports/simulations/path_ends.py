@@ -1,6 +1,6 @@
 """Where a path ends, when and how: one sentence in the scene's own units, and its record.
 
-``ends 0.108 mm from the point, heading 7.49 deg, within 4.15 mm of there after 0.8 s, at rest since 1.1 s``.  The
+``ends 0.108 mm from the point, heading 7.49 deg, within 4.15 mm of its end after 0.8 s, at rest since 1.1 s``.  The
 motion at the end is that of :func:`nonsmooth.analysis.trajectories.ending.ending`; swings and the time after which a
 body stays near where it ends are counted as for bodies with inertia (:mod:`nonsmooth.analysis.bodies.settling`).
 """
@@ -159,7 +159,7 @@ def in_unit(name: str, unit: str) -> str:
 
 def _settles(scene: Scene, after: float) -> str:
     accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + _unit(scene.units.length)
-    return f"within {accuracy} of there {_since(after, _time(scene))}"
+    return f"within {accuracy} of its end {_since(after, _time(scene))}"
 
 
 def _since(after: float, second: str) -> str:

@@ -68,7 +68,15 @@ if TYPE_CHECKING:
 
 SCHEMA = "nonsmooth-trajectory/1"
 SHOWN = 12  # events listed on a terminal
-UNIQUE = {True: "unique", False: "not unique: other solutions branch off", None: "uniqueness not decided"}
+NO_FILM = (
+    "-o: required samples or a picture (.csv, .json, .svg, .png, .pdf) of a law under a rule with friction sets, "
+    "received a film"
+)
+UNIQUE = {
+    True: "unique: no other solution from this start",
+    False: "not unique: other solutions branch off",
+    None: "uniqueness not decided",
+}
 
 
 class PathResult(Result):
@@ -462,7 +470,7 @@ class ArrayPath(PathResult):
 
         loop = self.loop if isinstance(self.loop, FeedbackLoop) else None
         film = build_film(whole(self.scene), self.trajectory, self.partition, loop)
-        return gif_bytes(film) if ending == ".gif" else film_page(film).encode()
+        return gif_bytes(film) if ending == ".gif" else film_page(film, (self.ending[1], *self.beside())).encode()
 
     def picture(self) -> PathPicture:
         """The pose over time and the path over the cells, or between the wheels."""
@@ -522,8 +530,7 @@ class DrivenPath(ArrayPath):
         Raises:
             OptionError: always.
         """
-        required = "samples or a picture (.csv, .json, .svg, .png, .pdf) of a loop under this rule"
-        raise OptionError(f"-o: required {required}, received a film")
+        raise OptionError(NO_FILM)
 
     def picture(self) -> PathPicture:
         """The pose over time and the path about the checked point."""

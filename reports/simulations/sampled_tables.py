@@ -72,9 +72,10 @@ class SampledTablesResult(Result):
         return int((self.all.distances <= self.accuracy).sum())
 
     @property
-    def binding(self) -> str:
-        """The tolerance that alone moves the end farthest (95 % of the tables)."""
-        return max(self.alone, key=lambda one: one.moved(SHARE)).names[0]
+    def binding(self) -> str | None:
+        """The tolerance that alone moves the end farthest (95 % of the tables); None where ends are not found."""
+        farthest = max(self.alone, key=lambda one: one.moved(SHARE))
+        return farthest.names[0] if math.isfinite(farthest.moved(SHARE)) else None
 
     def facts(self) -> Record:
         """JSON with stable keys; what is certified has a record of its own."""
@@ -109,9 +110,11 @@ class SampledTablesResult(Result):
         """The sample, and what is certified."""
         count, unit = len(self.all.places), of_length(self.scene)
         within = self.all.within(SHARE)
-        near = f"end within {_text(within)}{unit}" if math.isfinite(within) else "do not all end near the point"
-        counted = f"{self.near} of {count} within the accuracy, {_text(self.accuracy)}{unit}"
-        head = f"{100 * SHARE:g} % of {count} tables {near} (sampled, seed {self.seed})"
+        head = f"{100 * SHARE:g} % of {count} tables end within {float_text(within, 3)}{unit}"
+        if math.isinf(within):
+            head = f"of {self.all.missing} of {count} tables no place of rest that attracts was found"
+        head += f" (sampled, seed {self.seed})"
+        counted = f"{self.near} of {count} within the accuracy, {float_text(self.accuracy, 3)}{unit}"
         return f"{head}; {counted}; {self._certified(unit)}"
 
     def _certified(self, unit: str) -> str:
@@ -135,7 +138,7 @@ class SampledTablesResult(Result):
         for one in (self.all, *self.groups, *self.alone):
             what = "all" if one is self.all else " and ".join(WORDS[name] for name in one.names)
             numbers = (one.moved(SHARE), one.within(SHARE), one.within(1.0))
-            rows.append([what, *(f"{_text(number)}{unit}" for number in numbers), str(one.missing)])
+            rows.append([what, *(_text(number, unit) for number in numbers), str(one.missing)])
         names = ("drawn", "end moves (95 %)", "from the point (95 %)", "farthest", "not found")
         lines = [f"{head} ({how})", self.summary()]
         shown = table(names, rows, (1.6, 1.0, 1.1, 0.9, 0.6))
@@ -143,9 +146,11 @@ class SampledTablesResult(Result):
 
     def _binds(self) -> str:
         """Which tolerance binds, and how much farther it moves the end than the next."""
+        if self.binding is None:
+            return "which tolerance binds is not known: the ends of too many tables are not found"
         ordered = sorted(self.alone, key=lambda one: -one.moved(SHARE))
         said = f"the tolerance of {WORDS[self.binding]} binds"
-        if len(ordered) > 1 and ordered[1].moved(SHARE) > 0 and math.isfinite(ordered[0].moved(SHARE)):
+        if len(ordered) > 1 and ordered[1].moved(SHARE) > 0:
             times = float_text(ordered[0].moved(SHARE) / ordered[1].moved(SHARE), 2)
             said += f": alone it moves the end {times} times as far as {WORDS[ordered[1].names[0]]} alone"
         return f"{said} (sampled ends; what binds the certified bound, and may be another, check says)"
@@ -172,7 +177,7 @@ class SampledTablesResult(Result):
         return figure_with_legend(self.draw)
 
     def __repr__(self) -> str:
-        parts = [(" and ".join(one.names), _text(one.moved(SHARE))) for one in self.alone]
+        parts = [(" and ".join(one.names), _text(one.moved(SHARE), "")) for one in self.alone]
         return short_lines(f"{self.scene.name}: {self.summary()}", parts)
 
 
@@ -189,8 +194,8 @@ def _number(value: object) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def _text(value: float) -> str:
-    return float_text(value, 3) if math.isfinite(value) else "not known:"
+def _text(value: float, unit: str) -> str:
+    return f"{float_text(value, 3)}{unit}" if math.isfinite(value) else "not known"
 
 
 def draw_tables(scene: Scene, options: SimulateOptions) -> SampledTablesResult:

@@ -67,6 +67,12 @@ class Simulate(SceneStudy[SimulateOptions]):
         ending = "" if path is None else path.suffix.lower()
         if ending in FILMS and asked.kind is SceneKind.SYSTEM:
             raise RefusedError(f"{path}: required {SceneKind.ARRAY} for {ending}, received {SceneKind.SYSTEM}")
+        if ending in FILMS and options.feedback:
+            from nonsmooth.analysis.cells.contact_rule import rule_of
+            from nonsmooth.reports.simulations.paths import NO_FILM
+
+            if not rule_of(asked.scene).keeps_rows:
+                raise OptionError(NO_FILM)
 
     def run(self, scene: Scene | SwitchedSystem, options: SimulateOptions) -> Result:
         """A path, a map, an orbit, or distances by mass."""
@@ -82,7 +88,7 @@ def _refuse_of_system(asked: StudyRequest[SimulateOptions]) -> None:
     if asked.options.orbit:
         asked.refuse(("grid", "method", "width"), "one path or a map (orbits are found by events)", "--orbit")
     elif asked.options.grid is not None:
-        asked.refuse(("start", "method", "width"), "one path (maps are by events)", "--grid")
+        asked.refuse(("start", "method", "width"), "one path (maps are by events, from starts of their own)", "--grid")
     elif asked.options.method is PathMethod.DYNAMICS:
         raise OptionError(f"--method dynamics: required {SceneKind.ARRAY}, received {SceneKind.SYSTEM}")
 
@@ -92,7 +98,7 @@ def _refuse_of_array(asked: StudyRequest[SimulateOptions]) -> None:
     options = asked.options
     if options.grid is not None:
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
-        asked.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
+        asked.refuse(of_paths, "one path (maps are of the open loop, by events, from starts of their own)", "--grid")
     asked.refuse(("orbit",), SceneKind.SYSTEM, SceneKind.ARRAY)
     if options.tables is not None:
         of_paths = ("start", "until", "grid", "headings", "heading", "fail", "kinematics", "method", "width")

@@ -38,6 +38,7 @@ def command(study: SceneStudy[Any], name: str, words: str, scene: Any = shared.S
 def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[str, Any]) -> int:
     """Refuse what cannot be used before the work; then do it and show the result."""
     from nonsmooth.reports.output.files import output_path
+    from nonsmooth.reports.output.refusals import UnwrittenError, beyond_floats_named
     from nonsmooth.reports.studies.result import show
 
     json = given.pop("json")
@@ -51,9 +52,14 @@ def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[s
     study.refuse(StudyRequest(options, typed, loaded), path)
     if not json:
         _warn(loaded)
-    result = study.run(loaded, options)
-    show(result, path, json=json)
-    return result.exit_status
+    with beyond_floats_named(loaded):
+        try:
+            result = study.run(loaded, options)
+        except UnwrittenError as error:
+            show(error.found, path, json=json)
+            raise
+        show(result, path, json=json)
+        return result.exit_status
 
 
 def _warn(scene: Any) -> None:

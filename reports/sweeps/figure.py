@@ -8,7 +8,7 @@ straight between them.  *Cells* that are certified as a whole, or left white.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -17,7 +17,7 @@ from nonsmooth.reports.figures.style import INK, XY, legend_below, new_figure, t
 from nonsmooth.reports.sweeps.borders import Border, has_place
 from nonsmooth.reports.sweeps.certified import CertifiedCell
 from nonsmooth.reports.sweeps.outcome import REFUSED
-from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
+from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
 from nonsmooth.reports.sweeps.table import counted, sweep_title
 from nonsmooth.reports.sweeps.values import SweepError
 from nonsmooth.symbolic.numbers.number_text import float_text
@@ -122,12 +122,39 @@ CURVES = {  # numbers of an outcome, and what they are called
 
 
 LENGTHS = {NEAR, "within"}
+# Keys of numbers that are varied, by what they are; a speed of [tolerance] is a share.
+OF_LENGTH = {
+    *("position", "equilibrium", "radius", "length", "accuracy", "pitch", "width", "height", "vertices"),
+    *("centre_of_mass", "centre_height", "position_error"),
+}
+OF_SPEED, OF_ANGLE = {"speed", "speed_limit"}, {"heading", "phase", "axis", "direction", "heading_error"}
+
+
+def axis_label(axis: Axis, document: Mapping[str, Any]) -> str:
+    """The key of a number that varies, with the unit in which the scene states it, where it states units."""
+    units = document.get("units", {})
+    length, keys = units.get("length"), {step for step in axis.path if isinstance(step, str)}
+    unit = ""
+    if keys & OF_LENGTH:
+        unit = length
+    elif keys & OF_SPEED and "tolerance" not in keys:
+        unit = units.get("speed", f"{length}/s")
+    elif keys & OF_ANGLE:
+        in_radians = any(word in str(axis.values.value(0).entry) for word in ("pi", "rad"))
+        unit = "rad" if in_radians else units.get("angle", "deg")
+    elif keys & {"mass", "delay"}:
+        unit = "kg" if "mass" in keys else "s"
+    return f"{axis.name} [{unit}]" if length and unit else axis.name
 
 
 def _with_unit(sweep: Sweep, name: str) -> str:
     """What a number is called, with the unit of one that is a length."""
     length = sweep.base.document.get("units", {}).get("length")
     return f"{CURVES[name]} [{length}]" if length and name in LENGTHS else CURVES[name]
+
+
+def _label(sweep: Sweep, place: int) -> str:
+    return axis_label(sweep.plan.axes[place], sweep.base.document)
 
 
 def _is_drawn(sweep: Sweep, name: str) -> bool:
@@ -144,7 +171,7 @@ def _strips(sweep: Sweep) -> Figure:
     _draw_strips(rows[0], sweep)
     for axes, name in zip(rows[1:], curves, strict=True):
         _draw_curve(axes, sweep, name)
-    rows[-1].set_xlabel(sweep.plan.names[0])
+    rows[-1].set_xlabel(_label(sweep, 0))
     _explain(figure, sweep, {answer for _, _, answers in _pieces(sweep) for answer in answers})
     return figure
 
@@ -237,9 +264,9 @@ def _maps(sweep: Sweep) -> Figure:
         _draw_map(axes, sweep, k)
         axes.set_title(TITLES[name])
     for axes in panels[-1]:
-        axes.set_xlabel(sweep.plan.names[0])
+        axes.set_xlabel(_label(sweep, 0))
     for axes in panels[:, 0]:
-        axes.set_ylabel(sweep.plan.names[1])
+        axes.set_ylabel(_label(sweep, 1))
     said = {outcome[name] for outcome in sweep.outcomes for name in sweep.questions}
     said |= {answer for border in sweep.borders or () for answer in (*border.before, *border.after)}
     _explain(figure, sweep, said)
@@ -331,9 +358,9 @@ def _cells(sweep: Sweep, cells: Sequence[CertifiedCell]) -> Figure:
     for cell in cells:
         _draw_cell(axes, cell, named=len(cells) <= MOST_NAMED)
     axes.autoscale_view(tight=True)
-    axes.set_xlabel(sweep.plan.names[0])
+    axes.set_xlabel(_label(sweep, 0))
     if is_map:
-        axes.set_ylabel(sweep.plan.names[1])
+        axes.set_ylabel(_label(sweep, 1))
     else:
         axes.set_yticks([])
     title_figure(figure, f"{sweep_title(sweep)}\n{counted(sweep).rpartition('; ')[2]}")

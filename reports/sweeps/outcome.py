@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
-from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
@@ -89,17 +89,19 @@ def questions_of(outcome: Outcome) -> tuple[str, ...]:
 
 
 def _checked(scene: Scene) -> Outcome:
-    check, _ = reconciled(check_theorem4(scene, beside=False))
-    answers = {answer.name: answer for answer in answers_of(check)}
-    robust = robust_answer(check.scene, check.results)
-    if robust is not None:
+    decided = check_theorem4(scene, beside=False)
+    robust = robust_answer(decided.scene, decided.results)
+    check, answered = reconciled(decided, Answers(answers_of(decided), None, (), robust))
+    answers = {answer.name: answer for answer in answered.answers}
+    contradicted = "; ".join(one.text for one in check.contradictions) or None
+    if robust is not None and contradicted is None:
         answers[TOLERANCES] = robust
     position, heading, pose = (str(answers[name].verdict) for name in QUESTIONS[:3])
     verdicts = {name: str(check.results[name].verdict) for name in CLAUSES}
     numbers = {name: _number(check, answers, *place) for name, place in NUMBERS.items()}
     exact = {name: exact_texts(value) for name, value in numbers.items()}
     return {
-        **_record(position, heading, pose, check.verdict, None),
+        **_record(position, heading, pose, check.verdict, contradicted),
         **verdicts,
         **{name: floats(value) for name, value in numbers.items()},
         "exact": {name: text for name, text in exact.items() if text is not None},

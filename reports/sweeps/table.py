@@ -20,6 +20,7 @@ from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 
 SCHEMA = "nonsmooth-sweep/2"
+CONTRADICTS = "contradict each other"  # in the reason of a scene whose answers do
 MOST_SHOWN = 40  # scenes that a terminal lists
 SHOWN_NUMBERS = ("rate", "kappa")  # beside the answers on a terminal
 NEAR_NUMBERS = ("ends_within", "within", "after")  # the same where bodies come near the point, not to it
@@ -76,7 +77,15 @@ def sweep_blocks(sweep: Sweep) -> list[Block]:
     """The answers as a table, where they change, and how many there are of each."""
     head, left = Paragraph((f"{one_line(_name(sweep))}: {_kind(sweep)}",)), len(sweep.outcomes) - MOST_SHOWN
     more = [Paragraph((f"{left} more scenes (--json and -o list them)",))] if left > 0 else []
-    return [head, _answers_table(sweep), *more, *_borders_blocks(sweep), Paragraph((counted(sweep),))]
+    contradicted = [Paragraph((line,)) for line in _contradictions(sweep)]
+    return [head, _answers_table(sweep), *more, *contradicted, *_borders_blocks(sweep), Paragraph((counted(sweep),))]
+
+
+def _contradictions(sweep: Sweep) -> Iterator[str]:
+    """Of how many scenes what is said contradicts itself, and the first of these contradictions."""
+    said = [why for outcome in sweep.outcomes if CONTRADICTS in (why := outcome["why"] or "")]
+    if said:
+        yield f"{len(said)} of {len(sweep.outcomes)} scenes are undecided for that (please report this): {said[0]}"
 
 
 def border_text(border: Border, name: str) -> str:

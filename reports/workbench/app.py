@@ -185,7 +185,7 @@ class Routes:
             Route("/page/{name}", self.file),
             Route("/api/health", self.health),
             Route("/api/scenes", self.scenes),
-            Route("/api/scenes/{name}", self.scene),
+            Route("/api/scenes/{name:path}", self.scene),
             Route("/api/open", self.open, methods=["POST"]),
             Route("/api/view", self.view, methods=["POST"]),
             Route("/api/edit", self.edit, methods=["POST"]),

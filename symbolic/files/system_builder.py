@@ -26,10 +26,16 @@ from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, refuse_waves_o
 from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
 
+# Said of a system with a state V: to rename it would change what the user wrote.
+TWO_MEANINGS = (
+    "V is a state here, and the Lyapunov function too: before =, < and in V' it is the function, in its formula and in "
+    "abs(V) the state"
+)
 LARGEST_RADIUS = 10**150  # squares of such numbers are floats
 
 
@@ -65,7 +71,13 @@ def build_system(data: dict[str, Any], file: str, path: Path, *, order: int = 0)
     """
     document = validate(SystemDocument, data, file)
     roots = _signed_roots(document, file)
-    return _plain_system(document, file, path, order) if roots is None else _seen_by_roots(document, roots, file, path)
+    if roots is None:
+        system = _plain_system(document, file, path, order)
+    else:
+        system = _seen_by_roots(document, roots, file, path)
+    if "V" in system.stated_states:
+        system.field.remarks += (FirstRemark(TWO_MEANINGS),)
+    return system
 
 
 def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:

@@ -77,7 +77,7 @@ def test_the_first_lines_say_who_carries(carton: str, invoke: Invoke, tmp_path: 
     heavy = " ".join(invoke("check", str(file)).out.split())
     assert "all wheels carry the body, at every pose: the scene states no shape of it" in heavy
     path = " ".join(invoke("simulate", str(file), "--from", "1,0,0").out.split())
-    assert "mm of there already at the start" in path
+    assert "mm of its end already at the start" in path
 
 
 @pytest.mark.parametrize("rule", keep(2, CONTACT_RULES))

@@ -63,7 +63,7 @@ def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: Array
 
 def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject) -> None:
     ends = "Where and when bodies end"
-    assert "at the point, after at most 0.5, from anywhere within 0.5 of it (proved)" in words(
+    assert "at the point, after at most 0.5 s, from anywhere within 0.5 of it (proved)" in words(
         brief_document(four_wheel), ends
     )
     beside = ArraySubject(load_scene("off-center", rule="ellipse"), Invocation("off-center"), ("answers",))

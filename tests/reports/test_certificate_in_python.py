@@ -45,3 +45,13 @@ def test_what_has_none_is_refused_in_a_line() -> None:
             result.certificate()
         assert words in str(refused.value)
         assert "\n" not in str(refused.value)
+
+
+def test_the_command_shows_the_answers_without_one(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "open.toml").write_text(
+        'name = "open"\n[system]\nstates = ["x", "y"]\nrhs = ["y + y**2", "-x**3 + x**2*y**2"]\n', encoding="utf-8"
+    )
+    done = invoke("check", "open.toml", "--certificate", "c.json")
+    assert (done.status, done.err) == (2, "nonsmooth: open.toml: a certificate needs a verdict, received undecided\n")
+    assert "│ stability │ undecided │" in done.out
+    assert not Path("c.json").exists()

@@ -383,3 +383,26 @@ def test_a_path_that_cannot_go_on_is_refused_and_a_violated_bound_is_a_fault(
     assert (outcome.status, outcome.out) == (status, "")
     assert ("Traceback" in outcome.err) == (status == 70)
     assert "four-wheel: no Filippov continuation" in outcome.err or status == 70
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("check", "four-wheel", "--fail", "two"), "--fail: required 1 or any, one wheel at a time, received 'two'"),
+        (("simulate", "four-wheel", "--grid", "1.5"), "--grid: required a whole number, received '1.5'"),
+        (("simulate", "four-wheel", "--from", "0,0,0", "--until", "x"), "--until: required a number, received 'x'"),
+        (
+            ("partition", "four-wheel", "-o", "x.svg/"),
+            "x.svg: required a file name, received that of a folder, 'x.svg/'",
+        ),
+    ],
+)
+def test_what_an_option_takes_is_said_in_our_words(invoke: Invoke, arguments: tuple[str, ...], said: str) -> None:
+    outcome = invoke(*arguments)
+    assert (outcome.status, outcome.out, outcome.err) == (2, "", f"nonsmooth: {said}\n")
+
+
+def test_why_there_are_no_headings_of_rest_is_said(invoke: Invoke) -> None:
+    said = invoke("check", "four-wheel", "--headings").err
+    assert said.startswith("four-wheel: --headings: none to look for: without an outline of the body")
+    assert said.count("\n") == 1

@@ -174,7 +174,8 @@ def test_ends_say_by_when_and_how_fast_bodies_turn_on(invoke: Invoke) -> None:
     assert f"by t = {end['t']:.3g}, turning at {degrees(end['turning']):.3g} deg per unit of time" in shown
     moving = " ".join(invoke("simulate", *spiral, "--grid", "2", "--until", "1").out.replace("│", " ").split())
     assert "still moving at the last time, at heading -" in moving
-    assert "latest end none ends" in moving
+    assert "of 4 end, or are at the last time, within" in moving  # none of them ends
+    assert "latest end none until t = 1 " in moving
     assert "turning" not in invoke("simulate", "four-wheel", "--rule", "ellipse", "--grid", "3").out
 
 
@@ -202,3 +203,10 @@ def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
     assert labels[-2:] == ["checked point", "wheel"]
     labels = labels[:-2]
     assert sum(float(label.split(" %")[0]) for label in labels) == pytest.approx(100, abs=0.5)
+
+
+def test_wheels_are_named_where_there_is_room() -> None:
+    array = nonsmooth.load("carton-on-6x6")
+    assert isinstance(array, nonsmooth.Array)
+    _, places = array.with_(rule="box").map(2).figure().axes
+    assert {text.get_text() for text in places.texts} - {""} == {str(number) for number in range(1, 37)}

@@ -287,3 +287,10 @@ def test_a_certificate_about_another_irrational_point_is_rejected(invoke: Invoke
     rejected = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
     assert rejected.status == 1
     assert "received one with other" in rejected.out
+
+
+def test_a_state_with_the_name_of_the_function_is_told_apart(invoke: Invoke, tmp_path: Path) -> None:
+    """``V = V**2 + x**2`` and ``V < 1/4`` stand beside ``abs(V) <= 1/2``."""
+    (tmp_path / "v.toml").write_text('[system]\nstates = ["V", "x"]\nrhs = ["-V + x", "-x - V"]\n', encoding="utf-8")
+    assert invoke("check", "v.toml").out.startswith("note: V is a state here, and the Lyapunov function too")
+    assert "V is a state" not in invoke("check", "eq-4").out

@@ -13,6 +13,7 @@ from nonsmooth.proofs import theorem4
 from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks import subject
+from nonsmooth.reports.sweeps import outcome as outcomes
 from tests.thorough import few
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def wrong(check: Check) -> Check:
 def planted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Such a fault behind every command."""
     truly = theorem4.check_theorem4
-    for module in (theorem4, subject):
+    for module in (theorem4, subject, outcomes):
         monkeypatch.setattr(module, "check_theorem4", lambda *given, **how: wrong(truly(*given, **how)))
 
 
@@ -89,6 +90,16 @@ def test_many_scenes_the_report_and_python_say_it(invoke: Invoke, tmp_path: Path
     assert result.contradictions
     assert "position and destinations contradict each other" in " ".join(repr(result).split())
     assert result.rows()[-1]["question"] == "contradiction"
+
+
+@pytest.mark.usefixtures("planted")
+def test_a_sweep_says_it(invoke: Invoke) -> None:
+    command = ("sweep", "four-wheel", "--vary", "mu_side=1/4,1/2", "--workers", "1")
+    for row in invoke(*command, "--json").record["rows"]:
+        assert (row["position"], row["theorem4"]) == ("undecided", "undecided")
+        assert row["why"].startswith("position and destinations contradict each other: ")
+    said = " ".join(invoke(*command).out.split())
+    assert "2 of 2 scenes are undecided for that (please report this): position and destinations contradict" in said
 
 
 @pytest.mark.usefixtures("planted")

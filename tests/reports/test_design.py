@@ -144,7 +144,10 @@ def angle_of(wheel: Wheel) -> float:
 def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Path) -> None:
     outcome = invoke("design", "outward", "--free", "speeds", "--checks", "5", "-o", "none.toml")
     assert outcome.status == 1
-    assert "none of 5 arrays meets" in outcome.out
+    assert "outward: none of 5 arrays meets position\n" in outcome.out
+    open_answers = " ".join(invoke("design", "saddle", "--rule", "ellipse", "--checks", "2").out.split())
+    assert "decided; check says why" in open_answers
+    assert "why: below" not in open_answers  # there is nothing
     assert not (tmp_path / "none.toml").exists()
 
 

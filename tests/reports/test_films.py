@@ -7,6 +7,7 @@ import json
 import re
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -15,10 +16,12 @@ from PIL import Image
 import nonsmooth as ns
 from nonsmooth.reports.animation import film as film_module
 from nonsmooth.reports.animation.film import MOST_FRAMES, RATE, build_film, frame_times
+from nonsmooth.reports.animation.page import _number
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.figures.wheels import outline_of, placed
 from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.reports.output.files import OutputError
+from tests.reports.conftest import Invoke
 from tests.thorough import keep, thorough
 
 START = ("--from", "0.2,0.4,0.1")
@@ -64,6 +67,17 @@ def test_equal_input_gives_equal_films(tmp_path: Path) -> None:
     first = {s: path.animate(tmp_path / f"a{s}").read_bytes() for s in (".gif", ".html")}
     again = {s: path.animate(tmp_path / f"b{s}").read_bytes() for s in (".gif", ".html")}
     assert first == again
+
+
+def test_a_film_of_a_law_under_friction_sets_is_refused_before_the_work(invoke: Invoke) -> None:
+    common = ("simulate", "ring-6", "--rule", "ellipse", "--from", "0,0,0.1", "--feedback", "-o", "path.html")
+    with patch("nonsmooth.reports.simulations.simulate._run_array", side_effect=AssertionError):
+        done = invoke(*common)
+    assert (done.status, done.err[:30]) == (2, "nonsmooth: -o: required sample")
+
+
+def test_slips_that_are_rounding_are_none() -> None:
+    assert [_number(value, 2e-4) for value in (-4.91e-06, 2.52e-05, 0.00817)] == ["0", "0", "0.00817"]
 
 
 def test_python_refuses_other_files_and_systems(tmp_path: Path) -> None:
@@ -125,7 +139,9 @@ def test_a_page_has_a_scale_and_the_words_of_the_table(tmp_path: Path) -> None:
     rings = [tuple(map(float, ring)) for ring in re.findall(r'data-wheel="[^"]*" cx="([\d.]+)" cy="([\d.]+)"', page)]
     assert rings[1] == pytest.approx((across["-100"], down["100"]), abs=0.1)
     assert rings[3] == pytest.approx((across["100"], down["-100"]), abs=0.1)
-    assert re.findall(r'<text class="left"[^>]*>(mm)<', page) == ["mm"]
+    assert re.findall(r'<text class="unit"[^>]*>(mm)<', page) == ["mm"]
+    assert "<h1>table: rule nearest, exact kinematics, without inertia</h1>" in page
+    assert re.search(r"<p>ends [\d.]+ mm from the point, .*</p>", page)
     assert data_of(page)["wheels"] == ["M1", "M2", "M3", "M4"]
     assert "speed u [mm/s]" in page
 

@@ -18,6 +18,8 @@ import pytest
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -169,3 +171,26 @@ def test_commands_end(tmp_path: Path, name: str, command: str) -> None:  # small
     assert "Traceback" not in run.stderr
     if run.returncode == 2:
         assert len(run.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")  # of floats that are not finite: what is refused
+@pytest.mark.parametrize(
+    ("key", "wheel", "friction"),
+    [
+        ("friction.mu_roll", "", "mu_roll = 1e400\nmu_side = 0.4"),
+        ("wheel[2].position", "position = [-1e390, 0.1]\nspeed = 0.3", "mu_roll = 0.8\nmu_side = 0.4"),
+        ("wheel[2].speed", "position = [-0.2, 0.1]\nspeed = 1e400", "mu_roll = 0.8\nmu_side = 0.4"),
+    ],
+)
+def test_a_number_beyond_floats_is_named_where_they_fail(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], key: str, wheel: str, friction: str
+) -> None:
+    """``check`` ended in "ValueError: math domain error" and the like."""
+    usual = [f"position = [{x}, {y}]\nspeed = 0.3" for x, y in ((0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1))]
+    tables = [f'[[wheel]]\nheading = "inward"\n{own}\n' for own in (usual[0], wheel or usual[1], *usual[2:])]
+    file = written(tmp_path, f"[friction]\n{friction}\n[check]\nradius = 0.1\nequilibrium = [0, 0]\n{''.join(tables)}")
+    for command in (["check", file, "--rule", "ellipse"], ["export", file, "--rule", "ellipse"]):
+        assert run(app, command) == 2
+        said = capsys.readouterr().err
+        assert said.startswith(f"nonsmooth: {file}: {key}: required 0 or a size of 1e-150 to 1e+150")
+        assert said.count("\n") == 1

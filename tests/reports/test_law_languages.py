@@ -380,7 +380,8 @@ def python_check(name: str) -> Any:
 
 def test_the_command_writes_every_language(invoke: Invoke, tmp_path: Path) -> None:
     for ending in (".py", ".c", ".st"):
-        assert invoke("check", "four-wheel", "--law", f"law{ending}").status == 0
+        done = invoke("check", "four-wheel", "--law", f"law{ending}")
+        assert (done.status, done.err) == (0, f"law{ending}: the certified law of 4 wheels\n")
         program = python_check("four-wheel").law().program(ending.removeprefix("."))
         assert (tmp_path / f"law{ending}").read_text(encoding="utf-8") == program
     assert invoke("check", "four-wheel", "--law", "printed.st", "--law-name", "printed").status == 0
@@ -404,6 +405,19 @@ def test_what_cannot_be_written_is_refused(
     assert done.status == 2
     assert said in done.err
     assert not list(tmp_path.iterdir())
+
+
+def test_no_line_ends_within_the_name_of_a_wheel() -> None:
+    result = ns.load("grid-4x4").check(rule="box")
+    assert isinstance(result, ns.CheckResult)
+    program = result.law().program("st")
+    named = re.findall(r"\[\d+\] wheel \d+(?:,| \*\))", program)
+    assert len(named) == 16
+
+
+def test_answers_are_shown_beside_a_law_that_there_is_not(invoke: Invoke) -> None:
+    done = invoke("check", "four-wheel-side", "--law", "a.c", "--json")
+    assert (done.status, done.record["answers"]["position"]["verdict"]) == (2, "stays near")
 
 
 def test_a_law_of_python_can_be_called() -> None:

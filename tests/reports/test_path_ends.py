@@ -108,7 +108,7 @@ def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None
     shown = sentence(invoke("simulate", str(scene), "--from", "30,20,0", "--until", "0.1").out)
     assert re.search(r"without inertia: ends [\d.]+ mm from the point, heading .* deg, moving at [\d.]+ mm/s", shown)
     followed = r"with inertia \(simulated, from rest until its place rests at t = [\d.]+ s\)"
-    assert re.search(followed + r": ends .* mm of there after [\d.]+ s, \d+ swing", shown)
+    assert re.search(followed + r": ends .* mm of its end after [\d.]+ s, \d+ swing", shown)
 
 
 def test_plain_systems_say_it_too(invoke: Invoke) -> None:

@@ -15,7 +15,7 @@ from matplotlib.patches import Circle
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
 from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.proofs.robust.decide import decided_statement
-from nonsmooth.reports.simulations.sampled_tables import draw_tables
+from nonsmooth.reports.simulations.sampled_tables import SampledTablesResult, draw_tables
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
@@ -33,6 +33,7 @@ grid = { rows = 2, columns = 3, pitch = 100 }
 field = { kind = "radial", speed = 0.1 }
 tolerance = { position = 1, heading = "1 deg", mu_roll = "15/100", mu_side = "15/100" }
 """
+OF_TWO = (("heading", np.nan), ("mu_roll", 1.0))  # tolerances: of the first no end is found
 
 
 @pytest.fixture
@@ -129,6 +130,18 @@ def test_the_command_says_what_binds(table: Path, invoke: Invoke) -> None:
     assert f"{near} of 10 within the accuracy, {record['accuracy']:.3g} mm" in shown
     again = invoke("simulate", str(table), "--tables", "10", "--seed", "3", "--json").record
     assert again == record
+
+
+def test_nothing_binds_where_ends_are_not_found(table: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """``not known: mm``, and the first of the tolerances whose ends are not known was said to bind."""
+    lost, kept = (SampledTables((name,), np.full((4, 2), x), np.zeros(2), np.zeros(2)) for name, x in OF_TWO)
+    found = SampledTablesResult(scene_of(table), 1, lost, (), (kept, lost), None)
+    assert found.facts()["binding"] is None
+    assert found.summary().startswith("of 4 of 4 tables no place of rest that attracts was found (sampled, seed 1); 0")
+    found.to_terminal()
+    shown = capsys.readouterr().out
+    assert "which tolerance binds is not known" in shown
+    assert "not known: mm" not in shown
 
 
 def test_what_is_not_drawn_is_refused(table: Path, invoke: Invoke) -> None:

@@ -200,7 +200,7 @@ sys.exit(cli.main())
 def test_a_log_has_whole_lines_that_move(terminal: str) -> None:
     """Where standard error is a pipe, each ends in a line feed, and none clears another."""
     command = [sys.executable, "-c", LOGGED, "simulate", "four-wheel", "--from", "0,0,0", "--until", "0.1"]
-    environment = {**os.environ, "TERM": terminal}
+    environment = {**os.environ, "TERM": terminal, "COLUMNS": "14"}  # lines of a file are not cut
     found = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
     lines = found.stderr.splitlines()
     assert len(lines) >= 3

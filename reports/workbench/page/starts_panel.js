@@ -7,6 +7,7 @@ import { roundTo, shown } from "./values.js";
 
 export const MOST = 12; // starts on a page; the server follows each of them
 const SECONDS = 6; // that playing the whole time takes
+const SHOWN_DIGITS = 9; // of a heading in degrees
 const RING = 0.7; // of the checked radius: how far from the point a new start lies
 
 export class StartsPanel {
@@ -48,11 +49,18 @@ export class StartsPanel {
   }
 
   #take(index, place, input) {
-    const value = Number(input.value.replace("\u2212", "-"));
+    const entered = Number(input.value.replace("\u2212", "-"));
+    const value = entered * this.#unitOf(place);
     const valid = input.value.trim() !== "" && Number.isFinite(value);
     input.setAttribute("aria-invalid", String(!valid));
     if (!valid) return;
     this.store.edit(({ starts }) => ({ starts: starts.map((start, k) => (k === index ? start.map((old, i) => (i === place ? value : old)) : start)) }));
+  }
+
+  /** What a number of a field stands for: a heading is kept in radians, and shown in the unit of the scene's angles. */
+  #unitOf(place) {
+    const inDegrees = place === 2 && !isSystem(this.store.document) && unitOf(this.store.document, "angle") === "deg";
+    return inDegrees ? Math.PI / 180 : 1;
   }
 
   show() {
@@ -60,7 +68,7 @@ export class StartsPanel {
     put(this.until, until);
     const [length, time] = ["length", "time"].map((kind) => unitOf(this.store.document, kind));
     say(this.unit, time ? ` [${time}]` : "");
-    say(this.legend, length && starts.length ? `a start: x [${length}], y [${length}], theta [rad]` : "");
+    say(this.legend, length && starts.length ? `a start: x [${length}], y [${length}], theta [${unitOf(this.store.document, "angle")}]` : "");
     const names = isSystem(this.store.document) ? this.store.document.system.states : ["x", "y", "theta"];
     if (names.length !== this.width) this.list.replaceChildren();
     this.width = names.length;
@@ -72,7 +80,8 @@ export class StartsPanel {
       parts.pop().setAttribute("aria-label", `Remove start ${k + 1}`);
       parts.forEach((input, place) => {
         input.setAttribute("aria-label", `${names[place]} of start ${k + 1}`);
-        put(input, start[place] ?? 0);
+        const unit = this.#unitOf(place);
+        put(input, unit === 1 ? (start[place] ?? 0) : Number((start[place] / unit).toPrecision(SHOWN_DIGITS)));
       });
     });
   }

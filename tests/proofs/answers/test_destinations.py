@@ -180,6 +180,8 @@ def test_without_cells_bodies_that_all_stand_still_are_an_area() -> None:
     assert found is not None
     assert [place.goal for place in found.found] == [Goal.AREA]
     assert found.found[0].share == pytest.approx(1)
+    (low, _), (high, _) = found.found[0].points  # where it is, however many places are in it
+    assert -0.5 <= low < -0.4 < 0.4 < high <= 0.5
 
 
 def test_auto_without_cells_proves_the_point_that_floats_propose(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from flint import arb, arb_mat
 import nonsmooth as ns
 from nonsmooth.proofs.answers.answer import GOOD, Position
 from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.position import _where
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.findings.verdicts import Translation
@@ -432,6 +434,19 @@ def test_a_measured_table_passes_what_is_required(
     assert len(position["at"]) == 2
     assert " mm of the point, from anywhere within " in position["reason"]
     assert " mm of it, in at most " in position["reason"]
+
+
+def test_a_printed_place_of_the_end_is_not_farther_off_than_is_said() -> None:
+    """``within 0.01621 mm of (150.1, 100.1)`` would be said of ends about (150.065, 100.085)."""
+    at, about = (Fraction("150.0648"), Fraction("100.0846")), Fraction("0.0162")
+    ends = Ends(True, about, Fraction(50), Fraction(50), Fraction(3), at, about)
+    words = _where(load_scene("four-wheel"), ends, " mm")
+    shown = re.fullmatch(r"it ends within (.*) mm of \((.*), (.*)\)", words)
+    assert shown is not None
+    radius, *place = map(Fraction, shown.groups())
+    away = math.hypot(*(float(a - b) for a, b in zip(place, at, strict=True)))
+    assert float(radius) >= about + away
+    assert float(radius) <= 1.2 * about
 
 
 def test_a_tighter_accuracy_asks_for_more(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.output.document import Table, plain_text
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
-from nonsmooth.reports.sweeps.figure import build_figure
+from nonsmooth.reports.sweeps.figure import axis_label, build_figure
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_plan
@@ -396,6 +396,12 @@ def test_a_wheel_of_a_table_varies_on_its_own(invoke: Invoke, tmp_path: Path) ->
 def test_curves_of_lengths_name_the_unit(tmp_path: Path) -> None:
     table = 'units = { length = "mm" }\ngrid = { rows = 2, columns = 2, pitch = 200 }\n'
     wheels = 'friction = { mu_roll = 1, mu_side = 0.5 }\nfield = { kind = "radial", speed = 100 }\n'
-    (tmp_path / "a.toml").write_text(table + wheels, encoding="utf-8")
+    tolerance = 'tolerance = { heading = "1 deg" }\n'
+    (tmp_path / "a.toml").write_text(table + wheels + tolerance, encoding="utf-8")
     figure = build_figure(swept(str(tmp_path / "a.toml"), {"check.radius": "30:60:2"}))
     assert "comes from within [mm]" in [axes.get_ylabel() for axes in figure.axes]
+    assert figure.axes[-1].get_xlabel() == "check.radius [mm]"
+    varied = {"field.speed": "mm/s", "grid.pitch": "mm", "friction.mu_side": "", "tolerance.heading": "deg"}
+    base, plan = based(str(tmp_path / "a.toml"), dict.fromkeys(varied, "1,2"))
+    for axis, unit in zip(plan.axes, varied.values(), strict=True):
+        assert axis_label(axis, base.document) == (f"{axis.name} [{unit}]" if unit else axis.name)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, Route
+from playwright.sync_api import Browser, Page, Route, expect
 
 import nonsmooth as ns
 from tests.browser import needs_chromium
@@ -252,6 +253,21 @@ def test_the_keyboard_reaches_everything_of_a_wheel(page: Page) -> None:
     assert page.locator("#keys tr").count() == 20
     page.keyboard.press("Escape")
     assert not page.locator("#help").is_visible()
+
+
+def test_headings_of_starts_are_in_the_unit_of_the_scene_s_angles(page: Page) -> None:
+    """They were in radians, beside headings of wheels in degrees."""
+    edited(
+        page,
+        lambda: page.evaluate("""() => workbench.store.edit(({ document }) => ({
+        document: { ...document, units: { length: "mm" } }, starts: [[0.2, 0.4, Math.PI / 6]] }))"""),
+    )
+    heading = page.get_by_label("theta of start 1")
+    expect(heading).to_have_value("30")
+    heading.fill("45")
+    edited(page, lambda: heading.press("Enter"))
+    assert page.evaluate("() => workbench.store.now.starts[0][2]") == pytest.approx(math.pi / 4)
+    expect(page.get_by_text("theta [deg]")).to_be_visible()
 
 
 def test_starts_are_followed_dragged_and_played(page: Page) -> None:

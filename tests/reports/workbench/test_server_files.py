@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 
@@ -81,3 +83,18 @@ def test_everything_built_in_is_listed(server: Workbench) -> None:
     assert {"four-wheel", "flower"} <= {scene["name"] for scene in found["scenes"]}
     assert {rule["name"] for rule in found["rules"]} == {"nearest", "box", "ellipse", "roller"}
     assert found["opened"] is None
+
+
+def test_a_file_in_another_folder_is_opened(tmp_path: Path) -> None:
+    """Its address has slashes, which are those of a route, too: the usual scene was shown in its place."""
+    file = tmp_path / "table.toml"
+    file.write_text(
+        "grid = { rows = 2, columns = 2, pitch = 1 }\nfriction = { mu_roll = 1, mu_side = 1 }\n", encoding="utf-8"
+    )
+    running = Workbench(tmp_path, str(file))
+    try:
+        assert running.ask("/api/scenes").json["opened"] == str(file)
+        reply = running.ask(f"/api/scenes/{quote(str(file), safe='')}")
+        assert (reply.status, len(reply.json["document"]["wheel"])) == (200, 4)
+    finally:
+        running.stop()
