@@ -47,7 +47,7 @@ from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, requirement
 from nonsmooth.symbolic.scene_kind import SceneKind
@@ -122,13 +122,9 @@ def _waves(system: SwitchedSystem, stated: Mapping[str, Polynomial], place: Sequ
     values = [*place, *(system.field.zero for _ in system.names)]  # no wave stands in the argument of another
     for wave in system.names:
         formula = parse_piecewise(wave.argument, system.states)
-        argument = system.field(formula.polynomial(stated, _no_sign)(values)).ball()
+        argument = system.field(formula.polynomial(stated, no_sign)(values)).ball()
         found.append(argument.sin() if wave.kind == "sin" else argument.cos())
     return found
-
-
-def _no_sign(expression: Polynomial) -> int:
-    raise ExpressionError(f"required no switching, received {expression}")
 
 
 def _ball(polynomial: Polynomial, values: Sequence[arb]) -> arb:

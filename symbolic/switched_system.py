@@ -18,7 +18,7 @@ from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf, parse_piecewise
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.signed_roots import SignedRoots
@@ -163,7 +163,7 @@ class SwitchedSystem(ShortRepr):
             ExpressionError: where it is none.
         """
         values = dict(zip(self.states, self.coordinates() if states is None else states, strict=True))
-        return parse_piecewise(wave.argument, self.states).polynomial(values, _no_sign)
+        return parse_piecewise(wave.argument, self.states).polynomial(values, no_sign)
 
     def displaced(self, names: Sequence[str]) -> tuple[Polynomial, ...]:
         """The states as polynomials in the displacement from the checked point, whose entries have these names."""
@@ -242,10 +242,6 @@ class SwitchedSystem(ShortRepr):
 
     def _error(self, k: int, expected: str, received: object) -> SceneError:
         return SceneError(self.origin, f"system.rhs[{k + 1}]", expected, received)
-
-
-def _no_sign(expression: Polynomial) -> int:
-    raise ExpressionError(f"required no switching, received {expression}")
 
 
 def require_plane(system: SwitchedSystem) -> None:
