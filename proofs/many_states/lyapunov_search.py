@@ -171,8 +171,8 @@ def find_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
 def proposals(system: SwitchedSystem, *, positive: bool) -> Iterator[tuple[Number, PiecewiseExpression]]:
     """Rounded proposals, family by family, on the checked cube and on smaller ones.
 
-    What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.  No V falls at
-    a place of rest, so there is none beside rays of these.
+    What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.  No V falls
+    at a place of rest, so there is none beside rays of these.
     """
     with suppress(BeyondReachError):
         if ray_of_rest(system) is not None:
