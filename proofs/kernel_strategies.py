@@ -191,6 +191,15 @@ def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
     return _closed_orbits(point, Method.SYMMETRY, entry, f"the reflection to {image} reverses them")
 
 
+def decide_enclosed_centre(point: CheckedPoint, known: Known) -> Finding | None:
+    """The same before long searches, of a system with sines, of which an energy on circles says more.
+
+    Around closed orbits no V falls, and none of polynomials is kept by all fields between which sines lie.
+    """
+    found = decide_by_symmetry(point, known) if point.system.waves else None
+    return None if found is None else decide_by_circles(point, known) or found
+
+
 def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
     """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
     entry = _centre(point, known, show_integral_of)

@@ -42,7 +42,7 @@ from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError, requirement
@@ -123,13 +123,9 @@ def _waves(system: SwitchedSystem, stated: Mapping[str, Polynomial], place: Sequ
     values = [*place, *(system.field.zero for _ in system.names)]  # no wave stands in the argument of another
     for wave in system.names:
         formula = parse_piecewise(wave.argument, system.states)
-        argument = system.field(formula.polynomial(stated, _no_sign)(values)).ball()
+        argument = system.field(formula.polynomial(stated, no_sign)(values)).ball()
         found.append(argument.sin() if wave.kind == "sin" else argument.cos())
     return found
-
-
-def _no_sign(expression: Polynomial) -> int:
-    raise ExpressionError(f"required no switching, received {expression}")
 
 
 def _ball(polynomial: Polynomial, values: Sequence[arb]) -> arb:

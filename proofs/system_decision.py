@@ -235,6 +235,7 @@ STRATEGIES = [
     Strategy("leading terms", TWO, plane.decide_by_leading_terms),
     Strategy("ray of escape", TWO, plane.decide_by_ray),
     Strategy("centre manifold", TWO, kernel.decide_beside_stable_subspace),
+    Strategy("reversing symmetry, with sines", TWO, kernel.decide_enclosed_centre),
     Strategy("searched V", TWO, plane.search_function),
     Strategy("searched V", MORE, space.search_function),
     Strategy("sum of squares of the states", MORE, space.decide_by_sum_of_squares),

@@ -40,15 +40,16 @@ border after a finite time, with ``W < c``.  By 4 the solution is in L there.
 
 An inner side whose cells all meet the inside of one of its simplices fulfils 2 with t = 0.  Polynomials are negative on
 a simplex, or on a side, if all of their Bernstein coefficients there are.  In ``f = f_0 + sum_j w_j f_j`` sines and
-cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the simplex, or at the corner,
-in all combinations; on a side by those of its simplex T.
+cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the simplex, or at the corner; on
+a side by those of its simplex T.  Each is an affine function and a number times some e from -1 to 1, so a coefficient
+is largest where every e has the sign of what it is multiplied by.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property, partial
 from itertools import product
@@ -82,11 +83,13 @@ class Field:
         parts: the polynomials.
         degree: the largest of their degrees.
         bits: the length of the longest coefficient.
+        spreads: what may be added to them, each times a number from -1 to 1; of the same degree.
     """
 
     parts: tuple[Form, ...]
     degree: int
     bits: int
+    spreads: tuple[Field, ...] = ()
 
     @classmethod
     def of(cls, polynomials: Sequence[Polynomial]) -> Field:
@@ -119,7 +122,24 @@ class Field:
         for factor, part in zip(vector, self.parts, strict=True):
             for exponents, value in part.items():
                 total[exponents] = total.get(exponents, 0) + factor * value
-        return Field((total,), self.degree, self.bits + max(abs(own).bit_length() for own in vector))
+        bits = self.bits + max(abs(own).bit_length() for own in vector)
+        return Field((total,), self.degree, bits, tuple(own.along(vector) for own in self.spreads))
+
+    def ends(self) -> list[Field]:
+        """Fields without spreads that have all that this one may be in their hull."""
+        found = [replace(self, spreads=())]
+        for own in self.spreads:
+            moved = [tuple(scaled(part, sign) for part in own.parts) for sign in (-1, 1)]
+            both = [tuple(map(added, zip(field.parts, more, strict=True))) for field in found for more in moved]
+            found = [replace(self, parts=parts, bits=self.bits + 1, spreads=()) for parts in both]
+        return found
+
+    def highest(self, corners: Sequence[Place], end: Place | None = None) -> list[int]:
+        """The largest values that the coefficients may have (:meth:`on`)."""
+        values = self.on(corners, end)
+        for own in self.spreads:
+            values = [value + abs(more) for value, more in zip(values, own.on(corners, end), strict=True)]
+        return values
 
     def on(self, corners: Sequence[Place], end: Place | None = None) -> list[int]:
         """The Bernstein coefficients of one polynomial on a simplex, a side or at a corner, times a positive number.
@@ -266,21 +286,18 @@ class Plane:
     def fields(self, signs: Pattern, corners: Sequence[Place]) -> Iterator[Field]:
         """Fields that have those of a cell in their hull on a simplex, or at a corner, times positive numbers."""
         for k, side in enumerate(self.sides(signs)):
-            still, *moved = side.fields
+            whole, *moved = side.fields
             if not moved:
-                yield still
+                yield whole
                 continue
-            twice_area, weights = barycentric(corners)
-            bounds = []
-            for j in range(len(moved)):
+            size, weights = barycentric(corners)
+            whole, spreads = whole.times(size << BITS), []
+            for j, part in enumerate(moved):
                 at = [self.value(k, j, place) for place in corners]
-                error = interpolation_error([v for v, _ in at]) * twice_area
                 mean = added([scaled(own, value) for own, (_, value) in zip(weights, at, strict=True)])
-                bounds.append([added([mean, {(0,) * len(corners[0]): error * sign}]) for sign in (-1, 1)])
-            whole = [still.times(twice_area << BITS)]
-            for part, own in zip(moved, bounds, strict=True):
-                whole = [field.plus(part, bound) for field in whole for bound in own]
-            yield from whole
+                whole = whole.plus(part, mean)
+                spreads.append(part.times(interpolation_error([v for v, _ in at]) * size))
+            yield replace(whole, spreads=tuple(replace(own, degree=whole.degree) for own in spreads))
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Pattern]:
         """The cells that may meet the inside of a simplex: a surface has their sign at some point of it."""
@@ -442,7 +459,7 @@ def show_falls(mesh: Mesh, cells: CellFields) -> None:
         corners, slope = mesh.corners(own), mesh.slope(number)
         met.append(cells.crossing(corners))
         for field in (field for signs in met[-1] for field in cells.fields(signs, corners)):
-            require(max(field.along(slope).on(corners)) < 0, f"a function that falls on simplex {number}")
+            require(max(field.along(slope).highest(corners)) < 0, f"a function that falls on simplex {number}")
     if cells.has_borders:
         require(mesh.dimension == 2, "one cell, for a mesh in space")
         show_across(mesh, cells, met)
@@ -462,12 +479,12 @@ def show_across(mesh: Mesh, plane: CellFields, met: Sequence[frozenset[Any]]) ->
             touching = plane.touching(mesh.corners((i, j)))
             if not touching <= met[number] and not touching <= met[other]:
                 beside = mesh.corners(mesh.simplices[number])
-                fields = [field for signs in touching for field in plane.fields(signs, beside)]
+                fields = [end for signs in touching for field in plane.fields(signs, beside) for end in field.ends()]
                 require(falls_along(mesh, (i, j), mesh.slope(number), fields), f"a function that falls on side {i} {j}")
     for k in mesh.inner_corners():
         (place,) = corners = mesh.corners((k,))
         touching = plane.touching(corners)
-        fields = [field for signs in touching for field in plane.fields(signs, corners)]
+        fields = [end for signs in touching for field in plane.fields(signs, corners) for end in field.ends()]
         velocities = [(field.along((1, 0)).on(corners)[0], field.along((0, 1)).on(corners)[0]) for field in fields]
         require(len(touching) == 1 or in_half_plane(velocities), f"velocities in a half plane at {place}")
 

@@ -71,6 +71,8 @@ class Formula:
         own = [0] * len(waves) if ends is None else ends
         require(len(waves) == len(own), "sines and cosines in right-hand sides alone")
         self.ends = dict(zip(waves, own, strict=True))
+        self.smooth = parts_without_calls(self.tree)
+        self._known: dict[ast.expr, Polynomial] = {}
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell.
@@ -89,6 +91,15 @@ class Formula:
         return found
 
     def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
+        """The polynomial of a part; of one without calls it is kept, as all cells ask for it."""
+        if node in self._known:
+            return self._known[node]
+        found = self._built(node, sign_of, depth)
+        if node in self.smooth:
+            self._known[node] = found
+        return found
+
+    def _built(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
         require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
         BUDGET.spend(1)
         match node:
@@ -107,7 +118,8 @@ class Formula:
                 require(not waves_in(argument), "no sine or cosine inside another")
                 return self.wave(name, self._value(argument, sign_of, depth - 1), self.ends[node])
             case ast.Call(func=ast.Name(), keywords=[]):
-                require(not waves_in(*node.args), "no sine or cosine inside a switching function")
+                own = self.smooth.issuperset(node.args) or not waves_in(*node.args)
+                require(own, "no sine or cosine inside a switching function")
                 values = [self._value(argument, sign_of, depth - 1) for argument in node.args]
                 return switched(node.func.id, values, sign_of)  # type: ignore[attr-defined]
         raise RejectedError("formulas of sums, products, powers and switching functions")
@@ -154,6 +166,15 @@ def parsed(data: Any) -> ast.expr:
     BUDGET.spend(1 + len(formula))
     require(WRITTEN.fullmatch(formula), "formulas of names, decimals, brackets, commas and + - * /")
     return ast.parse(formula, mode="eval").body
+
+
+def parts_without_calls(tree: ast.expr) -> set[ast.AST]:
+    """The parts of a formula that hold no sine or cosine, and nothing that switches."""
+    found: set[ast.AST] = set()
+    for node in reversed(list(ast.walk(tree))):  # what a part consists of comes before it
+        if not isinstance(node, ast.Call) and found.issuperset(ast.iter_child_nodes(node)):
+            found.add(node)
+    return found
 
 
 def waves_in(*nodes: ast.expr) -> list[ast.Call]:

@@ -22,13 +22,13 @@ of P.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, TypeAlias
 
 from .basin import Place, Plane
-from .cells import System
+from .cells import Pattern, System
 from .positivity import Proofs
 from .theorems import Statement
 from .work import BUDGET, items, require, take
@@ -100,24 +100,24 @@ def show_rightward(chain: Sequence[Place], ends: Sequence[Place], plane: Plane) 
     else:
         sides.append(((chain[-1], chain[0]), None, rightward(chain[-1], chain[0])))
         before = [sides[-1], *sides]
-    for places, direction, normal in sides:
-        require_positive(plane, places, [normal], direction)
-    for corner, (one, other) in zip(chain, pairwise(before), strict=True):
-        require_positive(plane, (corner,), [one[2], other[2]])
+    met = {line: plane.touching(*line[:2]) for line in sides}
+    for line, cells in met.items():
+        require_rightward(plane, cells, line)
+    for corner, lines in zip(chain, pairwise(before), strict=True):
+        touching = plane.touching((corner,))
+        for line in lines:  # of the cells that meet a side this is known at its ends, too
+            require_rightward(plane, touching - met[line], ((corner,), None, line[2]))
 
 
-def require_positive(
-    plane: Plane, places: Sequence[Place], normals: Sequence[tuple[int, int]], direction: Place | None = None
-) -> None:
-    """The fields of all cells that meet a side, a half-line or a corner have positive products with normals there."""
-    for cell in plane.touching(places, direction):
-        for field in plane.fields(cell, places):
-            for normal in normals:
-                values = field.along(normal).on(places, direction)
-                known = min(values) > 0
-                if direction is not None:  # powers of t: one that is positive, that of 1, is enough
-                    known = values[0] > 0 and min(values) >= 0
-                require(known, f"velocities that lead to the right at {places}")
+def require_rightward(plane: Plane, cells: Iterable[Pattern], line: Line) -> None:
+    """The fields of some cells have positive products with the normal on a closed side, a half-line or at a corner."""
+    places, direction, (across, up) = line
+    for field in (own for cell in cells for own in plane.fields(cell, places)):
+        values = field.along((-across, -up)).highest(places, direction)
+        known = max(values) < 0
+        if direction is not None:  # powers of t: one that is negative, that of 1, is enough
+            known = values[0] < 0 and max(values) <= 0
+        require(known, f"velocities that lead to the right at {places}")
 
 
 def place_of(data: Any) -> Place:

@@ -21,6 +21,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.checker import polynomials
 from nonsmooth.proofs.checker.cells import Domain, Inclusion, Pattern, Surfaces, System, pattern
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
@@ -39,6 +40,7 @@ MAX_CELLS = 160
 SAMPLES = 3_000
 MAX_MAGNITUDE = 40  # bits before or after the point: sixteenth powers of such numbers are floats
 
+Field: TypeAlias = tuple[polynomials.Polynomial, ...]
 RationalTerms: TypeAlias = dict[Exponents, Any]  # by fmpq, where irrational coefficients are not asked for
 
 
@@ -397,7 +399,7 @@ def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCel
     found = stated
     known = build_inclusion(stated, subject, search)
     signs = _sampled_signs(known.surfaces)
-    occurring = {tuple(map(int, row)) for row in np.unique(signs, axis=0)}
+    occurring = set(map(tuple, signs.tolist()))
     for cell in known.cells:
         is_known = any(_holds(cell.signs, mark) for mark in found.empty)
         if cell.signs in occurring or is_known:
@@ -409,10 +411,18 @@ def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCel
     return found
 
 
+def fields_seen(stated: StatedCells, subject: System) -> set[Field]:
+    """The fields about the point of the cells in which samples lie: on no larger cube are there fewer."""
+    inclusion = build_inclusion(stated, subject, Search())
+    occurring = set(map(tuple, _sampled_signs(inclusion.surfaces).tolist()))
+    return {field for cell in inclusion.around() if cell.signs in occurring for _, field in cell.fields}
+
+
 def _sampled_signs(surfaces: Surfaces) -> Floats:
     """The signs of all surfaces at random points, one row for each point."""
     points = np.concatenate([sample_points(surfaces.domain.system.count, bounded=True, seed=k) for k in range(20)])
-    return np.stack([np.sign(float_values(own.terms, points)) for own in surfaces.listed], axis=1)
+    signs = [np.sign(float_values(own.terms, points)) for own in surfaces.listed]
+    return np.array(signs).reshape(len(signs), len(points)).T
 
 
 def _holds(signs: Pattern, mark: str) -> bool:

@@ -33,7 +33,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, unit, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.findings.facts import Fact, row_fact
-from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, started, stated_cells
+from nonsmooth.proofs.kernel.cells import StatedCells, fields_seen, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text, null_basis
@@ -486,9 +486,14 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
+    try:
+        subject, search = started(system, None)
+        if len(fields_seen(stated_cells(system, system.check.radius * SHARES[-1]), subject.stated)) > 1:
+            return None
+    except NotShownError:
+        return None
     for number, share in enumerate(SHARES):
         try:
-            subject, search = started(system, None)
             stated = sharpened(stated_cells(system, system.check.radius * share), subject, search)
             around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
         except NotShownError:

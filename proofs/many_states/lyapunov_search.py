@@ -21,6 +21,7 @@ there and the border of the cube V falls at a rate that is bounded from below, s
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain, combinations, combinations_with_replacement
@@ -52,6 +53,7 @@ from nonsmooth.proofs.many_states.examination import (
     find_failure,
     functions_on,
 )
+from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
@@ -169,8 +171,12 @@ def find_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
 def proposals(system: SwitchedSystem, *, positive: bool) -> Iterator[tuple[Number, PiecewiseExpression]]:
     """Rounded proposals, family by family, on the checked cube and on smaller ones.
 
-    What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.
+    What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.  No V falls
+    at a place of rest, so there is none beside rays of these.
     """
+    with suppress(BeyondReachError):
+        if ray_of_rest(system) is not None:
+            return
     cubes = _cubes(system)
     bases = [list(families(cells)) for _, cells in cubes]
     for number in range(max(map(len, bases), default=0)):

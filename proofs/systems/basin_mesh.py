@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import islice, pairwise
+from itertools import accumulate, islice, pairwise
 from math import gcd, lcm
 from typing import Any, TypeAlias
 
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Floats, area
+from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Floats, area, lengths
 
 EVERY = 12  # points of a ring of which one is used at first
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
@@ -162,8 +162,8 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
         turns = [0]
     if not own:
         own, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
-    start = inner.points[inner.chosen[own[0]]]
-    turn = min(turns, key=lambda t: float(np.sum((outer.points[outer.chosen[other[t]]] - start) ** 2)))
+    places = outer.points[np.array(outer.chosen)[other]][turns]
+    turn = turns[int(lengths(places - inner.points[inner.chosen[own[0]]]).argmin())]
     other = other[turn:] + other[:turn] if len(own) > 1 else [other[turn]]
     for k in range(len(own)):
         stretches = []
@@ -348,7 +348,10 @@ class MeshBuilder:
         bands = [(pair, own) for pair in pairs for own in band(self.ring(pair[0]), self.ring(pair[1]))]
         self.left -= len(bands)
         named = [self._corners(pair, own) for pair, own in bands]
-        corners = np.array([[self.ring(ring).points[point] for ring, point in own] for own in named])
+        rings = {number: self.ring(number).points for pair in pairs for number in pair}
+        starts = dict(zip(rings, accumulate(map(len, rings.values()), initial=0), strict=False))
+        places = [[starts[ring] + point for ring, point in own] for own in named]
+        corners = np.concatenate(list(rings.values()))[places]
         a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
         areas = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
         outer_side = np.array([own[0] == 1 for _, own in bands])
@@ -356,7 +359,7 @@ class MeshBuilder:
         normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
         good = (areas > 0) & self._falls(corners, normals)
         found: dict[Band, list[Failing]] = {pair: [] for pair in pairs}
-        for number in np.nonzero(~good)[0]:
+        for number in np.nonzero(~good)[0].tolist():
             pair, own = bands[number]
             found[pair].append((own, bool(areas[number] <= 0)))
         return found

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, reduce
-from itertools import product
+from functools import cache, cached_property
+from itertools import accumulate, product
 from math import factorial, prod
 from operator import mul
 from typing import Any, Protocol, TypeAlias
@@ -315,11 +315,13 @@ def together(polynomials: Sequence[Polynomial]) -> Callable[[Floats], Floats]:
     top = max(max(own) for own in exponents)
 
     def at(x: Floats) -> Floats:
-        powers = [np.ones(x.T.shape)]
-        for _ in range(top):
-            powers.append(powers[-1] * x.T)
-        terms = [reduce(mul, (powers[e][k] for k, e in enumerate(own))) for own in exponents]
-        return np.asarray(weights @ np.stack(terms))
+        powers = list(accumulate([x.T] * top, mul))
+        terms = np.ones((len(exponents), len(x)))
+        for number, own in enumerate(exponents):
+            for k, e in enumerate(own):
+                if e:
+                    terms[number] *= powers[e - 1][k]
+        return np.asarray(weights @ terms)
 
     return at
 
@@ -409,13 +411,13 @@ def grow(
 
 def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power: int) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
-    size = float(np.linalg.norm(ring, axis=1).max())
+    size = float(lengths(ring).max())
     along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
     normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    chords = np.linalg.norm(normals, axis=1)
+    chords = lengths(normals)
     normals /= np.where(chords == 0, 1, chords)[:, None]  # a ring may fold onto itself
     velocities = field.at(ring)
-    speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
+    speeds = lengths(velocities) + np.finfo(float).tiny
     outward = np.einsum("kij,ij->ki", velocities, normals) / speeds
     chosen = outward.argmax(axis=0)  # the one that leads least inward
     rows = np.arange(len(ring))
@@ -424,20 +426,22 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
     c, s = np.cos(turn), np.sin(turn)
 
     def backward(x: Floats) -> Floats:
-        f = field.at(x)[chosen, rows]
-        turned = np.stack([c * f[:, 0] - s * f[:, 1], s * f[:, 0] + c * f[:, 1]], axis=1)
-        room = np.clip(1 - (x / limit) ** 2, 0, 1).prod(axis=1)
-        return np.asarray(-turned * (room / np.linalg.norm(x, axis=1) ** power)[:, None])
+        all_fields = field.at(x)
+        f, g = (all_fields[0] if len(all_fields) == 1 else all_fields[chosen, rows]).T
+        return -np.stack([c * f - s * g, s * f + c * g], axis=1) * slower(x)[:, None]
+
+    def slower(x: Floats) -> Floats:
+        room = np.clip(1 - (x / limit) ** 2, 0, 1)
+        return np.asarray(room[:, 0] * room[:, 1] / lengths(x) ** power)
 
     first = backward(ring)
-    du = pace.move * size / float(np.linalg.norm(first, axis=1).max())
+    du = pace.move * size / float(lengths(first).max())
     second = backward(ring + du / 2 * first)
     third = backward(ring + du / 2 * second)
     fourth = backward(ring + du * third)
     moved = ring + du / 6 * (first + 2 * second + 2 * third + fourth)
     after, places, slides = field.slides(ring)
-    room = np.clip(1 - (places / limit) ** 2, 0, 1).prod(axis=1)
-    tips = places - du * (1 - pace.angle) * slides * (room / np.linalg.norm(places, axis=1) ** power)[:, None]
+    tips = places - du * (1 - pace.angle) * slides * slower(places)[:, None]
     is_tip = np.insert(np.zeros(len(ring), dtype=bool), after + 1, np.ones(len(after), dtype=bool))
     return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), pace.gap * min(size, field.scale))
 
@@ -466,7 +470,7 @@ def _spaced(ring: Floats, is_tip: NDArray[np.bool_], gap: float) -> Floats:
             break
         straight = (ring + after) / 2
         bent = (9 * (ring + after) - np.roll(ring, 1, axis=0) - np.roll(ring, -2, axis=0)) / 16
-        believed = np.linalg.norm(bent - straight, axis=1) < BEND * sides
+        believed = lengths(bent - straight) < BEND * sides
         middle = np.where(believed[:, None], bent, straight)
         ring = np.insert(ring, np.nonzero(wide)[0] + 1, middle[wide], axis=0)
         is_tip = np.insert(is_tip, np.nonzero(wide)[0] + 1, False)
@@ -476,7 +480,12 @@ def _spaced(ring: Floats, is_tip: NDArray[np.bool_], gap: float) -> Floats:
 
 
 def _sides(ring: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1))
+    return lengths(np.roll(ring, -1, axis=0) - ring)
+
+
+def lengths(x: Floats) -> Floats:
+    """Of vectors in the plane, which stand in the last axis."""
+    return np.asarray(np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2))
 
 
 def followed_home(

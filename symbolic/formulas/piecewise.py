@@ -13,11 +13,12 @@ import ast
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, reduce
+from functools import cached_property, lru_cache, reduce
 from typing import TypeAlias
 
 from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError, parse, parse_tree, turn_of
 from nonsmooth.symbolic.messages.scene_error import shown
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 MAX_TEXT = 20_000  # characters: of a layer of rectifiers written out
@@ -76,6 +77,16 @@ class PiecewiseExpression:
     def is_constant(self, node: ast.expr) -> bool:
         """Whether a part mentions no name but those of numbers."""
         return not any(isinstance(n, ast.Name) and n.id not in NUMBERS for n in ast.walk(node))
+
+    @cached_property
+    def smooth_parts(self) -> frozenset[ast.AST]:
+        """The largest parts that do not switch, longer than a state."""
+        smooth: set[ast.AST] = set()
+        for node in reversed(list(ast.walk(self.tree))):  # what a part consists of comes before it
+            if node in self.numbers or not (isinstance(node, ast.Call) or set(ast.iter_child_nodes(node)) - smooth):
+                smooth.add(node)
+        inner = {part for node in smooth for part in ast.iter_child_nodes(node)}
+        return frozenset(node for node in smooth - inner if not isinstance(node, ast.Name))
 
     @cached_property
     def numbers(self) -> Mapping[ast.AST, Expression]:
@@ -176,6 +187,27 @@ def _polynomial(
     if node in whole.numbers:
         number = whole.numbers[node].value(some.field)
         return Polynomial.constant(some.field, some.variables, number)
+    if node in whole.smooth_parts:
+        return _smooth_part(node, whole, some.field, tuple(values.items()))
+    return _of_parts(node, whole, values, sign_of)
+
+
+@lru_cache(maxsize=1024)
+def _smooth_part(
+    node: ast.expr, whole: PiecewiseExpression, field: NumberField, values: Sequence[tuple[str, Polynomial]]
+) -> Polynomial:
+    """A part that does not switch: every piece asks for it again."""
+    return _of_parts(node, whole, dict(values), no_sign)
+
+
+def no_sign(inner: Polynomial) -> int:
+    """Refuse to switch."""
+    raise ExpressionError(f"required no switching, received {inner}")
+
+
+def _of_parts(
+    node: ast.expr, whole: PiecewiseExpression, values: Mapping[str, Polynomial], sign_of: SignOf
+) -> Polynomial:
     match node:
         case ast.Name(id=name):
             return values[name]
@@ -197,7 +229,7 @@ def _polynomial(
         case ast.Call(func=ast.Name(id=name), args=[argument]):
             inner = _polynomial(argument, whole, values, sign_of)
             sign = _sign(inner, sign_of)
-            return inner * sign if name == "Abs" else Polynomial.constant(some.field, some.variables, sign)
+            return inner * sign if name == "Abs" else Polynomial.constant(inner.field, inner.variables, sign)
         case ast.Call(func=ast.Name(id=name)):
             arguments = [_polynomial(argument, whole, values, sign_of) for argument in node.args]
             return reduce(lambda a, b: _extreme(a, b, EXTREMES[name], sign_of), arguments)

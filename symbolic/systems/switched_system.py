@@ -14,7 +14,7 @@ from math import prod
 from typing import ClassVar, Literal
 
 from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
@@ -164,7 +164,7 @@ class SwitchedSystem(ShortRepr):
             ExpressionError: where it is none.
         """
         values = dict(zip(self.states, self.coordinates() if states is None else states, strict=True))
-        return parse_piecewise(wave.argument, self.states).polynomial(values, _no_sign)
+        return parse_piecewise(wave.argument, self.states).polynomial(values, no_sign)
 
     def displaced(self, names: Sequence[str]) -> tuple[Polynomial, ...]:
         """The states as polynomials in the displacement from the checked point, whose entries have these names."""
@@ -243,10 +243,6 @@ class SwitchedSystem(ShortRepr):
 
     def _error(self, k: int, expected: str, received: object) -> SceneError:
         return SceneError(self.origin, f"system.rhs[{k + 1}]", expected, received)
-
-
-def _no_sign(expression: Polynomial) -> int:
-    raise ExpressionError(f"required no switching, received {expression}")
 
 
 def require_plane(system: SwitchedSystem) -> None:

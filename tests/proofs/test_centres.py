@@ -87,6 +87,13 @@ def test_centres_are_stable(name: str, method: str) -> None:
     assert certificate["statement"]["claims"] == [{"stability": "stable"}]
 
 
+def test_no_function_is_searched_of_centres_with_sines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What they are between has none: three searches took half a minute before the reflection was tried."""
+    monkeypatch.setattr("nonsmooth.proofs.systems.system_stability.search_lyapunov", None)
+    assert decided(["sin(y)", "-sin(x) + sin(x)*cos(y)*x/2"]).method is Method.SYMMETRY
+    assert decided(["y", "-sin(x)"]).method is Method.CIRCLES
+
+
 def test_the_reason_names_the_reflection() -> None:
     assert "(x, -y)" in decided(REVERSED["a pendulum on a spring"]).reason
 

@@ -11,9 +11,10 @@ import pytest
 from mpmath import mp
 
 import nonsmooth as ns
-from nonsmooth.proofs.checker.basin import barycentric
+from nonsmooth.proofs.checker.basin import Plane, barycentric
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import variable
+from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.waves import BITS, LARGEST, interpolation_error, wave_value
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
@@ -46,6 +47,17 @@ def test_waves_on_triangles_are_within_the_bound() -> None:
         values = np.array([float(own) for own in v])
         for wave in (np.sin, np.cos):
             assert np.abs(wave(weights @ values) - weights @ wave(values)).max() <= bound
+
+
+def test_the_highest_coefficients_are_those_of_some_ends() -> None:
+    """Of fields between bounds of three waves, whose combinations are asked one by one only where solutions slide."""
+    system = System(("x", "y"), (("sin(x + y)*y - cos(2*x)*x", "x - sin(3*y)*x"),), (Fraction(0), Fraction(0)))
+    corners = [(0, 1), (5, 2), (1, 7)]
+    with BUDGET.granted(10**6):
+        (field,) = Plane(system, "1/8", [], Proofs({})).fields((), corners)
+        ends = [own.along((3, -2)).on(corners) for own in field.ends()]
+        assert len(ends) == 8
+        assert field.along((3, -2)).highest(corners) == list(map(max, zip(*ends, strict=True)))
 
 
 def test_weights_on_a_side() -> None:

@@ -15,7 +15,7 @@ import nonsmooth as ns
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel_strategies import decide_by_center_manifold
-from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, split_at
+from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, show_by_center_manifold, split_at
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
 from nonsmooth.proofs.systems.findings import Known, Method
@@ -186,3 +186,10 @@ def test_nothing_is_said_of_others(rhs: list[str]) -> None:
 def test_certificates_obey_their_inclusion(rhs: list[str]) -> None:
     certificate = certificate_of(decided(rhs))
     assert not contradiction(certificate["statement"])
+
+
+def test_no_patterns_are_searched_where_fields_differ_near_the_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It took minutes beside four curves of degree 6, with nothing that could be found."""
+    monkeypatch.setattr("nonsmooth.proofs.many_states.center_manifold.sharpened", None)
+    system = ns.System(list("xy"), ["-x + sign(x**6 + y**5 - 2*x*y/7 + x**2*y)", "-2*y"]).system
+    assert show_by_center_manifold(system, attracts=True) is None

@@ -10,6 +10,7 @@ from scipy.optimize import nnls
 
 import nonsmooth as ns
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.many_states.lyapunov_search import proposals
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -28,6 +29,12 @@ MOVES = [
 
 def system(states: Sequence[str], rhs: Sequence[str]) -> SwitchedSystem:
     return ns.System(list(states), list(rhs)).system
+
+
+def test_no_function_that_falls_is_proposed_beside_places_of_rest() -> None:
+    """Both searches took 45 s of a processor here, and could find nothing."""
+    own = system("xyz", ["-2*x + 3*x*sin(z)/2", "-2*x - x*y", "-z + 2*x*sign(y)"])
+    assert not any(True for positive in (True, False) for _ in proposals(own, positive=positive))
 
 
 @pytest.mark.parametrize(("states", "rhs"), RESTS)
