@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import shutil
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -13,8 +14,8 @@ import pytest
 
 from tests.golden.compare import differences
 from tests.golden.contents import page, plain, text_lines
-from tests.golden.expectations import Change, accept, accounted, digest, expectations
-from tests.golden.matrix import Record, Row, rows, run_row
+from tests.golden.expectations import Change, accept, accounted, changes, digest, expectations, fold
+from tests.golden.matrix import HERE, Record, Row, rows, run_row
 
 TESTED = [row for row in rows() if row.tested]
 LONGEST_LINE = 500  # characters of a refusal; the longest lists ten keys
@@ -213,7 +214,30 @@ def test_an_accepted_change_carries_its_reason_and_differences(tmp_path: Path) -
     accept([Change(row, {"value": 2}, ['.value: 1 -> 2 "\x7f"'])], [], 'because "it" grew', tmp_path)
     assert accounted(tmp_path) == {CHECK: digest({"value": 2})}
     assert expectations(tmp_path) == {row: {"value": 2}}
-    assert 'reason = "because \\"it\\" grew"' in (tmp_path / "changes.toml").read_text(encoding="utf-8")
+    log = tmp_path / "changes.toml"
+    assert 'reason = "because \\"it\\" grew"' in log.read_text(encoding="utf-8")
+    assert "1 -> 2" in log.read_text(encoding="utf-8")
+    fold(tmp_path)
+    assert "1 -> 2" not in log.read_text(encoding="utf-8")
+    assert changes(tmp_path) == [
+        {"reason": 'because "it" grew', "rows": [{"row": CHECK, "digest": digest({"value": 2})}]}
+    ]
+    accept([Change(row, {"value": 3}, [".value: 2 -> 3"])], [], "again", tmp_path)
+    assert [change["reason"] for change in changes(tmp_path)] == ['because "it" grew', "again"]
+    assert accounted(tmp_path) == {CHECK: digest({"value": 3})}
+
+
+def test_a_record_that_was_changed_in_silence_is_found(tmp_path: Path) -> None:
+    """Folded changes say for each row what the whole audit trail says."""
+    for name in ("frozen.txt", "changes.toml"):
+        shutil.copy(HERE / name, tmp_path)
+    before = accounted(tmp_path)
+    fold(tmp_path)
+    assert accounted(tmp_path) == before
+    for line, record in expected().items():
+        silent = copy.deepcopy(record)
+        silent["steps" if "steps" in silent else "value"] = "something else"
+        assert digest(silent) != before[line]
 
 
 def test_long_lists_become_their_ends_and_sums() -> None:

@@ -9,15 +9,16 @@ cone, so the largest is on the border of the polygon, at a corner or where a sid
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from flint import fmpq
 
 from nonsmooth.analysis.cells.polygon import Polygon
-from nonsmooth.symbolic.numbers.plane import around, dot
+from nonsmooth.symbolic.numbers.plane import around, between, dot
 
 Point: TypeAlias = tuple[fmpq, fmpq]
 
@@ -43,39 +44,32 @@ def squared_radius(cells: Iterable[BoundedCell], kappa: fmpq) -> fmpq:
 
 
 def _squared_reach(cell: BoundedCell, kappa: fmpq) -> fmpq:
-    corners: tuple[Point, ...] = cell.polygon.vertices
-    if cell.bound is None:
-        return max(dot(c, c) for c in corners)
-    reach = fmpq(0)
-    for a, b in around(corners):
-        slow_a, slow_b = (is_slow(c, cell.bound, kappa) for c in (a, b))
-        if slow_a:
-            reach = max(reach, dot(a, a))
-        if slow_a != slow_b:
-            begin, end = (a, b) if slow_a else (b, a)
-            last = _last_slow(begin, end, cell.bound, kappa)
-            reach = max(reach, dot(last, last))
-    return reach
+    corners, w = cell.polygon.vertices, cell.bound
+    slow = [c for c in corners if w is None or is_slow(c, w, kappa)]
+    sides = (*around(corners), *around(corners[::-1]))
+    last = [_last_slow(a, b, w, kappa) for a, b in sides if a in slow and b not in slow]
+    return max((dot(c, c) for c in (*slow, *last)), default=fmpq(0))
 
 
-def is_slow(c: Point, w: Point, kappa: fmpq) -> bool:
+def is_slow(c: Any, w: Any, kappa: Any) -> bool:
     """Whether ``c . w >= -kappa |c|``."""
     falls = dot(c, w)
     return falls >= 0 or falls * falls <= kappa * kappa * dot(c, c)
 
 
-def _last_slow(slow: Point, fast: Point, w: Point, kappa: fmpq) -> Point:
-    """The first of the parts of a side beyond which, up to its fast end, no point is slow: by bisection."""
-    low, high = 0, PARTS
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if is_slow(_between(slow, fast, middle), w, kappa) else (low, middle)
-    return _between(slow, fast, high)
+def _last_slow(slow: Point, fast: Point, w: Any, kappa: fmpq) -> Point:
+    """The first of the parts of a side beyond which, up to its fast end, no point is slow: by bisection.
 
-
-def _between(a: Point, b: Point, part: int) -> Point:
-    share = fmpq(part, PARTS)
-    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+    Floats propose it; where rational numbers do not confirm it, they bisect too.
+    """
+    number: Any
+    for number in (float, fmpq):
+        a, b, bound, rate = *(tuple(map(number, point)) for point in (slow, fast, w)), number(kappa)
+        part = bisect_left(range(PARTS), True, key=lambda k: not is_slow(between(a, b, number(k) / PARTS), bound, rate))
+        before, last = (between(slow, fast, fmpq(k, PARTS)) for k in (part - 1, part))
+        if is_slow(before, w, kappa) and not is_slow(last, w, kappa):
+            break
+    return last
 
 
 def root_above(square: Fraction) -> Fraction:

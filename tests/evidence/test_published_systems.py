@@ -18,6 +18,12 @@ from tests.thorough import thorough
 IN_DISC = next(known for known in study.systems() if known.name == "inside the unit circle")
 
 
+@pytest.fixture
+def few_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "SAMPLED", 400)
+
+
+@pytest.mark.usefixtures("few_starts")
 def test_a_share_near_the_point_is_that_of_areas() -> None:
     """Of the unit disc, which is the basin, a disc of half the radius is a quarter."""
     document = {"system": {"states": list(IN_DISC.states), "rhs": list(IN_DISC.rhs)}, "check": {"radius": "1/2"}}
@@ -40,6 +46,7 @@ def test_a_region_with_more_effort_is_large() -> None:
     examined(300, 0.95)
 
 
+@pytest.mark.usefixtures("few_starts")
 def test_a_region_with_more_effort_is_in_the_second_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(EFFORTS, "best", BasinEffort(Pace(0.12, 0.05, 0.04), 21))
     own = examined(100, 0.6)

@@ -3,6 +3,7 @@
     python -m tests.golden                                  compare all rows
     python -m tests.golden --only "*ring-?*box*"            compare the rows that match; may be given several times
     python -m tests.golden --accept "why" --only "..."      take over what the changed rows among these say now
+    python -m tests.golden --fold                           forget the differences of changes that were read
 
 Exit status 0 where nothing differs but what is allowed, 1 otherwise.  ``--accept`` writes the reason and the
 differences into ``changes.toml``, which is read with the change; a test holds that no expectation was changed in
@@ -21,7 +22,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from fnmatch import fnmatchcase
 
 from tests.golden.compare import Difference, differences
-from tests.golden.expectations import Change, accept, expectations
+from tests.golden.expectations import Change, accept, expectations, fold
 from tests.golden.matrix import Record, Row, rows, run_row
 
 WORKERS = 2
@@ -71,7 +72,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--accept", metavar="REASON", help="take over what changed rows say now, for this reason")
     parser.add_argument("--workers", type=int, default=min(WORKERS, os.cpu_count() or 1))
     parser.add_argument("--slow", type=int, default=0, metavar="N", help="name the N rows that take longest")
+    parser.add_argument("--fold", action="store_true", help="keep of accepted changes the reasons and the rows alone")
     given = parser.parse_args(arguments)
+    if given.fold:
+        fold()
+        return 0
     chosen = [row for row in rows() if is_meant(row, given.only)]
     records = run_all(chosen, given.workers)
     expected = expectations()

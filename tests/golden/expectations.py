@@ -2,7 +2,8 @@
 
 A digest of every record stands in ``frozen.txt``, as the matrix was first recorded, or with a reason in
 ``changes.toml``, where it has changed since.  So an expectation that was edited by hand, or taken over without a
-reason, is found by a test.
+reason, is found by a test.  A change stands there with its differences until they are folded away (:func:`fold`):
+nothing compares with them, they are read with the change, and git keeps them.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ def accounted(folder: Path = HERE) -> dict[str, str]:
 
 
 def changes(folder: Path = HERE) -> list[dict[str, Any]]:
-    """The entries of ``changes.toml``, the oldest first: a reason, and its rows with their differences."""
+    """The entries of ``changes.toml``, the oldest first: a reason, and its rows, the newest with their differences."""
     file = folder / "changes.toml"
     return tomllib.loads(file.read_text(encoding="utf-8")).get("change", []) if file.exists() else []
 
@@ -102,3 +103,12 @@ def accept(changed: Sequence[Change], gone: Sequence[Row], reason: str, folder: 
             more = [f"and {len(found) - LONGEST} more"] if len(found) > LONGEST else []
             shown = "".join(f"    {_text(difference)},\n" for difference in (*found[:LONGEST], *more))
             log.write(f"\n[[change.rows]]\nrow = {_text(line)}\ndigest = {_text(mark)}\ndifferences = [\n{shown}]\n")
+
+
+def fold(folder: Path = HERE) -> None:
+    """Keep of every change its reason and its rows with their digests, one line each."""
+    entries = []
+    for change in changes(folder):
+        lines = [f"    {{ row = {_text(row['row'])}, digest = {_text(row['digest'])} }},\n" for row in change["rows"]]
+        entries.append(f"[[change]]\nreason = {_text(change['reason'])}\nrows = [\n{''.join(lines)}]\n")
+    (folder / "changes.toml").write_text("\n".join(entries), encoding="utf-8")

@@ -13,8 +13,6 @@ from typing import Any, TypeAlias
 
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.checker.statements import THEOREMS
-from nonsmooth.proofs.system_certificates import certificate_of
-from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.theorem4 import check_cells
 from tests.array_certificates import said
 from tests.certificates.corpus import good_arrays, good_certificates, text_of
@@ -32,7 +30,6 @@ from tests.proofs.checker import test_irrational as irrational
 from tests.proofs.kernel import test_roots as roots
 from tests.proofs.kernel import test_scalar as scalar
 from tests.proofs.robust import test_certified_bound as robust
-from tests.proofs.test_scalar_stability import built
 
 Record: TypeAlias = dict[str, Any]
 
@@ -91,7 +88,7 @@ def escaping() -> list[Record]:
 def in_one_state() -> list[Record]:
     """Systems without roots and of short numbers."""
     names = [name for name in scalar.TRUE if "root" not in name and "large" not in name]
-    return [certificate_of(decide_system(built(scalar.TRUE[name][0], **scalar.TRUE[name][1]))) for name in names]
+    return [scalar.certificate(name) for name in names]
 
 
 def of_arrays() -> list[Record]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -23,23 +24,27 @@ from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
-from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
+from nonsmooth.proofs.systems.basin import EFFORTS
 from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, next_ring
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, other_rests, ring_of
 from nonsmooth.proofs.systems.saddle_borders import AXES, find_borders, left_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 
+COARSE = Pace(0.12, 0.05, 0.04)
 CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts inside the unit circle, exactly
+
+
+def with_coarse_region(name: str, document: dict[str, Any], pace: Pace = COARSE) -> Any:
+    """The check of a system in x and y with a coarse search."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(EFFORTS, "fast", replace(EFFORTS["fast"], pace=pace, starts=21))
+        return check_system(build_system(document, name, Path(f"{name}.toml"))).with_region("fast")
 
 
 @cache
 def circle() -> Any:
-    """The check of the circle with a coarse search."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(EFFORTS, "fast", BasinEffort(Pace(0.12, 0.05, 0.04), 21))
-        document = {"system": {"states": ["x", "y"], "rhs": CIRCLE}}
-        return check_system(build_system(document, "circle", Path("circle.toml"))).with_region("fast")
+    return with_coarse_region("circle", {"system": {"states": ["x", "y"], "rhs": CIRCLE}})
 
 
 @cache
@@ -172,7 +177,7 @@ COMPETITION = ["x*(3 - x - 2*y)", "y*(3 - 2*x - y)"]  # (0, 3) and (3, 0) attrac
 def competition() -> Any:
     """The check of one of the two places of rest."""
     document = {"system": {"states": ["x", "y"], "rhs": COMPETITION}, "check": {"equilibrium": [0, 3]}}
-    return check_system(build_system(document, "competition", Path("competition.toml"))).with_region("fast")
+    return with_coarse_region("competition", document)
 
 
 def test_a_trap_about_another_place_of_rest() -> None:
@@ -222,7 +227,7 @@ def test_other_traps_are_refused(way: str) -> None:
 def test_traps_beside_a_pendulum() -> None:
     """About the next lower positions, with sines: the checker takes them, and no larger ones."""
     document = {"system": {"states": ["x", "y"], "rhs": ["y", "-sin(x) - y/2"]}}
-    evidence = check_system(build_system(document, "pendulum", Path("pendulum.toml"))).with_region("fast").evidence
+    evidence = with_coarse_region("pendulum", document, Pace(0.08, 0.03, 0.04)).evidence
     basin = evidence.reach.basin
     assert basin is not None
     assert sorted(own[0] for own, _ in basin.traps) == pytest.approx([-2 * np.pi, 2 * np.pi], abs=1e-3)
@@ -266,7 +271,7 @@ def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
 def spring() -> Any:
     """The check of a spring that weakens."""
     document = {"system": {"states": ["x", "y"], "rhs": SPRING}}
-    return check_system(build_system(document, "spring", Path("spring.toml"))).with_region("fast")
+    return with_coarse_region("spring", document, Pace(0.06, 0.02, 0.04))
 
 
 def test_lines_beside_saddles_bound_the_basin_of_a_spring() -> None:

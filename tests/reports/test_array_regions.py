@@ -18,7 +18,7 @@ from tests.oracles.measured_tables import MeasuredTable
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
-COARSE = BasinEffort(Pace(0.2, 0.05, 0.04), 15)
+COARSE = BasinEffort(Pace(0.2, 0.05, 0.04), 15, way=12.0, triangles=40_000)
 
 
 @pytest.fixture

@@ -61,6 +61,7 @@ def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: Array
     assert "position: " in words(brief_document(undecided), "Not decided")
 
 
+@pytest.mark.usefixtures("without_other_rules")
 def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject) -> None:
     ends = "Where and when bodies end"
     assert "at the point, after at most 0.5 s, from anywhere within 0.5 of it (proved)" in words(

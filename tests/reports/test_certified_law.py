@@ -196,6 +196,7 @@ def typed(start: Floats) -> str:
 @pytest.mark.parametrize(
     ("name", "law"), keep(2, [("outward", "gradient"), ("conveyor-3", "cascade"), ("saddle", "cascade")])
 )
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_terminal_json_and_report_name_the_same_law(invoke: Invoke, tmp_path: Path, name: str, law: str) -> None:
     clause = invoke("check", name, "--json").record["feedback"]
     start = ("simulate", name, "--from", "0.01,0.005,0.01", "--feedback", "--until", "1")

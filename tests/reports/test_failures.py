@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from tests.thorough import thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_check_lists_failures_and_names_the_worst(invoke: Invoke) -> None:
     done = invoke("check", "four-wheel", "--fail", "1")
     assert done.status == 0

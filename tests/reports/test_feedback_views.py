@@ -80,6 +80,7 @@ def test_the_report_states_the_law(
         assert expected in text, expected
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_an_array_with_contracting_turns_has_a_table_of_signs(invoke: Invoke, tmp_path: Path) -> None:
     """The four-wheel array with rims turned by 46.4 degrees: no quadratic V, but turns that contract."""
     scene = tmp_path / "turned.toml"

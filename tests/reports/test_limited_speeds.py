@@ -301,7 +301,7 @@ def test_paths_say_when_speeds_end_in_every_format(tmp_path: Path, capsys: pytes
         f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n[drive]\nspeed_limit = "1/10"\n{ring}', encoding="utf-8"
     )
     simulate = ("simulate", str(file), "--from", "0.1,0.15,0.3", "--feedback", "--gain", "3", "--until", "4")
-    assert run(app, (*simulate, "--json")) == 0
+    assert run(app, (*simulate, "--json", "-o", str(table))) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["law"]["gain"] == 3
     kinds = [(event["kind"], event["surface"]) for event in record["events"] if event["kind"] in {"limit", "free"}]
@@ -314,7 +314,6 @@ def test_paths_say_when_speeds_end_in_every_format(tmp_path: Path, capsys: pytes
     for time, row in zip(record["t"], record["speeds"], strict=True):
         top = max(abs(speed) for speed in row if speed is not None)
         assert (top == pytest.approx(0.1, rel=1e-9)) == (time <= free + 1e-9)
-    assert run(app, (*simulate, "-o", str(table))) == 0
     header, *lines = csv.reader(table.read_text(encoding="utf-8").splitlines())
     assert header == ["t", "x", "y", "theta", "u_1", "u_2", "u_3", "u_4", "u_5"]
     cells = [[None if cell == "" else float(cell) for cell in line[4:]] for line in lines]

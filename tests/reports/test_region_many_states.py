@@ -15,6 +15,7 @@ import sympy
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.many_states.reshaped_region import EFFORTS
+from nonsmooth.proofs.systems.basin_shells import EFFORTS as SHELLS
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -29,8 +30,11 @@ rhs = ["-x + ({FORM})*x", "-y + ({FORM})*y", "-z + ({FORM})*z"]
 """
 
 
-def test_nine_tenths_of_a_level_and_no_more_than_it(invoke: Invoke, tmp_path: Path) -> None:
+def test_nine_tenths_of_a_level_and_no_more_than_it(
+    invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Along every ray ``r' = -r + q r`` with the form q: starts come to the point exactly where ``q < 1``."""
+    monkeypatch.setitem(SHELLS, "fast", replace(SHELLS["fast"], frequency=4, shells=6))
     file = tmp_path / "ellipsoid.toml"
     file.write_text(SYSTEM, encoding="utf-8")
     certificate = tmp_path / "ellipsoid.json"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.system_certificates import find_region_of_simplices
-from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin
+from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin
 from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.reports.checks.check import check_system
 from tests.thorough import keep, thorough
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
 
 Floats: TypeAlias = NDArray[np.float64]
 
-COARSE, COARSER = BasinEffort(Pace(0.12, 0.03, 0.04), 21), BasinEffort(Pace(0.12, 0.06, 0.04), 11)
+COARSE = replace(EFFORTS["fast"], pace=Pace(0.12, 0.03, 0.04), starts=21)
+COARSER = replace(EFFORTS["fast"], pace=Pace(0.12, 0.06, 0.04), starts=11)
 STEEP = 1e-3  # width over which the oracle's sign rises
 VAN_DER_POL = """
 name = "van der Pol, reversed"

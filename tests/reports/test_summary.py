@@ -58,6 +58,7 @@ def test_records_are_those_of_the_single_checks(invoke: Invoke) -> None:
         assert record == alone
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_every_rule_of_every_scene(invoke: Invoke) -> None:
     status, out, _ = invoke("check", "four-wheel-side", "ring-3", "--rule", "all", "--json")
     records = json.loads(out)["checks"]
@@ -68,6 +69,7 @@ def test_every_rule_of_every_scene(invoke: Invoke) -> None:
     assert status in (1, 3)
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_a_refused_scene_stops_no_other(invoke: Invoke, tmp_path: Path) -> None:
     tipping = tmp_path / "tipping.toml"
     tipping.write_text(TIPPING, encoding="utf-8")

@@ -99,12 +99,11 @@ def test_maps_of_built_in_systems_contradict_nothing(name: str) -> None:
 
 def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
     grid = ("simulate", "eq-4", "--grid", "2", "--until", "1")
-    record = invoke(*grid, "--json").record
+    record = invoke(*grid, "--json", "-o", str(tmp_path / "map.csv")).record
     assert record["schema"] == "nonsmooth-system-map/1"
     assert sum(record["shares"].values()) == pytest.approx(1)
     assert "proved" in invoke(*grid).out
-    for suffix in ("csv", "svg"):
-        assert "4 starts" in invoke(*grid, "-o", str(tmp_path / f"map.{suffix}")).out
+    assert "4 starts" in invoke(*grid, "-o", str(tmp_path / "map.svg")).out
     header, *rows = csv.reader((tmp_path / "map.csv").read_text(encoding="utf-8").splitlines())
     assert header == ["x", "y", "x_end", "y_end", "whereabouts"]
     assert len(rows) == 4

@@ -46,11 +46,11 @@ def test_a_measured_table_is_checked_where_bodies_come_to_rest(
 
 
 def test_python_takes_an_enclosed_point_too(tmp_path: Path) -> None:
-    array = ns.load(file_of(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0)))
+    array = ns.load(file_of(tmp_path, MeasuredTable.random(1, "ellipse", off=3.0)))
     assert isinstance(array, ns.Array)
     checked = array.check(at="auto")
     assert checked.position.verdict == "comes home"
-    assert checked.at == pytest.approx((2.71896, -0.228894), abs=1e-5)
+    assert checked.at == pytest.approx((1.01973, 1.64126), abs=1e-5)
 
 
 def test_clauses_are_undecided_rather_than_those_of_the_number_that_stands_for_the_point(tmp_path: Path) -> None:

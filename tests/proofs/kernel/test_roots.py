@@ -235,6 +235,7 @@ def assert_true(record: Record, source: random.Random) -> None:
     assert last > 1 if unstable else last < 2, record
 
 
+@cache
 def originals() -> list[Record]:
     """Valid certificates."""
     return [

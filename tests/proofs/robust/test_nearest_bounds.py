@@ -20,9 +20,11 @@ from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust import nearest
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
+from nonsmooth.proofs.robust.ultimate_bound import PARTS, _last_slow, is_slow
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.numbers.plane import between
 from tests.conftest import Arrays as Builders
 from tests.thorough import few, thorough
 
@@ -200,6 +202,20 @@ def test_cells_of_many_wheels_ask_their_neighbours_alone(arrays: Builders, monke
     cells = list(nearest.outer_cells(wheels, fmpq(3), arb(0)))
     assert sum(cell.polygon.area for cell in cells) == 6 * 6
     assert asked < len(wheels) ** 2
+
+
+@pytest.mark.parametrize("length", [fmpq(1), fmpq(1, 10**16)])
+def test_the_last_slow_part_of_a_side_is_exact(length: fmpq) -> None:
+    """Also of a side so short that its ends are one place in floats."""
+    w, kappa = (fmpq(-1), fmpq(0)), fmpq(1, 3)  # slow where |y| >= sqrt(8) x
+    slow, fast = (fmpq(1), fmpq(2_828_427_124_746_190_098, 10**18)), (fmpq(1), fmpq(2))
+    fast = between(slow, fast, length)
+    slow = between(slow, fast, fmpq(-1, 11))
+    last = _last_slow(slow, fast, w, kappa)
+    part = (last[1] - slow[1]) / (fast[1] - slow[1]) * PARTS
+    assert part.q == 1
+    assert not is_slow(last, w, kappa)
+    assert is_slow(between(slow, fast, (part - 1) / PARTS), w, kappa)
 
 
 def test_what_is_not_followed_is_undecided(tmp_path: Path) -> None:
