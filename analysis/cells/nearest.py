@@ -341,12 +341,6 @@ def preferred_rows(wheel: Wheel) -> tuple[Row, ...]:
     return tuple(row for row in ordered if row.friction)
 
 
-def nearest_states(scene: Scene, point: Point) -> tuple[ContactState, ...]:
-    """Literal rule at one point, for a strict order of distances: the slow definition the cells are tested against."""
-    ordered = sorted(scene.wheels, key=lambda w: (point[0] - w.position[0]) ** 2 + (point[1] - w.position[1]) ** 2)
-    return greedy_states(ordered)
-
-
 # ---- distances in floats -------------------------------------------------------------------------
 #
 # What lies beyond a margin is certain; what lies within it is left to exact arithmetic.

@@ -128,12 +128,6 @@ class Partition(ShortRepr):
         return tile([cell.polygon for cell in self.cells], self.domain, self.size)
 
     @cached_property
-    def tied_area(self) -> Number | Lazy:
-        """Area on which the minimizer is not unique: the exception to Theorem 1 of Murphey & Burdick."""
-        zero: Number | Lazy = self.scene.field.zero
-        return sum((cell.polygon.area for cell in self.cells if len(cell.states) > 1), zero)
-
-    @cached_property
     def states(self) -> tuple[ContactState, ...]:
         """Distinct contact states that own a cell, in cell order."""
         by_rows = {frozenset(row.name for row in s.rows): s for cell in self.cells for s in cell.states}

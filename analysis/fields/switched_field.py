@@ -27,8 +27,6 @@ Mode: TypeAlias = Any  # a sign pattern or the number of a cell
 # Relative to the size of the domain: the distance within which a state counts as on a surface. Above the integrator's
 # error (1e-12), so that a path aimed at a corner is found to reach it.
 SURFACE_SLACK = 1e-10
-# Relative step of central differences: the cube root of the rounding error, where both errors are 1e-11.
-DIFFERENCE_STEP = 6e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,17 +43,6 @@ def affine_surface(name: str, normal: Sequence[float], offset: float = 0.0) -> S
     """``normal . x - offset``."""
     vector = np.array(normal, dtype=float)
     return Surface(name, lambda x: float(vector @ x) - offset, lambda x: vector, flat=True)
-
-
-def smooth_surface(name: str, value: Callable[[Vector], float]) -> Surface:
-    """A switching function without a given gradient: central differences."""
-
-    def gradient(x: Vector) -> Vector:
-        steps = DIFFERENCE_STEP * np.maximum(1.0, np.abs(x))
-        moves = np.diag(steps)
-        return np.array([(value(x + m) - value(x - m)) / (2 * s) for m, s in zip(moves, steps, strict=True)])
-
-    return Surface(name, value, gradient)
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,8 +41,3 @@ class Minimizer(Protocol):
 
 
 MINIMIZERS: tuple[Minimizer, ...] = (EllipseMinimizer(), BoxHighs(), BoxEnumeration())
-
-
-def minimizers_of(functional: Functional) -> tuple[Minimizer, ...]:
-    """Those of one functional, the one to use first."""
-    return tuple(minimizer for minimizer in MINIMIZERS if minimizer.functional is functional)

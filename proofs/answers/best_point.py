@@ -79,11 +79,6 @@ class BestPoint:
     found: tuple[RestPoint, ...]
 
 
-def at_best_point(scene: Scene) -> Scene:
-    """The same array, checked at the best rest point of its square; see :func:`best_point`."""
-    return best_point(scene).scene
-
-
 def best_point(scene: Scene) -> BestPoint:
     """Choose the rest point of the checked square that takes the most noise.
 

@@ -72,18 +72,6 @@ def load_system(source: str | Path, *, radius: str | None = None, at: str | None
         return build_system(data, file, path)
 
 
-def holds_system(source: str | Path) -> bool:
-    """Whether a scene is a plain switched system.
-
-    Raises:
-        SceneError: for a file that cannot be read.
-    """
-    try:
-        return "system" in read_document(source)[0]
-    except RecursionError:
-        return False
-
-
 def system_descriptions() -> dict[str, str]:
     """One line about each built-in system, by name."""
     return {name: read_document(name)[0]["description"] for name in builtin_systems()}

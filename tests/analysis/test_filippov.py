@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.filippov import (
     points_into,
     upper_derivative_at,
 )
-from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.minimizers.sampling import literal_twist, sample_upper_derivative
@@ -31,6 +31,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import dot
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.cvxpy_programs import hull_upper_derivative_at, hull_upper_derivative_on
+from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.cells.nearest import bisector, build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.nearest import bisector, build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.sampling import literal_twist
@@ -21,6 +21,7 @@ from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from tests.conftest import Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
+from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:

@@ -23,9 +23,10 @@ from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, l
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
-from nonsmooth.analysis.fields.switched_field import affine_surface, smooth_surface
+from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.symbolic.numbers.number import sign
 from tests.hulls import hull_holds_zero
+from tests.oracles.differences import smooth_surface
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.switched_field import DIFFERENCE_STEP, Vector
+from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.built_in import planar_systems
+from tests.oracles.differences import STEP
 
 ROUNDING = 1e-14
 
@@ -106,8 +107,8 @@ def test_the_flow_of_the_mode_at_a_state_is_the_formula(
         assert found == pytest.approx(value(state), abs=POLYNOMIAL_ROUNDING)
         for surface in field.surfaces:
             for k, slope in enumerate(surface.gradient(state)):
-                step = DIFFERENCE_STEP * np.eye(len(states))[k]
-                change = (surface.value(state + step) - surface.value(state - step)) / (2 * DIFFERENCE_STEP)
+                step = STEP * np.eye(len(states))[k]
+                change = (surface.value(state + step) - surface.value(state - step)) / (2 * STEP)
                 assert slope == pytest.approx(change, abs=DIFFERENCE)
 
 

@@ -22,7 +22,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField, array_field,
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, affine_surface, smooth_surface
+from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, affine_surface
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -31,6 +31,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.four_wheel import ROLL, SIDE
+from tests.oracles.differences import smooth_surface
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

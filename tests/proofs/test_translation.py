@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.filippov import filippov_twists, upper_derivative_at
-from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
@@ -23,6 +23,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import dot
 from tests.four_wheel import CORNERS, ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
+from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:

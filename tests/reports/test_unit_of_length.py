@@ -18,7 +18,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.answers.best_point import at_best_point
+from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.certified_scene import find_difference
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
@@ -332,11 +332,11 @@ def test_the_best_point_has_its_own_default_length() -> None:
         (scene.field(Fraction(1, 8)), scene.field.zero), scene.check.radius
     )
     assert default.check.length == default_length([w.position for w in scene.wheels], default.check.equilibrium)
-    best = at_best_point(default)
+    best = best_point(default).scene
     assert best.check.equilibrium == scene.check.equilibrium
     assert best.check.length == Fraction(707, 500) != default.check.length
     stated = replace(default, check=replace(default.check, has_default_length=False))
-    assert at_best_point(stated).check.length == default.check.length
+    assert best_point(stated).scene.check.length == default.check.length
 
 
 @pytest.mark.usefixtures("without_paths")

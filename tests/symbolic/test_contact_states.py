@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
+from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import (
@@ -34,6 +34,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.four_wheel import ROLL, SIDE
+from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
-from nonsmooth.symbolic.files.system_file import holds_system, load_system
+from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
@@ -119,11 +119,6 @@ def test_what_is_checked_in_three_states(load: Load) -> None:
 def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
     system = load(["x"], ["1/(sign(x) - sign(-x))"])
     assert len(system.surfaces()) == 1
-
-
-def test_plain_systems_are_told_from_arrays() -> None:
-    assert holds_system("flower")
-    assert not holds_system("four-wheel")
 
 
 @pytest.mark.parametrize(

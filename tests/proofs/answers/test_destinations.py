@@ -19,7 +19,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers import destinations as destinations_module
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
-from nonsmooth.proofs.answers.best_point import at_best_point
+from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, destinations_of
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
@@ -103,14 +103,14 @@ def test_nothing_is_asked_where_all_come_home() -> None:
 
 
 def test_auto_takes_the_point_where_most_come_home() -> None:
-    best = at_best_point(load_scene("off-center"))
+    best = best_point(load_scene("off-center")).scene
     assert [str(x) for x in best.check.equilibrium] == ["1/2", "1/4"]
     assert answers_of(check_theorem4(best))[0].verdict is Position.COMES_HOME
 
 
 @thorough  # the small one: test_auto_takes_the_point_where_most_come_home
 def test_auto_takes_the_middle_of_a_rest_area() -> None:
-    best = at_best_point(load_scene("off-center", rule="box"))
+    best = best_point(load_scene("off-center", rule="box")).scene
     assert answers_of(check_theorem4(best))[0].verdict is Position.STAYS_NEAR
 
 
@@ -189,7 +189,7 @@ def test_auto_without_cells_proves_the_point_that_floats_propose(tmp_path: Path)
     lines = [f"{{ position = [{x}, {y}], heading = [{a}, {b}] }}," for x, y, a, b in SHIFTED]
     head = 'friction = { mu_roll = 0.8, mu_side = 0.8 }\ncontact = { rule = "ellipse" }\ncheck = { radius = 0.5 }\n'
     file.write_text(head + "wheel = [\n" + "\n".join(lines) + "\n]\n", encoding="utf-8")
-    best = at_best_point(load_scene(str(file)))
+    best = best_point(load_scene(str(file))).scene
     assert [str(x) for x in best.check.equilibrium] == ["3/10", "1/10"]
     assert answers_of(check_theorem4(best))[0].verdict is Position.COMES_HOME
 

@@ -21,7 +21,7 @@ import pytest
 from flint import arb, arb_mat
 
 from nonsmooth.proofs.answers.answers import answers_of
-from nonsmooth.proofs.answers.best_point import at_best_point
+from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.robust.rest_points import DISCS, attracting_disc
 from nonsmooth.proofs.theorem4 import check_smooth
@@ -125,7 +125,7 @@ def checked(table: MeasuredTable, *, at_best: bool) -> SmoothCheck:
         file = Path(folder) / "table.toml"
         file.write_text(table.toml, encoding="utf-8")
         scene = load_scene(str(file))
-    return check_smooth(at_best_point(scene) if at_best else scene)
+    return check_smooth(best_point(scene).scene if at_best else scene)
 
 
 def rest_of(check: SmoothCheck) -> EnclosedRest:
