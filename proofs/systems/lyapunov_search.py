@@ -18,6 +18,7 @@ meets the equalities.  What stays where V' = 0 is asked of :mod:`nonsmooth.proof
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
@@ -36,6 +37,7 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
@@ -148,11 +150,7 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
         budget = Budget(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
         cells = square_cells(system, radius, grows=grows)
-        for basis in families(system) if len(cells) <= MAX_CELLS else ():
-            try:
-                proposed = _found(system, cells, basis, budget)
-            except (ExpressionError, SceneError):
-                continue
+        for proposed in _proposed(system, cells, radius, budget) if len(cells) <= MAX_CELLS else ():
             if proposed is not None:
                 formula, result = proposed
                 found = PlaneFunction(result, Domain(radius), formula, system.states, grows)
@@ -162,6 +160,30 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
 
                 return enlarged(found, cells_on, system.check.radius, BISECTIONS, Budget(ENLARGING_WORK))
     return None
+
+
+def _proposed(
+    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget
+) -> Iterator[tuple[PiecewiseExpression, LyapunovResult] | None]:
+    """What each family proves, the simple ones first; energies before the richest."""
+    *simple, richest = families(system)
+    for basis in simple:
+        yield _found(system, cells, basis, budget)
+    if not system.waves:
+        for formula in energies(system, cells, radius):
+            yield _falls(system, cells, formula, budget)
+    yield _found(system, cells, richest, budget)
+
+
+def _falls(
+    system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression, budget: Budget
+) -> tuple[PiecewiseExpression, LyapunovResult] | None:
+    """A candidate that is proved to fall; None for another, and once the budget is spent."""
+    judged = _judged(system, cells, formula)
+    if budget.left <= 0 or first_failure(judged, budget):
+        return None
+    result = examine(judged)
+    return (formula, result) if result.verdict is Decrease.STRICT else None
 
 
 def enlarged(
@@ -224,7 +246,16 @@ def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
 def _found(
     system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction], budget: Budget
 ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
-    """Rounds of proposals and refutations for one family.
+    """Rounds of proposals and refutations for one family; None where sums are too long, or cannot be used."""
+    with suppress(ExpressionError, SceneError):
+        return _rounds(system, cells, basis, budget)
+    return None
+
+
+def _rounds(
+    system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction], budget: Budget
+) -> tuple[PiecewiseExpression, LyapunovResult] | None:
+    """The same.
 
     Raises:
         ExpressionError: for a sum that is too long.

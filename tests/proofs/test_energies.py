@@ -1,0 +1,70 @@
+"""Candidates for V of systems of second order: energies with a cross term."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.energies import energies
+from nonsmooth.proofs.systems.lyapunov_search import square_cells
+from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.symbolic.formulas.float_formulas import float_value
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+
+def system_of(*rhs: str) -> SwitchedSystem:
+    return build_system({"system": {"states": ["x", "y"], "rhs": list(rhs)}}, "t", Path("t.toml"))
+
+
+# Right-hand sides, the place of the position, and its force; at rest that of friction is the mean of both directions.
+SECOND_ORDER = [
+    (("y", "-2*sign(x) - y"), 0, lambda x: 2 * np.sign(x)),
+    (("y", "-x*Abs(x) - 3*y"), 0, lambda x: x * abs(x)),
+    (("y", "-x - x**3 - Max(x, 0)/2 - sign(y)"), 0, lambda x: x + x**3 + max(x, 0) / 2),
+    (("-3*y**3 - Abs(y)*y - x", "x"), 1, lambda x: 3 * x**3 + abs(x) * x),
+]
+
+
+def energy_of(formula: PiecewiseExpression, place: int, x: float, v: float) -> float:
+    """A candidate without its cross term, which changes its sign with v."""
+    both = [dict(zip(("x", "y") if place == 0 else ("y", "x"), (x, speed), strict=True)) for speed in (v, -v)]
+    return sum(float_value(formula.tree, values, formula.text) for values in both) / 2
+
+
+@pytest.mark.parametrize(("rhs", "place", "force"), SECOND_ORDER)
+def test_the_energy_has_the_slope_of_the_force(
+    rhs: tuple[str, str], place: int, force: Callable[[float], float]
+) -> None:
+    system, step = system_of(*rhs), 1e-6
+    found = list(energies(system, square_cells(system, system.check.radius), system.check.radius))
+    assert len(found) in (2, 4)
+    for formula in found:
+        for x, v in np.random.default_rng(3).uniform(-0.4, 0.4, (20, 2)).tolist():
+            high, low = (energy_of(formula, place, x + move, v) for move in (step, -step))
+            assert (high - low) / (2 * step) == pytest.approx(force(x), abs=1e-6)
+            assert energy_of(formula, place, x, v) - energy_of(formula, place, x, 0.0) == pytest.approx(v**2 / 2)
+
+
+def test_what_is_of_no_second_order_has_none() -> None:
+    for rhs in (("y - x", "-x"), ("y", "-sqrt(2)*x - y"), ("2*y", "-x - y")):
+        system = system_of(*rhs)
+        assert not list(energies(system, square_cells(system, system.check.radius), system.check.radius))
+
+
+def test_a_relay_with_viscous_friction_has_a_short_function() -> None:
+    result = decide_system(system_of("y", "-2*sign(x) - y"))
+    assert result.function is not None
+    assert result.function.text == "2*Abs(x) + y**2/2 + x*y/4"
+    assert result.reach.region is not None
+    assert result.reach.region.level >= 0.1  # 1681/262144 of the richest family, on a smaller square
+    assert result.reach.rate is not None
+    assert result.reach.rate.decay is DecayKind.EXPONENTIAL
+    kinds = {kind for claim in certificate_of(result)["statement"]["claims"] for kind in claim}
+    assert {"stability", "attracts", "rate", "gain"} <= kinds
