@@ -53,7 +53,7 @@ def energies(system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number)
 
 
 def _forces(cells: Sequence[FieldCell], radius: Number, place: int, speed: Polynomial) -> tuple[Powers, Powers] | None:
-    """G on the right and on the left, the mean of both signs of v; None where ``x' = v`` is not so everywhere."""
+    """The force g on the right and on the left, the mean of both signs of v; None where ``x' = v`` does not hold."""
     if any(field[place] != speed for cell in cells for field in cell.velocities):
         return None
     sides = []
@@ -61,8 +61,10 @@ def _forces(cells: Sequence[FieldCell], radius: Number, place: int, speed: Polyn
         found: dict[int, Fraction] = {}
         for up in (1, -1):
             at = [radius * (turn * NEAR), radius * (up * NEAR * NEAR)]
-            field = next(cell for cell in cells if cell.region.contains((at[place], at[1 - place]))).velocities[0]
-            for exponents, c in field[1 - place].terms.items():
+            inside = next((cell for cell in cells if cell.region.contains((at[place], at[1 - place]))), None)
+            if inside is None:
+                return None
+            for exponents, c in inside.velocities[0][1 - place].terms.items():
                 known = c.as_rational()
                 if exponents[1 - place]:
                     continue

@@ -179,7 +179,10 @@ def _falls(
     system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression, budget: Budget
 ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
     """A candidate that is proved to fall; None for another, and once the budget is spent."""
-    judged = _judged(system, cells, formula)
+    try:
+        judged = _judged(system, cells, formula)
+    except SceneError:
+        return None
     if budget.left <= 0 or first_failure(judged, budget):
         return None
     result = examine(judged)
