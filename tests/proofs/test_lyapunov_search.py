@@ -23,6 +23,7 @@ from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.proofs.forged import with_reach
 from tests.thorough import few, keep, thorough
@@ -242,13 +243,21 @@ def test_regions_of_v_that_bends_need_a_v_that_falls(load: Load) -> None:
 
 
 def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
-    """Twisting arrives in finite time, but V' vanishes to second order on the y axis: no rate of either kind."""
+    """Twisting arrives in finite time, but V' vanishes at the point, and nearly so at a corner of the square."""
     result = decide_system(load("y", "-2*sign(x) - sign(y)"))
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
     assert result.reach.region is not None
     assert isinstance(result.function, PlaneFunction)
     assert isinstance(result.function.result.cells[0].potential, Polynomial)
-    assert result.reach.rate is None
+    assert result.reach.rate is not None
+    assert result.reach.rate.decay is DecayKind.EXPONENTIAL
+    formula, corner, field, step = result.function.formula, np.array([0.5, -0.5]), np.array([-0.5, -1.0]), 1e-6
+    assert formula is not None
+    first, later = (
+        float_value(formula.tree, dict(zip("xy", at.tolist(), strict=True)), formula.text)
+        for at in (corner, corner + step * field)
+    )
+    assert 0 < float(result.reach.rate.kappa) <= (first - later) / (step * first) + 1e-6 < 1e-3
 
 
 def test_families_too_large_for_a_formula_are_left_out(load: Load) -> None:
