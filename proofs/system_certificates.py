@@ -32,6 +32,7 @@ from nonsmooth.proofs.kernel.subject import (
     exact_text,
 )
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
+from nonsmooth.proofs.parts import Parts
 from nonsmooth.proofs.scalar_theorems import scalar_theorem
 from nonsmooth.proofs.stated_functions import growth_hypotheses, stated_function
 from nonsmooth.proofs.system_facts import (
@@ -298,9 +299,32 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
         return
     if result.deciding.theorem is Method.CHOICE and result.deciding.entry is None:
         raise NoCertificateError("a certificate does not state right-hand sides without sines beside enclosed ones")
+    if isinstance(result.deciding.proofs, Parts):
+        yield partial(_by_parts, result.deciding.proofs, system)
     for candidate in _candidates(result):
         yield partial(_shown, system, candidate)
     yield partial(_by_searches, result)
+
+
+def _by_parts(parts: Parts, system: System) -> Draft:
+    """By the verdicts on parts.
+
+    Raises:
+        NotShownError: where one of them has no certificate.
+    """
+    try:
+        entries = [certificate_of(own)["evidence"][0] for own in parts.results]
+    except NoCertificateError as error:
+        raise NotShownError(str(error)) from None
+    slide = parts.slide
+    if slide is None:
+        pairs = zip(parts.results, entries, strict=True)
+        listed = [{"states": list(own.scene.states), "entry": entry} for own, entry in pairs]
+        entry, statements = Search().entry(system, "cascade", {"parts": listed})
+    else:
+        hypotheses = {"cells": slide.cells, "surface": slide.number, "state": slide.state, "entry": entries[0]}
+        entry, statements = Search().entry(system, "sliding", hypotheses)
+    return Draft([entry], statements, [])
 
 
 def _by_searches(result: DecidedSystem) -> Draft:

@@ -11,12 +11,14 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
+from nonsmooth.proofs.parts import Block, Parts, cascade, names_of, slides
 from nonsmooth.proofs.systems import scalar_stability as line
 from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.symbolic.files.system_builder import by_themselves, with_order, without_waves
+from nonsmooth.symbolic.files.system_builder import with_order, without_waves
+from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import SignOf
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -158,35 +160,90 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
     return Equilibrium.HOLDS if stays else point.equilibrium
 
 
-def decide_rooted_states(point: CheckedPoint, known: Known) -> Finding | None:
-    """Each state by itself, of a system with square roots of states."""
-    return None if point.system.by_roots is None else decide_by_states(point, known)
+def decide_rooted_cascade(point: CheckedPoint, known: Known) -> Finding | None:
+    """The parts of a system with square roots of states."""
+    return None if point.system.by_roots is None else decide_by_cascade(point, known)
 
 
-def decide_by_states(point: CheckedPoint, known: Known) -> Finding | None:
-    """Those states whose right-hand sides hold no other one: each follows a system in one state.
+def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
+    """Blocks of states one after the other, with those that drive them at the point.
 
-    Where one of these leaves so does the whole; where all are such, all solutions do what each of their states does.
+    A block that none drives says that the whole is unstable where it is, and may rest; others have to attract.
     """
-    if known.standing is not None:
+    system = point.system
+    if known.standing is not None or _is_rooted_off_zero(system):
         return None
     try:
-        alone = {name: _decided(own) for name, own in by_themselves(point.system).items()}
-    except SceneError:
+        blocks = list(cascade(system))
+    except (SceneError, ExpressionError):
         return None
-    verdicts = {found.verdict for found in alone.values()}
-    for name, found in alone.items():
-        if found.verdict is Translation.UNSTABLE:
-            return Finding(Method.STATES, Translation.UNSTABLE, f"{name} by itself: {found.reason}")
-    if len(alone) < len(point.system.states) or Translation.UNDECIDED in verdicts:
+    if len(blocks) < 2:
         return None
-    reason = "; ".join(f"{name} by itself: {found.reason}" for name, found in alone.items())
-    if Translation.STABLE not in verdicts:
-        return Finding(Method.STATES, Translation.ASYMPTOTICALLY_STABLE, reason)
-    stays = [own for own in alone.values() if own.verdict is Translation.STABLE]
-    rests = any(own.deciding.refutes for own in stays)
+    found: list[StabilityResult] = []
+    for block in blocks:
+        result = _decided(block.system)
+        if result.verdict is Translation.UNSTABLE and not block.is_driven:
+            return Finding(Method.STATES, Translation.UNSTABLE, _said(block, result), proofs=Parts((result,)))
+        found.append(result)
+    pairs = list(zip(blocks, found, strict=True))
+    reason = "; ".join(_said(block, result) for block, result in pairs)
+    method = Method.CASCADE if any(block.is_driven for block in blocks) else Method.STATES
+    resting = [result for result in found if result.verdict is Translation.STABLE]
+    if not all(may_stay(block, result) for block, result in pairs):
+        return None
+    if not resting:
+        return Finding(method, Translation.ASYMPTOTICALLY_STABLE, reason, proofs=Parts(tuple(found)))
+    rests = any(result.deciding.refutes for result in resting)
     refutes = "a state by itself rests near" if rests else ""
-    return Finding(Method.STATES, Translation.STABLE, reason, refutes=refutes)
+    return Finding(method, Translation.STABLE, reason, proofs=Parts(tuple(found)), refutes=refutes)
+
+
+def may_stay(block: Block, result: StabilityResult) -> bool:
+    """Whether a block stays near the point as long as those that drive it do."""
+    if result.verdict is Translation.STABLE:
+        return not block.is_driven
+    return result.verdict is Translation.ASYMPTOTICALLY_STABLE
+
+
+def _said(block: Block, result: StabilityResult) -> str:
+    driven = ", with what drives it at the equilibrium" if block.is_driven else " by itself"
+    return f"{names_of(result.scene.stated_states)}{driven}: {result.reason}"
+
+
+def _is_rooted_off_zero(system: SwitchedSystem) -> bool:
+    """Whether a state under a square root is not zero at the point."""
+    if system.by_roots is None:
+        return False
+    rooted = system.by_roots.roots.rooted
+    return any(
+        value for name, value in zip(system.stated_states, system.check.equilibrium, strict=True) if name in rooted
+    )
+
+
+def decide_by_sliding_away(point: CheckedPoint, known: Known) -> Finding | None:
+    """A surface that all solutions near the point come to, and on which they leave it to first order."""
+    return _by_sliding(point, known, to_first_order=True)
+
+
+def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
+    """On a surface that all solutions near the point come to, the states that are left."""
+    return _by_sliding(point, known, to_first_order=False)
+
+
+def _by_sliding(point: CheckedPoint, known: Known, *, to_first_order: bool) -> Finding | None:
+    system = point.system
+    if known.standing is not None or system.by_roots is not None:
+        return None
+    with suppress(SceneError, ExpressionError):
+        for slide in slides(system):
+            if to_first_order and not slide.seems_to_leave:
+                continue
+            result = _decided(slide.system)
+            if result.verdict is not Translation.UNDECIDED:
+                reason = f"solutions near the equilibrium come to {slide.words}: {result.reason}"
+                refutes = result.deciding.refutes
+                return Finding(Method.SLIDING, result.verdict, reason, proofs=Parts((result,), slide), refutes=refutes)
+    return None
 
 
 def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
@@ -222,7 +279,7 @@ STRATEGIES = [
     Strategy("signs on either side", ONE, line.decide_by_signs),
     Strategy("no equilibrium", TWO, plane.decide_no_equilibrium),
     Strategy("no equilibrium", MORE, space.decide_no_equilibrium),
-    Strategy("each state by itself, of roots", TWO, decide_rooted_states),
+    Strategy("cascade, of roots", TWO, decide_rooted_cascade),
     Strategy("uncovered axes of roots", TWO, plane.leave_uncovered),
     Strategy("solution that leaves", MORE, space.decide_by_escape),
     Strategy("relative degree of a relay", MORE, space.decide_by_relay),
@@ -236,20 +293,23 @@ STRATEGIES = [
     Strategy("ray of escape", TWO, plane.decide_by_ray),
     Strategy("centre manifold", TWO, kernel.decide_beside_stable_subspace),
     Strategy("reversing symmetry, with sines", TWO, kernel.decide_enclosed_centre),
+    Strategy("surface on which solutions slide away", MORE, decide_by_sliding_away),
     Strategy("searched V", TWO, plane.search_function),
     Strategy("searched V", MORE, space.search_function),
     Strategy("sum of squares of the states", MORE, space.decide_by_sum_of_squares),
     Strategy("energy", MORE, kernel.decide_by_energy),
     Strategy("first integrals", MORE, kernel.decide_by_first_integrals),
     Strategy("rest beside the point", MORE, kernel.decide_rest_beside),
+    Strategy("surface on which solutions slide", MORE, decide_by_sliding),
     Strategy("function that shows instability", MORE, space.search_growth),
     Strategy("invariance principle", TWO, plane.search_attraction),
     Strategy("invariance principle", MORE, space.decide_by_invariance),
     Strategy("integral of motion", TWO, kernel.decide_by_integral),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
-    Strategy("each state by itself", SEVERAL, decide_by_states),
+    Strategy("cascade", SEVERAL, decide_by_cascade),
     Strategy("right-hand sides without sines", SEVERAL, decide_by_exact_sides),
+    Strategy("surface on which solutions slide", TWO, decide_by_sliding),
     Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),

@@ -16,15 +16,13 @@ from typing import Any, TypeAlias
 from .array_basin import show_array_basin
 from .basin import show_basin
 from .cells import System
-from .centres import show_integral, show_reversible
-from .choice import show_choice
 from .circles import show_on_circles
-from .escape import show_escape
 from .outside import show_outside
+from .parts import ABOUT_PARTS
 from .positivity import Proofs
 from .roots import read_subject
 from .theorem4 import show_theorem4
-from .theorems import Statement, show_departure, show_instability, show_stability
+from .theorems import Statement
 from .tolerances import show_tolerances
 from .wheels import Array, read_array
 from .work import BUDGET, MALFORMED, RejectedError, items, require, take
@@ -35,16 +33,10 @@ MAX_THEOREMS = 20
 Theorem: TypeAlias = Callable[[Any, Any, Proofs], list[Statement]]  # of a subject and hypotheses: what it shows
 
 THEOREMS: dict[str, Theorem] = {  # of systems
-    "lyapunov": show_stability,
-    "instability": show_instability,
-    "departure": show_departure,
-    "escape": show_escape,
+    **ABOUT_PARTS,
     "basin": show_basin,
     "circles": show_on_circles,
     "outside": show_outside,
-    "choice": show_choice,
-    "reversible": show_reversible,
-    "integral": show_integral,
 }
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,

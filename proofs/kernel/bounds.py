@@ -198,7 +198,7 @@ def formula(value: Polynomial, names: Sequence[str]) -> str:
         number = str(abs(c)) if abs(c) != 1 or not powers else ""
         parts.append(f"{'-' if c < 0 else '+'} {'*'.join([*([number] if number else []), *powers])}")
     joined = " ".join(parts)
-    return joined[2:] if joined.startswith("+") else f"-{joined[2:]}"
+    return (joined[2:] if joined.startswith("+") else f"-{joined[2:]}") if parts else "0"
 
 
 def factorized(value: Polynomial) -> tuple[Fraction, list[tuple[Polynomial, int]]]:

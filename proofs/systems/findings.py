@@ -41,6 +41,8 @@ class Method(StrEnum):
     EQUILIBRIUM = "no equilibrium"
     SIGNS = "signs on either side"
     STATES = "each state by itself"
+    CASCADE = "cascade"
+    SLIDING = "sliding surface"
     LYAPUNOV = "Lyapunov function"
     INVARIANCE = "invariance principle"
     LINEARIZATION = "linearization"

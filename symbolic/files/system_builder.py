@@ -99,25 +99,25 @@ def without_waves(system: SwitchedSystem) -> SwitchedSystem | None:
     return _of_lists(system, lists, 0) if lists and system.by_roots is None else None
 
 
-def by_themselves(system: SwitchedSystem) -> dict[str, SwitchedSystem]:
-    """By name, the system in one state of each state whose right-hand sides hold no other state.
+def stated_lists(system: SwitchedSystem) -> Sequence[Sequence[str]]:
+    """The formulas of each right-hand side as they were stated."""
+    return system.written or [[side.text for side in member.rhs] for member in system.members]
+
+
+def part_of(system: SwitchedSystem, chosen: Sequence[str], texts: Mapping[str, str]) -> SwitchedSystem:
+    """The system of some states, with the others replaced by formulas.
 
     Raises:
         SceneError: for formulas that cannot be used.
     """
-    states, at = system.stated_states, system.check.equilibrium
-    lists = system.written or [[side.text for side in member.rhs] for member in system.members]
-    rooted = () if system.by_roots is None else system.by_roots.roots.rooted
-    found = {}
-    for k, (name, centre) in enumerate(zip(states, at, strict=True)):
-        own = list(dict.fromkeys(formulas[k] for formulas in lists))
-        others = dict.fromkeys({*states} - {name}, "")
-        is_known = name not in rooted or not centre
-        if is_known and all(with_parameters(formula, others) == formula for formula in own):
-            check = {"equilibrium": [str(centre)], "radius": str(system.check.radius)}
-            document = {"system": {"states": [name], "rhs": [[formula] for formula in own]}, "check": check}
-            found[name] = build_system(document, system.source, Path(system.name))
-    return found
+    states, check = system.stated_states, system.check
+    numbers = [states.index(name) for name in chosen]
+    lists = [[str(with_parameters(formulas[k], texts)) for k in numbers] for formulas in stated_lists(system)]
+    point = {"equilibrium": [str(check.equilibrium[k]) for k in numbers], "radius": str(check.radius)}
+    rhs = list(map(list, dict.fromkeys(map(tuple, lists))))
+    return build_system(
+        {"system": {"states": list(chosen), "rhs": rhs}, "check": point}, system.source, Path(system.name)
+    )
 
 
 def _of_lists(system: SwitchedSystem, lists: Sequence[Sequence[str]], order: int) -> SwitchedSystem:

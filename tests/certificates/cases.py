@@ -580,6 +580,53 @@ def centres() -> Iterator[Case]:
     yield kept("powers", ["6*(x + 1)*(x + 2*y)", "-3*(7*x + 2*y)*(y + 1)"], lines)
 
 
+def entry_about(states: str, rhs: Sequence[str], theorem: str, hypotheses: Record) -> Record:
+    """A theorem about some states, with evidence that is searched now."""
+    own = {"states": states.split(), "rhs": [list(rhs)], "at": ["0"] * len(rhs)}
+    return Search(WORK).entry(read_subject(own), theorem, hypotheses)[0]
+
+
+def cascades() -> Iterator[Case]:
+    """States that drive others: degenerate ones, one pair that turns, and one that leaves."""
+
+    def case(name: str, rhs: Any, *parts: tuple[str, Record]) -> Case:
+        listed = [{"states": names.split(), "entry": entry} for names, entry in parts]
+        return Case(f"cascade-{name}", subject(rhs), "cascade", {"parts": listed})
+
+    def falls(states: str, *rhs: str, verdict: str = ATTRACTS) -> tuple[str, Record]:
+        function = " + ".join(f"{name}**2" for name in states.split())
+        return states, entry_about(states, rhs, "lyapunov", lyapunov(function, cells(), verdict))
+
+    yield case("cubic", ["-x**3", "-y**3 + x"], falls("x", "-x**3"), falls("y", "-y**3"))
+    weak = falls("x y", "y", "-x", verdict=STAYS)
+    yield case("turning", ["y", "-x", "-z + x*y"], weak, falls("z", "-z"))
+    leaves = "x", entry_about("x", ["x"], "instability", instability("-x**2", cells(), ["1"]))
+    yield case("leaves", ["x", "-y + x"], leaves)
+    both = [["-x", "-y + x"], ["-x", "-y - x"]]
+    yield case("switching", both, falls("x", "-x"), falls("y", "-y"))
+
+
+def slides() -> Iterator[Case]:
+    """Surfaces on which solutions slide: to the point, away from it, off the origin, curved, and one after the other."""
+
+    def case(name: str, rhs: Any, surface: str, state: str, entry: Record, at: Any = None) -> Case:
+        own = {"cells": cells(surface), "surface": 0, "state": state, "entry": entry}
+        return Case(f"sliding-{name}", subject(rhs, at), "sliding", own)
+
+    home = entry_about("x", ["-x"], "lyapunov", lyapunov("x**2", cells()))
+    away = entry_about("x", ["x"], "instability", instability("-x**2", cells(), ["1"]))
+    yield case("home", ["y", "-sign(x + y)"], "x + y", "y", home)
+    yield case("away", ["y", "-sign(y - x)"], "y - x", "y", away)
+    yield case("elsewhere", ["y - 2", "1 - 3*sign(2*x + 2*y - 6)"], "x + y", "y", home, ["1", "2"])
+    cubic = entry_about("x", ["-x**3"], "lyapunov", lyapunov("x**2", cells()))
+    yield case("curved", ["y", "x**2 - sign(x**3 + y)"], "x**3 + y", "y", cubic)
+    again = entry_about("y", ["-y**3"], "lyapunov", lyapunov("y**2", cells()))
+    still = entry_about("z", ["-z"], "lyapunov", lyapunov("z**2", cells()))
+    parts = {"parts": [{"states": ["y"], "entry": again}, {"states": ["z"], "entry": still}]}
+    driven = {"theorem": "cascade", "hypotheses": parts, "proofs": {}}
+    yield case("cascade", ["-sign(x) + z", "-y**3 + x", "y - z + x"], "x", "x", driven)
+
+
 GROUPS = (
     in_one_state,
     slow_rates,
@@ -599,6 +646,8 @@ GROUPS = (
     quotients,
     choices,
     centres,
+    cascades,
+    slides,
     basins_in_space,
 )
 

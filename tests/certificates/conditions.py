@@ -428,6 +428,50 @@ def of_choice() -> Iterator[Forgery]:
         yield of_subject(because, {**subject, "rhs": rhs}, [UNSTABLE], "choice", {"choice": chosen, **ahead}, {})
 
 
+def of_parts() -> Iterator[Forgery]:
+    """Parts that leave something out, that jump with what is replaced, and that only rest while they are driven."""
+
+    def forged(because: str, claim: Record, rhs: list[str], theorem: str, hypotheses: Record, **more: Any) -> Forgery:
+        subject = {"states": ["x", "y"][: len(rhs)], "rhs": [rhs], "at": ["0"] * len(rhs), **more}
+        return of_subject(because, subject, [claim], theorem, hypotheses, {})
+
+    def entry(function: str, verdict: str = "asymptotically stable") -> Record:
+        own = {"cells": cube("1"), "function": function, "second": None, "verdict": verdict, "everywhere": False}
+        own |= {"level": None, "below": False, "rate": None}
+        return {"theorem": "lyapunov", "hypotheses": own, "proofs": {"V ": ON_PARTS, "cell  field 0": ON_PARTS}}
+
+    def parts(*listed: tuple[list[str], Record]) -> Record:
+        return {"parts": [{"states": names, "entry": own} for names, own in listed]}
+
+    leaves = {"cells": cube("1"), "function": "-(y**2)", "second": None, "direction": ["1"]}
+    out = {"theorem": "instability", "hypotheses": leaves, "proofs": {"cell  field 0": ON_PARTS}}
+    x, y = (["x"], entry("x**2")), (["y"], entry("y**2"))
+    resting = ["y"], entry("y**2", "stable")
+    for because, claim, rhs, own in (
+        ("parts with all states", ATTRACTS, ["-x", "y"], parts(x)),
+        ("states of parts that are no others'", ATTRACTS, ["-x", "y"], parts(x, x)),
+        ("different states", ATTRACTS, ["-x", "y"], parts((["x", "x"], x[1]), y)),
+        ("a part that attracts, or holds no states of others", STABLE, ["-x", "x"], parts(x, resting)),
+        ("an unstable part that holds no states of others", UNSTABLE, ["-x", "y + x"], parts(x, (["y"], out))),
+        ("formulas that are continuous in what is replaced", ATTRACTS, ["-x", "2*y*sign(x)**2 - y"], parts(x, y)),
+        ("a theorem about parts", ATTRACTS, ["-x", "-y"], parts((["x"], {**x[1], "theorem": "basin"}), y)),
+    ):
+        yield forged(because, claim, rhs, "cascade", own)
+    roots = {"roots": ["x"]}
+    yield forged("parts without roots of states", ATTRACTS, ["-x", "-y"], "cascade", parts(x, y), **roots)
+    for because, rhs, surface, state in (
+        ("a surface that all cells lead to", ["y", "sign(x + y)"], "x + y", "y"),
+        ("a surface through the point that gives the state", ["-x", "1 - sign(y - 1)"], "y - 1", "y"),
+        ("a surface through the point that gives the state", ["-x", "-sign(x + y**3 + y)"], "x + y**3 + y", "y"),
+        ("a state", ["-x", "-sign(x + y)"], "x + y", "z"),
+        ("formulas that are continuous in what is replaced", ["2*x*sign(y)**2 - x", "-sign(y)"], "y", "y"),
+    ):
+        own = {"cells": {**cube("1/2"), "surfaces": [surface]}, "surface": 0, "state": state, "entry": x[1]}
+        yield forged(because, ATTRACTS, rhs, "sliding", own)
+    own = {"cells": {**cube("1/2"), "surfaces": ["y"]}, "surface": 0, "state": "y", "entry": x[1]}
+    yield forged("a surface without roots of states", ATTRACTS, ["-x", "-sign(y)"], "sliding", own, roots=["x"])
+
+
 def of_circles() -> Iterator[Forgery]:
     """Angles whose sines are not those of whole multiples, and a V that is not zero at the point."""
     eight: Record = {"simplices": [{}] * 8}
@@ -574,6 +618,6 @@ def conditions() -> Iterator[Forgery]:
     for kind in (
         *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_cells, of_faces, of_points, of_pieces),
-        *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots),
+        *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
     ):
         yield from kind()

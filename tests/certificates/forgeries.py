@@ -75,6 +75,8 @@ def cells_of(good: Record) -> tuple[Path, Record]:
         hypotheses, where = hypotheses["local"], [*HYPOTHESES, "local"]
     if "choice" in hypotheses:
         hypotheses, where = hypotheses["hypotheses"], [*HYPOTHESES, "hypotheses"]
+    if "parts" in hypotheses:
+        hypotheses, where = hypotheses["parts"][0]["entry"]["hypotheses"], [*where, "parts", 0, "entry", "hypotheses"]
     return ([*where, "cells"], hypotheses["cells"]) if "cells" in hypotheses else (where, hypotheses)
 
 
@@ -281,6 +283,22 @@ def other_direction(good: Record) -> Iterator[Any]:
     yield [(where, None)]
     if good["evidence"][0]["theorem"] == "departure":
         yield [(where, [f"-{own}" if own != "0" else own for own in direction])]
+
+
+def other_parts(good: Record) -> Iterator[Any]:
+    """Parts that are left out, twice there or in another order, and other surfaces and states that they give."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "parts" in hypotheses:
+        own, where = hypotheses["parts"], [*HYPOTHESES, "parts"]
+        for wrong in ([], own + own[:1], [{**part, "states": []} for part in own], None):
+            yield [(where, wrong)]
+        yield [([*where, 0, "states"], [*own[0]["states"], "q"])]
+        yield [([*where, 0, "entry", "proofs"], {})]
+    if "entry" in hypotheses:
+        for key, wrong in (("surface", 1), ("surface", -1), ("state", "q"), ("state", 0), ("entry", None)):
+            yield [([*HYPOTHESES, key], wrong)]
+        yield [([*HYPOTHESES, "entry", "proofs"], {})]
+        yield [([*HYPOTHESES, "entry", "theorem"], "outside")]
 
 
 def other_choice(good: Record) -> Iterator[Any]:
@@ -491,6 +509,7 @@ KINDS: Kinds = (
     other_theorem,
     other_numbers,
     other_choice,
+    other_parts,
     other_reflection,
     other_integral,
     other_turning,

@@ -50,6 +50,8 @@ NO_WORDS = {
     "irrational numbers",
     "sines and cosines",
     "theorem choice",
+    "theorem cascade",
+    "theorem sliding",
     "theorem reversible",
     "theorem integral",
     "a V with a denominator",

@@ -1,0 +1,213 @@
+"""Stability by parts: of cascades, where some states drive others, and of solutions that slide on a surface.
+
+Both theorems ask about systems in fewer states, in which the other states are what they are at the point, or on the
+surface.  Formulas must be continuous in what is replaced so: it may stand in the argument of no ``sign``.  Then the
+velocities of the states that are left, beside a place where the others are so, tend to those of the smaller system
+there, and to no others; and what tends to a place of a set that is closed and convex at each place, and upper
+semicontinuous, is in it.
+
+*Cascade.*  The states are listed in parts, and the right-hand sides of each hold no states of later ones.  Each part is
+judged with the earlier ones at the point.  If all are asymptotically stable so is the whole; it is stable if each part
+is that, or is stable and holds no states of others; and unstable if one is that holds no states of others.  *Proof.*
+By induction over the parts: let x be the states of those before and y those of the next one, asymptotically stable for
+``x = 0``.  There is a smooth W that is positive and falls off ``y = 0`` there (Clarke, Ledyaev and Stern 1998).  By
+continuity, for every ``0 < d < c`` that are small enough, there is an r with ``W' < 0`` where ``d <= W(y) <= c`` and
+``|x| <= r``.  If x stays within r, no solution leaves ``W <= c``; if x tends to 0 then W falls below every d.  A part
+that is stable and holds no others stays near by itself.  Solutions of a part that holds no others are those of the
+first components of solutions of the whole, so one that leaves is enough.  (Vidyasagar 1980; Seibert and Florio 1995.)
+
+*Sliding.*  A surface ``s = a x_k + q = 0``, with q in the other states, goes through the point, and s' has at the point
+the sign of -s on all cells around it.  Then the verdict on the other states on the surface is that on the point.
+*Proof.*  Near the point ``|s|' <= -h`` off the surface, with ``h > 0``, so every solution comes to it in a time of
+``|s|/h``, in which it moves by a multiple of ``|s|``, and stays on it as long as it is near the point.  There the other
+states are solutions of their system, and x_k is ``-q/a``.  And every solution of that system is one on the surface: a
+mixture of its velocities belongs to the same mixture of fields above the surface, where s falls, and of fields below,
+where it rises, as x_k can be changed alone; so to a mixture of both that keeps s.  (Filippov 1988; Utkin 1992.)
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from .cells import Inclusion, System, no_switching
+from .centres import show_integral, show_reversible
+from .choice import show_choice
+from .escape import show_escape
+from .formulas import Formula, WaveAt, parsed
+from .polynomials import Coefficient, Polynomial, constant, lie_derivative
+from .positivity import Proofs
+from .theorems import (
+    ASYMPTOTICALLY_STABLE,
+    STABLE,
+    UNSTABLE,
+    Statement,
+    show_departure,
+    show_instability,
+    show_stability,
+)
+from .work import items, require, take, text, whole
+
+Place: TypeAlias = Mapping[str, Polynomial]
+
+
+@dataclass(frozen=True)
+class Replaced:
+    """A state that is at the point, or on a surface.
+
+    Attributes:
+        name: of the state.
+        at: the point, by the names of all states.
+        surface: s, a formula in the displacement; None at the point.
+        slope: the derivative of s by the state, a number.
+    """
+
+    name: str
+    at: Mapping[str, Coefficient]
+    surface: str | None = None
+    slope: Coefficient | None = None
+
+    def value(self, place: Place) -> Polynomial:
+        """The state in terms of the others."""
+        count = next(iter(place.values())).count
+        centre = constant(count, self.at[self.name])
+        if self.surface is None or self.slope is None:
+            return centre
+        away = {name: own - constant(count, self.at.get(name, 0)) for name, own in place.items()}
+        rest = Formula(self.surface, {**away, self.name: constant(count, 0)}).on(no_switching)
+        return centre - rest.times(1 / self.slope)
+
+    def expanded(self, names: set[str]) -> set[str]:
+        """The states on which something depends that holds these."""
+        if self.name not in names:
+            return names
+        more = set() if self.surface is None else names_in(parsed(self.surface))
+        return (names | more) - {self.name}
+
+
+@dataclass(frozen=True)
+class Part(System):
+    """Some states of a system, with the others replaced; those that were replaced first come first."""
+
+    replaced: tuple[Replaced, ...] = ()
+
+    def fields(self, place: Place, wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
+        """The formulas of the velocities at a place, for each right-hand side."""
+        known = dict(place)
+        for own in reversed(self.replaced):
+            known[own.name] = own.value(known)
+        return super().fields(known, wave)
+
+
+def part_of(system: System, chosen: Sequence[str], replaced: Sequence[Replaced]) -> Part:
+    """The system of some states, with others replaced.
+
+    Raises:
+        RejectedError: where its formulas are not continuous in a replaced state.
+    """
+    require(system.coordinates == system.states, "parts without roots of states")
+    numbers = [system.states.index(name) for name in chosen]
+    rhs = tuple(tuple(side[k] for k in numbers) for side in system.rhs)
+    place = tuple(system.at[k] for k in numbers)
+    before = system.replaced if isinstance(system, Part) else ()
+    part = Part(tuple(chosen), rhs, place, system.numbers, system.order, (*before, *replaced))
+    known = {own.name for own in replaced}
+    for tree in trees(part):
+        for call in ast.walk(tree):
+            if isinstance(call, ast.Call) and ast.unparse(call.func) in ("sign", "sgn"):
+                require(not depends_on(system, call) & known, "formulas that are continuous in what is replaced")
+    return part
+
+
+def trees(system: System) -> Iterator[ast.expr]:
+    """The right-hand sides."""
+    return (parsed(own) for side in system.rhs for own in side)
+
+
+def names_in(tree: ast.AST) -> set[str]:
+    """The names that a formula holds."""
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+
+
+def depends_on(system: System, tree: ast.AST) -> set[str]:
+    """The states that a formula of a system holds, also where one stands for others."""
+    found = names_in(tree)
+    for own in system.replaced if isinstance(system, Part) else ():
+        found = own.expanded(found)
+    return found & set(system.states)
+
+
+def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
+    """The verdict by parts; see the head of this file.
+
+    Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it.
+    """
+    (listed,) = take(hypotheses, "parts")
+    at = dict(zip(system.states, system.at, strict=True))
+    known: list[str] = []
+    verdicts = set()
+    for one in items(listed, most=system.count):
+        names, entry = take(one, "states entry")
+        chosen = [text(name) for name in items(names, most=system.count)]
+        require(chosen and set(chosen) <= set(system.states) - set(known), "states of parts that are no others'")
+        require(len(set(chosen)) == len(chosen), "different states")
+        part = part_of(system, chosen, [Replaced(name, at) for name in known])
+        alone = not any(depends_on(system, tree) & set(known) for tree in trees(part))
+        verdict = verdict_of(part, entry)
+        if verdict == UNSTABLE:
+            require(alone, "an unstable part that holds no states of others")
+            return [{"stability": UNSTABLE}]
+        require(verdict == ASYMPTOTICALLY_STABLE or alone, "a part that attracts, or holds no states of others")
+        verdicts.add(verdict)
+        known += chosen
+    require(len(known) == system.count, "parts with all states")
+    return [{"stability": STABLE if STABLE in verdicts else ASYMPTOTICALLY_STABLE}]
+
+
+def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
+    """The verdict on a surface on which solutions slide; see the head of this file.
+
+    Hypotheses: ``cells`` (those of theorem ``departure``), ``surface`` (its number), ``state`` (x_k), and the ``entry``
+    of a theorem about the other states.
+    """
+    cells, number, name, entry = take(hypotheses, "cells surface state entry")
+    require(system.coordinates == system.states, "a surface without roots of states")
+    inclusion = Inclusion(system, cells, ["0"], proofs)
+    j = whole(number, len(inclusion.surfaces.listed) - 1)
+    require(name in system.states, "a state")
+    surface, k = inclusion.surfaces.listed[j], system.states.index(name)
+    across = surface.derivative(k)
+    require(across and not across.degree and not surface.at_origin, "a surface through the point that gives the state")
+    for cell in inclusion.around():
+        for _, velocity in cell.fields:
+            require(lie_derivative(surface, velocity).at_origin * cell.signs[j] < 0, "a surface that all cells lead to")
+    at = dict(zip(system.states, system.at, strict=True))
+    slope = across.at_origin / inclusion.domain.radius
+    others = [own for own in system.states if own != name]
+    part = part_of(system, others, [Replaced(name, at, items(cells["surfaces"])[j], slope)])
+    return [{"stability": verdict_of(part, entry)}]
+
+
+ABOUT_PARTS: dict[str, Callable[[Any, Any, Proofs], list[Statement]]] = {
+    "lyapunov": show_stability,
+    "instability": show_instability,
+    "departure": show_departure,
+    "escape": show_escape,
+    "choice": show_choice,
+    "reversible": show_reversible,
+    "integral": show_integral,
+    "cascade": show_cascade,
+    "sliding": show_sliding,
+}
+
+
+def verdict_of(part: Part, entry: Any) -> str:
+    """What a theorem shows of the stability of a part."""
+    theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
+    require(type(theorem) is str and theorem in ABOUT_PARTS, "a theorem about parts")
+    proofs = Proofs(data)
+    shown = ABOUT_PARTS[theorem](part, hypotheses, proofs)
+    proofs.require_used()
+    return str(next(own["stability"] for own in shown if "stability" in own))

@@ -1,0 +1,188 @@
+"""Parts of a plain system that are decided by themselves (:mod:`nonsmooth.proofs.checker.parts`).
+
+States are listed in the blocks of a cascade: those that drive each other are in one block, and a state under ``sign``
+with those whose velocities jump with it, so that every velocity is continuous in the states of earlier blocks.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.proofs.checker.parts import names_in
+from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, variable
+from nonsmooth.proofs.kernel.bounds import formula
+from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, stated_cells
+from nonsmooth.proofs.kernel.written import as_checked
+from nonsmooth.proofs.systems.findings import DecidedSystem
+from nonsmooth.symbolic.files.parameters import with_parameters
+from nonsmooth.symbolic.files.system_builder import part_of, stated_lists
+from nonsmooth.symbolic.formulas.expression import parse_tree
+from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, no_sign
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+JUMPS = ("sign", "sgn")
+GROWS = 2.0**-30  # real part of an eigenvalue, from which on it may be positive
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block of a cascade.
+
+    Attributes:
+        system: of its states, with the others at the point.
+        is_driven: whether others drive it.
+    """
+
+    system: SwitchedSystem
+    is_driven: bool
+
+
+@dataclass(frozen=True)
+class Slide:
+    """A switching surface on which solutions slide, and the system of the other states there.
+
+    Attributes:
+        cells: in which it has its number, as a certificate states them.
+        number: of the surface.
+        state: the one that it gives in terms of the others.
+        surface: as a formula in the displacement.
+        system: of the other states.
+    """
+
+    cells: dict[str, Any]
+    number: int
+    state: str
+    surface: str
+    system: SwitchedSystem
+
+    @property
+    def seems_to_leave(self) -> bool:
+        """Whether the first terms of the field there, without switching, have a solution that grows, in floats."""
+        own, count = self.system, len(self.system.states)
+        try:
+            field = own.velocity(no_sign, own.displaced(own.states))
+        except SceneError:
+            return False
+        units = [tuple(int(k == j) for j in range(count)) for k in range(count)]
+        first = np.array([[float(side.terms.get(unit, 0)) for unit in units] for side in field])
+        return bool(np.linalg.eigvals(first).real.max() > GROWS)
+
+    @property
+    def words(self) -> str:
+        """The surface and the right-hand sides there, for people."""
+        sides = stated_lists(self.system)
+        fields = (", ".join(f"{name}' = {f}" for name, f in zip(self.system.states, own, strict=True)) for own in sides)
+        return f"{self.surface} = 0 and slide there, where {' or '.join(fields)}"
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The parts by which a system was decided.
+
+    Attributes:
+        results: of each part, in an order in which none drives an earlier one.
+        slide: the surface on which the only part is looked at; None of a cascade.
+    """
+
+    results: tuple[DecidedSystem, ...] = field(compare=False)  # the sentence of the finding says what they are
+    slide: Slide | None = field(default=None, compare=False)
+
+
+def cascade(system: SwitchedSystem) -> Iterator[Block]:
+    """The blocks of a system, of which none drives an earlier one.
+
+    Raises:
+        SceneError: for formulas that cannot be used with the other states at the point.
+    """
+    at = dict(zip(system.stated_states, map(str, system.check.equilibrium), strict=True))
+    drivers = drivers_of(system)
+    for block in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
+        states = tuple(name for name in block if drivers[name] == set(block))
+        others = {name: f"({value})" for name, value in at.items() if name not in states}
+        yield Block(part_of(system, states, others), is_driven=states != block)
+
+
+def drivers_of(system: SwitchedSystem) -> dict[str, set[str]]:
+    """By state, all on which its velocity depends, directly or by others; itself among them."""
+    states = system.stated_states
+    found = {name: {name} for name in states}
+    for name, tree in _trees(system):
+        found[name] |= names_in(tree) & set(states)
+        for driver in _under_jumps(tree) & set(states):
+            found[driver].add(name)
+    for middle in states:
+        for name in states:
+            if middle in found[name]:
+                found[name] |= found[middle]
+    return found
+
+
+def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
+    """The right-hand sides with the names of their states."""
+    for formulas in stated_lists(system):
+        for name, text in zip(system.stated_states, formulas, strict=True):
+            yield name, parse_tree(text, MAX_TEXT, "a formula")[1]
+
+
+def _under_jumps(tree: ast.AST) -> set[str]:
+    """The names in arguments of functions that jump."""
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call) and ast.unparse(node.func) in JUMPS)
+    return {name for call in calls for name in names_in(call)}
+
+
+def slides(system: SwitchedSystem) -> Iterator[Slide]:
+    """Surfaces through the point that the fields of all cells around it lead to, in terms of one state each.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        SceneError: for formulas that cannot be used.
+    """
+    stated = stated_cells(system, system.check.radius)
+    count = len(system.states)
+    for number, own in enumerate(stated.cells.surfaces):
+        surface = as_checked(rational_terms(own), count)
+        if surface.at_origin or not _is_reached(stated.cells, number, surface):
+            continue
+        for k, name in enumerate(system.states):
+            across = surface.derivative(k)
+            if across and not across.degree and not _jumps_with(system, name):
+                others = tuple(other for other in system.states if other != name)
+                part = part_of(system, others, {name: _solved(system, surface, k)})
+                yield Slide(stated.record, number, name, formula(surface, system.states), part)
+
+
+def _is_reached(cells: SignCells, number: int, surface: Polynomial) -> bool:
+    count = len(cells.states)
+    speeds = [
+        cell.signs[number] * lie_derivative(surface, [as_checked(part, count) for part in field]).at_origin
+        for cell in adjoining(cells)
+        for field in cell.velocities
+    ]
+    return all(speed < 0 for speed in speeds)
+
+
+def _jumps_with(system: SwitchedSystem, state: str) -> bool:
+    """Whether the velocity of another state is not continuous in this one."""
+    return any(state in _under_jumps(tree) for name, tree in _trees(system) if name != state)
+
+
+def _solved(system: SwitchedSystem, surface: Polynomial, k: int) -> str:
+    """A state on the surface, as a formula in the others."""
+    count, slope = len(system.states), surface.slope(k)
+    rest = (variable(count, k, slope) - surface).times(1 / slope)
+    places = list(zip(system.states, map(str, system.check.equilibrium), strict=True))
+    away = {name: f"({name} - ({value}))" for name, value in places if value != "0"}
+    text, (_, own) = str(with_parameters(formula(rest, system.states), away)), places[k]
+    return f"({text})" if own == "0" else f"({own} + {text})"
+
+
+def names_of(states: Sequence[str]) -> str:
+    """``x``, or ``x and y``."""
+    *first, last = states
+    return f"{', '.join(first)} and {last}" if first else last
