@@ -31,7 +31,7 @@ GROWS = 2.0**-30  # real part of an eigenvalue, from which on it may be positive
 
 
 @dataclass(frozen=True)
-class Block:
+class CascadeBlock:
     """A block of a cascade.
 
     Attributes:
@@ -44,7 +44,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Slide:
+class SlidingSurface:
     """A switching surface on which solutions slide, and the system of the other states there.
 
     Attributes:
@@ -91,10 +91,10 @@ class Parts:
     """
 
     results: tuple[DecidedSystem, ...] = field(compare=False)  # the sentence of the finding says what they are
-    slide: Slide | None = field(default=None, compare=False)
+    slide: SlidingSurface | None = field(default=None, compare=False)
 
 
-def cascade(system: SwitchedSystem) -> Iterator[Block]:
+def cascade(system: SwitchedSystem) -> Iterator[CascadeBlock]:
     """The blocks of a system, of which none drives an earlier one.
 
     Raises:
@@ -105,7 +105,7 @@ def cascade(system: SwitchedSystem) -> Iterator[Block]:
     for block in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
         states = tuple(name for name in block if drivers[name] == set(block))
         others = {name: f"({value})" for name, value in at.items() if name not in states}
-        yield Block(part_of(system, states, others), is_driven=states != block)
+        yield CascadeBlock(part_of(system, states, others), is_driven=states != block)
 
 
 def drivers_of(system: SwitchedSystem) -> dict[str, set[str]]:
@@ -136,7 +136,7 @@ def _under_jumps(tree: ast.AST) -> set[str]:
     return {name for call in calls for name in names_in(call)}
 
 
-def slides(system: SwitchedSystem) -> Iterator[Slide]:
+def slides(system: SwitchedSystem) -> Iterator[SlidingSurface]:
     """Surfaces through the point that the fields of all cells around it lead to, in terms of one state each.
 
     Raises:
@@ -154,7 +154,7 @@ def slides(system: SwitchedSystem) -> Iterator[Slide]:
             if across and not across.degree and not _jumps_with(system, name):
                 others = tuple(other for other in system.states if other != name)
                 part = part_of(system, others, {name: _solved(system, surface, k)})
-                yield Slide(stated.record, number, name, formula(surface, system.states), part)
+                yield SlidingSurface(stated.record, number, name, formula(surface, system.states), part)
 
 
 def _is_reached(cells: SignCells, number: int, surface: Polynomial) -> bool:

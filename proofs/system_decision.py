@@ -11,7 +11,7 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
-from nonsmooth.proofs.parts import Block, Parts, cascade, names_of, slides
+from nonsmooth.proofs.parts import CascadeBlock, Parts, cascade, names_of, slides
 from nonsmooth.proofs.systems import scalar_stability as line
 from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
@@ -198,14 +198,14 @@ def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
     return Finding(method, Translation.STABLE, reason, proofs=Parts(tuple(found)), refutes=refutes)
 
 
-def may_stay(block: Block, result: StabilityResult) -> bool:
+def may_stay(block: CascadeBlock, result: StabilityResult) -> bool:
     """Whether a block stays near the point as long as those that drive it do."""
     if result.verdict is Translation.STABLE:
         return not block.is_driven
     return result.verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
-def _said(block: Block, result: StabilityResult) -> str:
+def _said(block: CascadeBlock, result: StabilityResult) -> str:
     driven = ", with what drives it at the equilibrium" if block.is_driven else " by itself"
     return f"{names_of(result.scene.stated_states)}{driven}: {result.reason}"
 
