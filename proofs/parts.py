@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.proofs.checker.parts import names_in
+from nonsmooth.proofs.checker.parts import jumps, names_in
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, variable
 from nonsmooth.proofs.kernel.bounds import formula
 from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, stated_cells
@@ -26,7 +26,6 @@ from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, no_sign
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-JUMPS = ("sign", "sgn")
 GROWS = 2.0**-30  # real part of an eigenvalue, from which on it may be positive
 
 
@@ -132,8 +131,7 @@ def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
 
 def _under_jumps(tree: ast.AST) -> set[str]:
     """The names in arguments of functions that jump."""
-    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call) and ast.unparse(node.func) in JUMPS)
-    return {name for call in calls for name in names_in(call)}
+    return {name for call in jumps(tree) for name in names_in(call)}
 
 
 def slides(system: SwitchedSystem) -> Iterator[SlidingSurface]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from nonsmooth.proofs import kernel_strategies as kernel
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
@@ -25,6 +25,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
 
 MOST_ORDER = 2  # further terms of sines and cosines
+MOST_HALVINGS = 20  # of the cube, until switching surfaces that do not hold the point lie outside
 NARROW = 1  # half-width of a square on which the first terms enclose sines closely
 POINTS: Mapping[int, Callable[[SwitchedSystem], CheckedPoint]] = {1: LinePoint, len(PLANE): PlanePoint}
 
@@ -67,12 +68,18 @@ class StabilityResult(DecidedSystem):
 
 
 def decide_system(system: SwitchedSystem) -> StabilityResult:
-    """Decide the stability of the checked point; where sines and cosines leave it open, with further terms of these.
+    """Decide the stability of the checked point.
+
+    Where it stays open it is looked at nearer, without surfaces that do not hold it, and with further terms of sines.
 
     Raises:
         SceneError: for formulas that cannot be used, and for denominators that may vanish.
     """
     result = _decided(system)
+    nearer = _without_far_surfaces(system) if result.verdict is Translation.UNDECIDED else None
+    if nearer is not None:
+        again = _decided(nearer)
+        result = result if again.verdict is Translation.UNDECIDED else again
     for order in range(system.order + 1, MOST_ORDER + 1):
         if result.verdict is not Translation.UNDECIDED or not system.waves:
             break
@@ -83,6 +90,28 @@ def decide_system(system: SwitchedSystem) -> StabilityResult:
             again = _decided(finer)
             result = result if again.verdict is Translation.UNDECIDED else again
     return result
+
+
+def _without_far_surfaces(system: SwitchedSystem) -> SwitchedSystem | None:
+    """The system on a smaller cube that no switching surface reaches but those through the point; None without others.
+
+    Near the point it is smooth there, if only those others switch it: more theorems are about such systems.
+    """
+    if system.by_roots is not None:
+        return None
+    surfaces = [s for member in system.members for s in member.surfaces(system.displaced(system.states))]
+    share = 0
+    for own in surfaces:
+        sizes = {exponents: abs(float(c)) for exponents, c in own.terms.items()}
+        centre = sizes.pop((0,) * len(system.states), 0.0)
+        while centre and share < MOST_HALVINGS:
+            radius = float(system.check.radius) / 2**share
+            if sum(size * radius ** sum(exponents) for exponents, size in sizes.items()) < centre:
+                break
+            share += 1
+    if not share:
+        return None
+    return replace(system, check=replace(system.check, radius=system.check.radius / 2**share))
 
 
 def _may_hang_on_order(system: SwitchedSystem, finer: SwitchedSystem) -> bool:

@@ -94,8 +94,10 @@ def _inclusion(system: System, cells: Any, functions: Sequence[Any], proofs: Pro
     plain = system.count == len(system.states) == 2 and system.coordinates == system.states
     require(plain and len(system.rhs) == 1, "one right-hand side in two states, without roots")
     inclusion = Inclusion(system, cells, functions, proofs)
-    lines = all(own.degree == 1 and own.is_form for own in inclusion.surfaces.listed)
-    require(inclusion.domain.bounded and lines, "a square, and lines through the point")
+    require(inclusion.domain.bounded, "a square")
+    for j, own in enumerate(inclusion.surfaces.listed):
+        beyond = all(own.at_origin * cell.signs[j] > 0 for cell in inclusion.cells)
+        require(beyond or (own.degree == 1 and own.is_form), "lines through the point, and surfaces outside the square")
     return inclusion
 
 
@@ -120,7 +122,7 @@ def read_weights(inclusion: Inclusion, data: Any) -> Mapping[tuple[int, ...], We
     require(type(data) is dict and set(data) == set(names), "weights for each cell")
     pairs = [[rational(value) for value in items(data[own], 2)] for own in names]
     require(all(min(pair) > 0 for pair in pairs), "positive weights")
-    axes = all(len(own.terms) == 1 for own in inclusion.surfaces.listed)
+    axes = all(len(own.terms) == 1 for own in inclusion.surfaces.listed if not own.at_origin)
     require(axes or all(a == b for a, b in pairs), "equal weights beside lines that are no axes")
     return {cell.signs: (a, b) for cell, (a, b) in zip(inclusion.cells, pairs, strict=True)}
 

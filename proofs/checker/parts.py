@@ -115,15 +115,49 @@ def part_of(system: System, chosen: Sequence[str], replaced: Sequence[Replaced])
     part = Part(tuple(chosen), rhs, place, system.numbers, system.order, (*before, *replaced))
     known = {own.name for own in replaced}
     for tree in trees(part):
-        for call in ast.walk(tree):
-            if isinstance(call, ast.Call) and ast.unparse(call.func) in ("sign", "sgn"):
-                require(not depends_on(system, call) & known, "formulas that are continuous in what is replaced")
+        for call in jumps(tree):
+            require(not depends_on(system, call) & known, "formulas that are continuous in what is replaced")
     return part
 
 
 def trees(system: System) -> Iterator[ast.expr]:
     """The right-hand sides."""
     return (parsed(own) for side in system.rhs for own in side)
+
+
+def jumps(node: ast.AST) -> Iterator[ast.Call]:
+    """The calls of ``sign`` at which a formula jumps: those without a factor that vanishes where they do."""
+    if isinstance(node, ast.Call) and is_sign(node):
+        yield node
+        return
+    factors = factors_of(node)
+    for factor in factors:
+        argument = ast.unparse(factor.args[0]) if isinstance(factor, ast.Call) and is_sign(factor) else None
+        if argument is None or all(base_of(other) != argument for other in factors):
+            for part in [factor] if len(factors) > 1 else ast.iter_child_nodes(factor):
+                yield from jumps(part)
+
+
+def is_sign(node: ast.Call) -> bool:
+    """Whether it is a call of ``sign`` of one argument."""
+    return ast.unparse(node.func) in ("sign", "sgn") and len(node.args) == 1
+
+
+def factors_of(node: ast.AST) -> list[ast.AST]:
+    """The factors of a product; of anything else itself."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult):
+        return [*factors_of(node.left), *factors_of(node.right)]
+    return [node]
+
+
+def base_of(node: ast.AST) -> str:
+    """What a factor vanishes with: v in v, -v, v/2, v**2, Abs(v) and sqrt(Abs(v))."""
+    match node:
+        case ast.UnaryOp(operand=inner) | ast.BinOp(op=ast.Div() | ast.Pow(), left=inner):
+            return base_of(inner)
+        case ast.Call(func=ast.Name(id="Abs" | "sqrt"), args=[inner]):
+            return base_of(inner)
+    return ast.unparse(node)
 
 
 def names_in(tree: ast.AST) -> set[str]:

@@ -112,7 +112,7 @@ def _turning(inclusion: Inclusion) -> dict[str, Any]:
     Raises:
         NotShownError: where there are none.
     """
-    axes = all(len(own.terms) == 1 for own in inclusion.surfaces.listed)
+    axes = all(len(own.terms) == 1 for own in inclusion.surfaces.listed if not own.at_origin)
     fields = {pattern(cell.signs): cell.fields[0][1] for cell in inclusion.cells}
     pairs = {name: _weights(field) if axes else (1, 1) for name, field in fields.items()}
     weights = {name: list(map(str, own)) for name, own in pairs.items()}

@@ -105,19 +105,25 @@ def stated_lists(system: SwitchedSystem) -> Sequence[Sequence[str]]:
 
 
 def part_of(system: SwitchedSystem, chosen: Sequence[str], texts: Mapping[str, str]) -> SwitchedSystem:
-    """The system of some states, with the others replaced by formulas.
+    """The system of some states, with the others replaced by formulas; one under a square root by zero.
 
     Raises:
         SceneError: for formulas that cannot be used.
     """
     states, check = system.stated_states, system.check
     numbers = [states.index(name) for name in chosen]
-    lists = [[str(with_parameters(formulas[k], texts)) for k in numbers] for formulas in stated_lists(system)]
+    lists = dict.fromkeys(tuple(_replaced(system, side[k], texts) for k in numbers) for side in stated_lists(system))
     point = {"equilibrium": [str(check.equilibrium[k]) for k in numbers], "radius": str(check.radius)}
-    rhs = list(map(list, dict.fromkeys(map(tuple, lists))))
-    return build_system(
-        {"system": {"states": list(chosen), "rhs": rhs}, "check": point}, system.source, Path(system.name)
-    )
+    document = {"system": {"states": list(chosen), "rhs": list(map(list, lists))}, "check": point}
+    return build_system(document, system.source, Path(system.name))
+
+
+def _replaced(system: SwitchedSystem, formula: str, texts: Mapping[str, str]) -> str:
+    if system.by_roots is None:
+        return str(with_parameters(formula, texts))
+    roots = system.by_roots.roots
+    zeros = {root: "0" for name, root in roots.names.items() if name in texts}
+    return roots.restored(str(with_parameters(roots.extended(formula), {**texts, **zeros})))
 
 
 def _of_lists(system: SwitchedSystem, lists: Sequence[Sequence[str]], order: int) -> SwitchedSystem:

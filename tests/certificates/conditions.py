@@ -508,7 +508,11 @@ def of_centres() -> Iterator[Forgery]:
     yield turns("a frame where a V alone shows a verdict", spring, cells={**cube("1"), "frame": plane}, **mirror)
     words = "one right-hand side in two states, without roots"
     yield turns(words, [*spring, ["y", "-4*x"]], {**still, "turns  field 1": eight}, **mirror)
-    yield turns("a square, and lines through the point", spring, cells=cube(None), **mirror)
+    yield turns("a square", spring, cells=cube(None), **mirror)
+    beside: Record = {"within": "1", "surfaces": ["x - 1/2"], "empty": []}
+    sides: Record = {"weights": {"-": ["1", "1"], "+": ["1", "1"]}}
+    words = "lines through the point, and surfaces outside the square"
+    yield turns(words, [["y", "-x - (1 + sign(x - 1/2))*y"]], cells=beside, **sides, **mirror)
     yield turns("a sense of 1 or -1", spring, sense=-2, **mirror)
     yield turns("a reflection", [["x + y", "y - x"]], mirror=[["0", "0"]] * 2)
     yield turns(

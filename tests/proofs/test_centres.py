@@ -52,6 +52,14 @@ def shown(show: Callable[[SwitchedSystem], Entry], rhs: list[str]) -> bool:
         return False
 
 
+@pytest.mark.parametrize("rhs", [["y", "-x + y*sat(x, -1/4, 1/2)"], ["y", "-x + (1 + sign(x - 1/4))*y"]])
+def test_switching_beside_the_point_does_not_count(rhs: list[str]) -> None:
+    """On a smaller square it is one smooth field; a surface outside of it is no line through the point."""
+    result = decided(rhs)
+    assert result.verdict is Translation.STABLE
+    assert {"stability": "stable"} in certificate_of(result)["statement"]["claims"]
+
+
 @pytest.fixture(scope="module")
 def spring() -> Record:
     """A certificate by a reflection."""
