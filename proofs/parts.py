@@ -101,10 +101,10 @@ def cascade(system: SwitchedSystem) -> Iterator[CascadeBlock]:
     """
     at = dict(zip(system.stated_states, map(str, system.check.equilibrium), strict=True))
     drivers = drivers_of(system)
-    for block in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
-        states = tuple(name for name in block if drivers[name] == set(block))
+    for driving in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
+        states = tuple(name for name in driving if drivers[name] == set(driving))
         others = {name: f"({value})" for name, value in at.items() if name not in states}
-        yield CascadeBlock(part_of(system, states, others), is_driven=states != block)
+        yield CascadeBlock(part_of(system, states, others), is_driven=states != driving)
 
 
 def drivers_of(system: SwitchedSystem) -> dict[str, set[str]]:

@@ -607,7 +607,7 @@ def cascades() -> Iterator[Case]:
 
 
 def slides() -> Iterator[Case]:
-    """Surfaces on which solutions slide: to the point, away from it, off the origin, curved, and one after the other."""
+    """Surfaces on which solutions slide: to the point, away, off the origin, curved, and one after the other."""
 
     def case(name: str, rhs: Any, surface: str, state: str, entry: Record, at: Any = None) -> Case:
         own = {"cells": cells(surface), "surface": 0, "state": state, "entry": entry}
