@@ -75,8 +75,7 @@ class SlidingSurface:
     @property
     def words(self) -> str:
         """The surface and the right-hand sides there, for people."""
-        sides = stated_lists(self.system)
-        fields = (", ".join(f"{name}' = {f}" for name, f in zip(self.system.states, own, strict=True)) for own in sides)
+        fields = (", ".join(f"{name}' = {written}" for name, written in side) for side in _plain_sides(self.system))
         return f"{self.surface} = 0 and slide there, where {' or '.join(fields)}"
 
 
@@ -127,6 +126,13 @@ def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
     for formulas in stated_lists(system):
         for name, text in zip(system.stated_states, formulas, strict=True):
             yield name, parse_tree(text, MAX_TEXT, "a formula")[1]
+
+
+def _plain_sides(system: SwitchedSystem) -> Iterator[list[tuple[str, str]]]:
+    """Each right-hand side by states, without brackets that say nothing."""
+    written = [(name, ast.unparse(tree).replace(" ** ", "**")) for name, tree in _trees(system)]
+    count = len(system.states)
+    yield from (written[k : k + count] for k in range(0, len(written), count))
 
 
 def _under_jumps(tree: ast.AST) -> set[str]:

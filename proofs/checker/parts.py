@@ -189,7 +189,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         require(len(set(chosen)) == len(chosen), "different states")
         part = part_of(system, chosen, [Replaced(name, at) for name in known])
         alone = not any(depends_on(system, tree) & set(known) for tree in trees(part))
-        verdict = verdict_of(part, entry)
+        verdict = verdict_of(part, entry, proofs)
         if verdict == UNSTABLE:
             require(alone, "an unstable part that holds no states of others")
             return [{"stability": UNSTABLE}]
@@ -221,7 +221,7 @@ def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     slope = across.at_origin / inclusion.domain.radius
     others = [own for own in system.states if own != name]
     part = part_of(system, others, [Replaced(name, at, items(cells["surfaces"])[j], slope)])
-    return [{"stability": verdict_of(part, entry)}]
+    return [{"stability": verdict_of(part, entry, proofs)}]
 
 
 ABOUT_PARTS: dict[str, Callable[[Any, Any, Proofs], list[Statement]]] = {
@@ -237,11 +237,11 @@ ABOUT_PARTS: dict[str, Callable[[Any, Any, Proofs], list[Statement]]] = {
 }
 
 
-def verdict_of(part: Part, entry: Any) -> str:
+def verdict_of(part: Part, entry: Any, beside: Proofs) -> str:
     """What a theorem shows of the stability of a part."""
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
     require(type(theorem) is str and theorem in ABOUT_PARTS, "a theorem about parts")
-    proofs = Proofs(data)
+    proofs = beside.of_part(data)
     shown = ABOUT_PARTS[theorem](part, hypotheses, proofs)
     proofs.require_used()
     return str(next(own["stability"] for own in shown if "stability" in own))

@@ -162,6 +162,10 @@ class Proofs:
         """Note whether a claim that was shown is about forms."""
         self.are_forms = self.are_forms and claim.is_homogeneous
 
+    def of_part(self, data: Any) -> Proofs:
+        """The evidence of a theorem about a part of the subject."""
+        return Proofs(data)
+
     def require_used(self) -> None:
         """Nothing is left over."""
         require(not self.left, "proofs of claims that are asked")

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -58,12 +58,24 @@ class _Noted(Proofs):
 
     def __init__(self, data: Any) -> None:
         super().__init__(data)
-        self.claims: list[Claim] = []
+        self.own: list[Claim] = []
+        self.parts: list[_Noted] = []
 
     def show(self, claim: Claim) -> None:
         """Show a claim by its evidence, and keep it."""
         super().show(claim)
-        self.claims.append(claim)
+        self.own.append(claim)
+
+    def of_part(self, data: Any) -> _Noted:
+        """The evidence of a theorem about a part, whose claims are kept too."""
+        self.parts.append(_Noted(data))
+        return self.parts[-1]
+
+    @property
+    def claims(self) -> list[Claim]:
+        """All claims; those about parts say so in their names."""
+        parts = enumerate(self.parts, 1)
+        return self.own + [replace(own, name=f"part {k}: {own.name}") for k, part in parts for own in part.claims]
 
 
 def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligation]:

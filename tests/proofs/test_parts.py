@@ -19,6 +19,7 @@ from nonsmooth.proofs.system_decision import (
     decide_system,
 )
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.reports.exchange.obligations import obligations_of
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import contradiction
 
@@ -78,9 +79,16 @@ def test_both_decide_where_nothing_else_does() -> None:
 
 def test_the_field_on_the_surface_is_said() -> None:
     assert (
-        "x**3 + y + z = 0 and slide there, where x' = y, y' = (-x**3 - y)"
+        "x**3 + y + z = 0 and slide there, where x' = y, y' = -x**3 - y"
         in decide_system(system(SLIDES["zero dynamics of third degree"][0])).reason
     )
+
+
+def test_what_parts_ask_is_exported() -> None:
+    certificate = certificate_of(decide_system(system(SLIDES["zero dynamics of third degree"][0])))
+    names = [own.name for own in obligations_of(certificate, "relay")]
+    assert names
+    assert all(name.startswith("1 sliding: part 1: ") for name in names)
 
 
 # What is driven only rests; jumps with what drives it; is driven on the way to a surface that it comes to.
