@@ -134,7 +134,6 @@ class Clauses:
         """
         if self.highest > 0:
             return self.fan
-        require(self.fan != UNSTABLE, "a fan of cones that agrees with V*")  # both are proved: never seen
         return self.fan if self.fan == ASYMPTOTICALLY_STABLE else STABLE
 
     # ---- clause 3
