@@ -629,6 +629,8 @@ def of_meshes() -> Iterator[Forgery]:
     yield changed("a V without a denominator beside a mesh", *quarter, proof)
     one = [([*hypotheses, "below"], True), ([*claims, 2, "attracts", "below"], True)]
     yield changed("a level that is a whole number", *one)
+    rests = ["-x + x**3/2", "-y"]  # at x = sqrt(2), in the mesh
+    yield changed("a function that falls on simplex 0", (["statement", "subject", "rhs"], [rests]))
     yield meshed("a simplex", triangles=[])
     words = "sides of one simplex to the left, and of one to the right"
     yield meshed(words, triangles=[*mesh["triangles"], mesh["triangles"][0]])
