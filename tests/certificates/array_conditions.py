@@ -87,7 +87,7 @@ def of_feedback() -> Iterator[Forgery]:
     claims = {"feedback": "stabilizable", "obstruction": None, "theorem 4": "holds"}
     words = "signs of translations that all lead inward"
     yield of_array(words, "differential-drive-nearest", claims, (law, {"signs": [1, 1]}))
-    yield of_array("three twists, under rule box", "conveyor-3-box", {}, (law, {"signs": [1] * 6}))
+    yield of_array("three twists, under rule box", "conveyor-3-box", {}, (law, {"signs": [1]}))
     twists = [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]]
     yield of_array("signs of translations, under rule nearest", FOUR, {}, (law, {"twists": twists}))
 

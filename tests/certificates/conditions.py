@@ -560,7 +560,7 @@ def of_centres() -> Iterator[Forgery]:
     quarters = [f"{first}{second}" for first in "-+" for second in "-+"]
     skew: Record = {"within": "1", "surfaces": ["x - y", "x + y"], "empty": []}
     within: Record = {"cells": skew, "weights": {key: ["2", "1"] for key in quarters}}
-    proofs: Record = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in quarters}
+    proofs: Record = {f"turns {own} field 0": eight for own in quarters}
     yield turns("equal weights beside lines that are no axes", spring, proofs, **within, **mirror)
 
     plain: Record = {"exponent": "0", "factors": []}
@@ -571,7 +571,7 @@ def of_centres() -> Iterator[Forgery]:
     yield turns("an integral without sines and cosines of states", [["y", "-x + 0*sin(x)"]], **plain)
     halves: Record = {"cells": {"within": "1", "surfaces": ["x"], "empty": []}, "sense": -1}
     halves["weights"] = {"-": ["1", "1"], "+": ["1", "1"]}
-    proofs = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in "-+"}
+    proofs = {f"turns {own} field 0": eight for own in "-+"}
     grows = [["y + (1 + sign(x))*y**2/2", "-x"]]  # by the energies of both sides, each half turn more than the last
     yield turns("the same flux from both sides of a line", grows, proofs, **halves, **plain)
 
