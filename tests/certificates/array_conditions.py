@@ -124,6 +124,7 @@ def of_law() -> Iterator[Forgery]:
     yield law("a distance within which the rate holds", FOUR, form=["1", "0", "2"])
     yield law("cells at the point of less than a half plane", "differential-drive-nearest")
     yield law("a positive quadratic form", FOUR, form=["-1", "0", "-1"])
+    yield law("a rate at which the law lets V fall", FOUR, kappa="100")
 
 
 def of_tolerances() -> Iterator[Forgery]:
@@ -168,6 +169,8 @@ def of_array_cells() -> Iterator[Forgery]:
     good = good_arrays()[f"array-{FOUR}"]["evidence"][0]["hypotheses"]
     back = [[x, y, "-1"] for x, y, _ in good["points"]]
     yield of_array("points with positive weights", FOUR, {}, hypothesis("points", back))
+    yield of_array("a positive radius", FOUR, {}, ([*SUBJECT, "radius"], "-1/2"))
+    yield of_array("a rule, nearest or box, and loads under box", FOUR, {}, ([*SUBJECT, "loads"], "elastic"))
     first = good["cells"][0]
     parts = [{**first, "polygon": polygon} for polygon in ([0, 1, 9], [0, 9, 1, 2])]
     changes: tuple[tuple[Path, Any], ...]

@@ -339,6 +339,8 @@ def of_formulas() -> Iterator[Forgery]:
 def of_documents() -> Iterator[Forgery]:
     """Certificates of another form, and without a claim."""
     yield of_one_state("a claim", "-x", [], FALLS, {})
+    words = 'evidence of the claim {"attracts": "everywhere"}'
+    yield of_one_state(words, "-x", [ATTRACTS, EVERYWHERE], FALLS, {})
     keys = "cells function second verdict everywhere level below rate gain proper denominator"
     yield of_one_state(f"an object with the keys {keys}", "-x", [ATTRACTS], FALLS, {"trust": True})
     other: Path = ["version"]
