@@ -150,7 +150,6 @@ class Core:
     def __init__(self, mesh: Mesh, level: int) -> None:
         below = [side for side in mesh.border if min(mesh.values[k] for k in side) < level]
         following = {b: a for a, b in below}  # the mesh lies to the left of its border, and K to the right
-        require(below and len(following) == len(below), "one polygon in which bodies end")
         chain = [below[0][1]]
         while following.get(chain[-1]) not in (None, chain[0]):
             require(len(chain) < len(below), "one polygon in which bodies end")
@@ -196,7 +195,6 @@ def show_array_basin(array: Array, hypotheses: Any, proofs: Proofs) -> list[Stat
         hypotheses, "within points cells mesh below squared_radius"
     )
     wide = replace(array, radius=array.field.parse(within))
-    require(wide.radius.sign() > 0, "a positive half-width")
     show_stands(wide)
     mesh = Mesh(mesh_data)
     require(type(below) is int, "a level that is a whole number")

@@ -538,12 +538,10 @@ def show_basin(system: System, hypotheses: Any, proofs: Proofs) -> list[Statemen
     and its value, whole numbers; ``triangles``, or in space ``tetrahedra``) and ``below``, the level c.
     """
     local, surfaces, mesh, below = take(hypotheses, "local surfaces mesh below")
-    require(system.count in NAMES and system.coordinates == system.states, "a system in two or three states, in these")
     require(not system.numbers, "rational numbers, for a mesh")
     require("denominator" not in local, "a V without a denominator beside a mesh")
     shown = show_stability(system, local, proofs)
     levels = [own["attracts"] for own in shown if type(own.get("attracts")) is dict]
-    require(levels, "a level set that attracts")
     own = Mesh(mesh, system.count)
     require(type(below) is int, "a level that is a whole number")
     plane = Plane(system, own.unit, surfaces, proofs)

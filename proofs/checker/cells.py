@@ -216,7 +216,6 @@ class Surfaces:
     def _show_empty(self, mark: Any) -> dict[int, int]:
         """Signs that no inner point of the domain has: one signed surface is not positive where the others are."""
         signs = read_signs(mark, len(self.listed))
-        require(signs, "a sign of a surface")
         last = max(signs)
         others = {f"s{j}": self.signed(j, s) for j, s in signs.items() if j != last}
         guards = {**others, **self.domain.guards()}

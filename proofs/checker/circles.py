@@ -27,7 +27,7 @@ from fractions import Fraction
 from typing import Any
 
 from .cells import MAX_STATES, Inclusion, System
-from .formulas import WAVES, Formula, SignOf, WaveAt, no_sign, waves_in
+from .formulas import WAVES, Formula, SignOf, WaveAt, no_sign
 from .lyapunov import Lyapunov
 from .polynomials import Polynomial, constant, variable
 from .positivity import Proofs
@@ -103,7 +103,6 @@ class CircleFormula(Formula):
 
     def _turned(self, argument: ast.expr) -> tuple[Polynomial, Polynomial]:
         """The sine and the cosine of a sum of whole multiples of angles."""
-        require(not waves_in(argument), "no sine or cosine inside another")
         angles = {name: variable(len(self.angles), k) for k, name in enumerate(self.angles)}
         v = Formula(ast.unparse(argument), angles).on(no_sign)
         require(v.degree <= 1 and not v.at_origin, "sines and cosines of sums of multiples of angles")

@@ -84,7 +84,6 @@ class Escape:
         self.forms += [listed[j] for j in self.zero if listed[j].degree == 1]
         require(all(own.degree == 1 and not own.at_origin for own in self.forms), "linear forms, zero on a subspace")
         coordinates = solve(self.forms, self.count)
-        require(coordinates is not None and coordinates[0].count > 0, "a subspace of at least one dimension")
         self.coordinates = coordinates or ()
         self.dimension = self.coordinates[0].count
         self.curved = [listed[j] for j in self.zero if self._on(listed[j])]

@@ -46,7 +46,7 @@ def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     of a chain ``ends``, the directions in which the half-lines leave the first corner and the last.
     """
     surfaces, unit, corners, ends = take(hypotheses, "surfaces unit corners", "ends")
-    require(system.count == 2 and system.coordinates == system.states, "a system in the plane, in its states")
+    require(system.count == 2, "a system in the plane")
     require(not system.numbers, "rational numbers, for a polygon")
     ring = [place_of(own) for own in items(corners, most=MAX_CORNERS)]
     directions = [] if ends is None else [place_of(own) for own in items(ends, 2)]
@@ -143,7 +143,6 @@ def require_simple(ring: Sequence[Place]) -> None:
     Sides are taken from left to right, and each is compared with those that reach as far as its left end.
     """
     count = len(ring)
-    require(count > 2 and len(set(ring)) == count, "a polygon whose corners differ")
     sides = list(pairwise((*ring, ring[0])))
     order = sorted(range(count), key=lambda k: min(own[0] for own in sides[k]))
     active: list[int] = []

@@ -111,7 +111,6 @@ def show_ellipse(cells: Cells, data: Any, *, rests: bool) -> list[Statement]:
     start, form_data, level_data, swing, bend, arrival, turn = take(data, names, "turn")
     form, level = Form(*cells.vector(form_data, 3)), cells.parse(level_data)
     squared_radius, squared_swing = cells.parse(start), cells.parse(swing)
-    require(squared_radius.sign() > 0, "a disc of starts")
     sides = [side for cell in cells.listed if cell.rays is not None for side in around(cell.corners)]
     outer = [(a, b) for a, b in sides if (a[0] * b[1] - a[1] * b[0]).sign()]
     require(_is_within(form, squared_radius, level), "an ellipse that holds the disc of starts")

@@ -59,7 +59,7 @@ def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | 
     try:
         enclosing = enclose_numbers(system)
         return enclosing, started(enclosing, None)[0]
-    except (NoEnclosureError, NotShownError):
+    except (BeyondReachError, NoEnclosureError, NotShownError):  # among others an irrational point
         return None
 
 

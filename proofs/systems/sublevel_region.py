@@ -37,7 +37,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 BISECTIONS = 12  # after the first one: the level is the largest up to a part in four thousand
-SMALLEST = Fraction(1, 2**40)  # level that is looked for
+SMALLEST = Fraction(1, 2**40)  # level that is looked for, of V's least value at ends of edges of the border
 MOST_OPEN = 2  # levels that are neither certified nor refuted, before the bisection ends
 SIMPLE = 64  # denominators of levels that are preferred within that part
 JUST_BELOW = (Fraction(4095, 4096), Fraction(255, 256), Fraction(15, 16))  # of a level that a point refutes
@@ -155,17 +155,20 @@ def _simplified(
 def _bounds(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Fraction] | None:
     """Powers of two below and above the least value of V on the border; None where that is not clearly positive.
 
-    They are looked for from one, or near V's least value at the ends of the border's edges where that is large.
+    They are looked for from near V's least value at the ends of the border's edges, so that units do not count.
     """
     edges = [(cell, edge) for cell in cells for edge in border_edges(cell, radius)]
     values = [cell.potential((x / w, y / w)).as_rational() for cell, edge in edges for x, y, w in edge]
     least = min((v for v in values if v is not None), default=fmpq(1))
-    high = Fraction(2 ** max(int(least.p).bit_length() - int(least.q).bit_length(), 0))
+    if least <= 0:
+        return None
+    high = Fraction(2) ** (int(least.p).bit_length() - int(least.q).bit_length())
+    smallest = high * SMALLEST
     while _violation(cells, radius, high, falls=True) is None:
         high *= 2
     while _violation(cells, radius, high / 2, falls=True) is not None:
         high /= 2
-        if high < SMALLEST:
+        if high < smallest:
             return None
     return high / 2, high
 

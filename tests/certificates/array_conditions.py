@@ -56,6 +56,25 @@ def of_clauses() -> Iterator[Forgery]:
     yield of_array("a drift over a positive denominator", FOUR, {"drift": drift}, hypothesis("drift", drift))
 
 
+def of_discs() -> Iterator[Forgery]:
+    """Discs beyond the square or the wheels, and times of arrival for which bodies are too slow."""
+    arrival: Record = {"squared_radius": "1/4"}
+    for words, rate in (("a positive rate", "-1"), ("a rate at which the distance falls in the square", "1000")):
+        yield of_array(words, FOUR, {"arrival": {**arrival, "rate": rate}}, hypothesis("rate", rate))
+    disc = {"decreases": "strictly"}
+    claims: Record = {"disc": {**disc, "squared_radius": "1"}, "arrival": {"squared_radius": "1", "rate": "1"}}
+    yield of_array("a disc in the square where V* shows one", FOUR, claims, hypothesis("disc", "1"))
+    claims = {"disc": {**disc, "squared_radius": "4"}, "arrival": None}
+    changes = hypothesis("disc", "4"), hypothesis("rate", None)
+    yield of_array("a disc in the support polygon", FOUR, claims, *changes, *larger_square())
+
+
+def larger_square() -> tuple[tuple[Path, Any], ...]:
+    """Four wheels with a square that is six times as large, beyond the wheels."""
+    points = good_arrays()[f"array-{FOUR}"]["evidence"][0]["hypotheses"]["points"]
+    return ([*SUBJECT, "radius"], "3"), hypothesis("points", scaled(points, 6))
+
+
 def of_feedback() -> Iterator[Forgery]:
     """Laws for which nothing speaks, and planes that hold not all motions."""
     law: Path = [*PROOFS, "feedback"]
@@ -68,7 +87,7 @@ def of_feedback() -> Iterator[Forgery]:
     claims = {"feedback": "stabilizable", "obstruction": None, "theorem 4": "holds"}
     words = "signs of translations that all lead inward"
     yield of_array(words, "differential-drive-nearest", claims, (law, {"signs": [1, 1]}))
-    yield of_array("three twists, under rule box", "conveyor-3-box", {}, (law, {"signs": [1] * 6}))
+    yield of_array("three twists, under rule box", "conveyor-3-box", {}, (law, {"signs": [1]}))
     twists = [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]]
     yield of_array("signs of translations, under rule nearest", FOUR, {}, (law, {"twists": twists}))
 
@@ -105,6 +124,7 @@ def of_law() -> Iterator[Forgery]:
     yield law("a distance within which the rate holds", FOUR, form=["1", "0", "2"])
     yield law("cells at the point of less than a half plane", "differential-drive-nearest")
     yield law("a positive quadratic form", FOUR, form=["-1", "0", "-1"])
+    yield law("a rate at which the law lets V fall", FOUR, kappa="100")
 
 
 def of_tolerances() -> Iterator[Forgery]:
@@ -149,6 +169,8 @@ def of_array_cells() -> Iterator[Forgery]:
     good = good_arrays()[f"array-{FOUR}"]["evidence"][0]["hypotheses"]
     back = [[x, y, "-1"] for x, y, _ in good["points"]]
     yield of_array("points with positive weights", FOUR, {}, hypothesis("points", back))
+    yield of_array("a positive radius", FOUR, {}, ([*SUBJECT, "radius"], "-1/2"))
+    yield of_array("a rule, nearest or box, and loads under box", FOUR, {}, ([*SUBJECT, "loads"], "elastic"))
     first = good["cells"][0]
     parts = [{**first, "polygon": polygon} for polygon in ([0, 1, 9], [0, 9, 1, 2])]
     changes: tuple[tuple[Path, Any], ...]
@@ -183,11 +205,9 @@ def scaled(points: list[list[str]], factor: int) -> list[list[str]]:
 
 def of_ellipses() -> Iterator[Forgery]:
     """Ellipses about the point that reach beyond the cells or the wheels, hold no disc, or are left ever faster."""
-    points = good_arrays()[f"array-{FOUR}"]["evidence"][0]["hypotheses"]["points"]
-    larger = (([*SUBJECT, "radius"], "3"), hypothesis("points", scaled(points, 6)))
     for words, size, changes in (
         ("an ellipse inside the cells at the point", "1/4", ()),
-        ("an ellipse in the support polygon", "4", larger),
+        ("an ellipse in the support polygon", "4", larger_square()),
     ):
         swing = {"squared_radius": size, "squared_swing": size}
         ellipse = {**swing, "form": ["1", "0", "1"], "level": size, "bend": "0", "arrival": None}
@@ -207,21 +227,50 @@ def of_ellipses() -> Iterator[Forgery]:
     claims = {"arrival": {"squared_radius": own["squared_radius"], "rate": "1/4"}}
     words = "positive speeds, the largest first"
     yield of_array(words, name, claims, hypothesis("ellipse", {**own, "arrival": slow}))
+    start = own["squared_radius"]
+    for words, claims, more in (
+        ("a level that holds the disc of starts", {}, {"arrival": {**own["arrival"], "level": "0"}}),
+        ("a speed at which V falls in the cells at the point", {}, {"arrival": {**own["arrival"], "speeds": ["1000"]}}),
+        (
+            "an ellipse in the disc that bodies stay in",
+            {"swing": {"squared_radius": start, "squared_swing": "1/100000"}},
+            {"squared_swing": "1/100000"},
+        ),
+        (
+            "a body that arrives, and rests at the point without turning",
+            {"turning": {"squared_radius": start, "per_distance": "100000"}},
+            {"turn": "100000"},
+        ),
+    ):
+        yield of_array(words, name, claims, hypothesis("ellipse", {**own, **more}))
 
 
 def of_basins() -> Iterator[Forgery]:
-    """Meshes of arrays beyond the wheels."""
+    """Meshes of arrays beyond the wheels or the square, and ends that are no polygon in the disc."""
     name = "four-wheel-basin"
     where: Path = ["evidence", 1, "hypotheses"]
     points = good_arrays()[f"array-{name}"]["evidence"][1]["hypotheses"]["points"]
     wide = ([*where, "within"], "3"), ([*where, "points"], scaled(points, 6))
     yield of_array("a square in the support polygon", name, {}, *wide)
+    mesh = good_arrays()[f"array-{name}"]["evidence"][1]["hypotheses"]["mesh"]
+
+    def ends(because: str, *changes: tuple[Path, Any], below: Any = 2, **own: str) -> Forgery:
+        stated = {**mesh, **own}
+        changes = ([*where, "mesh"], stated), ([*where, "below"], below), *changes
+        return of_array(because, name, {"attracts": {"mesh": stated, "below": below}}, *changes)
+
+    disc: Path = [*where, "squared_radius"]
+    yield ends("a level that is a whole number", below=True)
+    yield ends("one polygon in which bodies end", below=3)
+    yield ends("a polygon in the disc in which bodies end", (disc, "1/100000"))
+    yield ends("a mesh inside the square", (disc, "1"), unit="1/20")
 
 
 def array_conditions() -> Iterator[Forgery]:
     """All of them."""
     for kind in (
         of_clauses,
+        of_discs,
         of_feedback,
         of_wheels_in_a_line,
         of_law,

@@ -222,6 +222,14 @@ def of_evidence() -> Iterator[Forgery]:
 
     square = {"guards": [], "monomials": [[1]], "gram": [["-2"]]}
     yield grows("positive semidefinite matrices", {"squares": [[square]]})
+    other = {**square, "gram": [["1"]]}
+    yield grows("a sum of squares that is the polynomial of cell  field 0", {"squares": [[other]]})
+    resting = {"V ": ON_PARTS, "cell  field 0": PLAIN}
+    words = "an affine mixture for cell  field 0"
+    yield of_one_state(words, "x", [STABLE], resting, {"verdict": "stable"})
+    face: Path = ["evidence", 0, "proofs", "face 0+"]
+    words = "multipliers by guard"
+    yield Forgery("one condition", "relays-2", ((face, {"mixture": [{}, {}]}),), because=words)
     yield grows("a positive square for cell  field 0", {"squares": [[]]}, rhs="0")
     yield grows("positive coefficients for cell  field 0", ON_PARTS, rhs="0")
     turned = {"simplices": [{"on": [{"d0": "-3"}]}, {"on": [{"u0": "-3"}]}]}
@@ -305,6 +313,50 @@ def of_further_functions() -> Iterator[Forgery]:
     yield of_one_state("bounds by the names of claims", "-x", [ATTRACTS], FALLS, {"second": second})
 
 
+def of_formulas() -> Iterator[Forgery]:
+    """Formulas that Python reads, and that are none of a system."""
+
+    def ahead(because: str, rhs: str) -> Forgery:
+        own = {"cells": cube(None), "direction": ["1"]}
+        return of_one_state(because, rhs, [UNSTABLE], {}, own, "departure")
+
+    yield ahead("formulas of at most 60 nested operations", "-" * 62 + "1")
+    yield ahead("numbers as decimals", "1 + 0*1e-1000")
+    yield ahead("whole exponents", "1 + 0*x**+2")
+    yield ahead("division by numbers that are not zero", "1/(1 - x)")
+    yield ahead("formulas of names, decimals, brackets, commas and + - * /", "1 # x")
+    yield ahead("calls of sign, Abs, Max, Min, relu or sat", "foo(2)")
+    yield ahead("polynomials of degree at most 40", "1 + x**30*x**30")
+    for words, rhs in (
+        ("no sine or cosine inside a switching function", "-x + relu(0*sin(x))"),
+        ("no sine or cosine inside another", "-x + 0*sin(sin(x))"),
+        ("no powers of sines and cosines", "-x + 0*sin(x)**2"),
+        ("switching expressions that are products of the surfaces", "x*sign(2 - x)"),
+    ):
+        yield of_one_state(words, rhs, [ATTRACTS], FALLS, {})
+
+
+def of_documents() -> Iterator[Forgery]:
+    """Certificates of another form, and without a claim."""
+    yield of_one_state("a claim", "-x", [], FALLS, {})
+    words = 'evidence of the claim {"attracts": "everywhere"}'
+    yield of_one_state(words, "-x", [ATTRACTS, EVERYWHERE], FALLS, {})
+    keys = "cells function second verdict everywhere level below rate gain proper denominator"
+    yield of_one_state(f"an object with the keys {keys}", "-x", [ATTRACTS], FALLS, {"trust": True})
+    other: Path = ["version"]
+    words = "the version nonsmooth-certificate/2"
+    yield Forgery("one condition", "one-linear-1", ((other, "nonsmooth-certificate/3"),), because=words)
+    direction = {"cells": cube(None), "direction": ["1.5"]}
+    words = "rational numbers as texts such as '-3/4'"
+    yield of_one_state(words, "1", [UNSTABLE], {}, direction, "departure")
+    yield of_one_state("proofs of claims that are asked", "-x", [ATTRACTS], {**FALLS, "more": PLAIN}, {})
+    behind = {"cells": cube(None), "direction": ["1"]}
+    words = "a direction in which all velocities at the point lead"
+    yield of_one_state(words, "-1", [UNSTABLE], {}, behind, "departure")
+    second: Path = ["evidence", 0, "hypotheses", "choice", "second"]
+    yield Forgery("one condition", "choice-sides", ((second, -1),), because="a whole number from 0 to 1")
+
+
 def of_cells() -> Iterator[Forgery]:
     """Systems and cells that are none, or too many."""
 
@@ -327,6 +379,23 @@ def of_cells() -> Iterator[Forgery]:
     yield leaves("powers below the degree", unreduced)
     words = "right-hand sides with at most 5 sines and cosines"
     yield of_one_state(words, f"-x{' + 0*sin(x)' * 6}", [ATTRACTS], FALLS, {})
+    yield of_one_state("a cube of positive size", "x", [ATTRACTS], FALLS, {"cells": cube("-1")})
+    for words, surfaces in (
+        ("surfaces that are not constant", ["1"]),
+        ("surfaces of which no two have a common factor", ["x", "2*x"]),
+    ):
+        yield leaves(words, {}, {**cube(None), "surfaces": surfaces})
+    twice = [["", "x**2"], ["", "2*x**2"]]
+    yield of_one_state("one formula of a function on every cell", "-x", [ATTRACTS], FALLS, {"function": twice})
+    frame: Path = ["evidence", 0, "hypotheses", "cells", "frame"]
+    same = [[["1"]], [["1"]]]
+    yield Forgery("one condition", "root-plain", ((frame, same),), because="a frame without roots of states")
+    for words, polynomial in (
+        ("field: polynomials of degree two at least", ["-1", "1"]),
+        ("field: polynomials with one root", ["-2", "0", "2"]),
+    ):
+        yield leaves(words, {"numbers": [{**root, "polynomial": polynomial}]})
+    yield leaves("a number, not an empty list", {"numbers": [root], "at": [[]]})
     pieces = ["evidence", 0, "hypotheses", "function"]
     words = "a sign or a dot for each surface"
     yield Forgery("one condition", "one-relay-1", ((pieces, [["", "x**2"]]),), because=words)
@@ -382,13 +451,22 @@ def of_escape() -> Iterator[Forgery]:
     rises = {"rises": {"simplices": [{}, {"on": ["sw"]}]}}
 
     def escapes(because: str, rhs: list[list[str]], proofs: Record, **hypotheses: Any) -> Forgery:
-        names, zero = ["x", "y"][: len(rhs[0])], ["0", "0"][: len(rhs[0])]
+        names, zero = ["x", "y", "z"][: len(rhs[0])], ["0"] * len(rhs[0])
         subject = {"states": names, "rhs": rhs, "at": zero}
         own = {"within": "1", "surfaces": [], "signs": "", "mixture": [["", 0, "1", zero]], "function": "x"}
         own |= {"along": [], "barriers": [], "direction": ["1", *zero[1:]], **hypotheses}
         return of_subject(because, subject, [UNSTABLE], "escape", own, proofs)
 
     yield escapes("a cube", [["x"]], rises, within=None)
+    yield escapes("fields that are exact: no sines and cosines", [["x + 0*sin(x)"]], rises)
+    turning = [["x - 3*y", "3*x - 2*y"]]  # a focus, but for its other velocity on the x axis
+    yield escapes("a mixture that is tangent to the subspace", turning, rises, along=["y"])
+    away = {"along": ["y"], "direction": ["1", "1"]}
+    yield escapes("a direction along the subspace", [["x", "-y"]], rises, **away)
+    words = "barriers and a function that are positive in the direction"
+    yield escapes(words, [["-x"]], {"rises": ON_PARTS}, function="-(x**2)")
+    sheets = {"surfaces": ["y - x**2", "z - x**2"], "signs": "00", "mixture": [["++", 0, "1", ["0", "1", "1"]]]}
+    yield escapes("at most one curved surface beside linear ones", [["1", "2*x", "2*x"]], {}, **sheets)
     words = "linear forms, zero on a subspace"
     yield escapes(words, [["x*(4*y - 1)", "0"]], rises, along=["y - 1/2"])
     nothing: Record = {"simplices": [{"on": ["sh"]}] * 8}
@@ -489,6 +567,11 @@ def of_circles() -> Iterator[Forgery]:
     yield turns("formulas in the states", "-sin(x) + 0*sin_x")
     yield turns("a V that is zero at the point", "1", {"V ": PLAIN, "cell  field 0": PLAIN}, "1")
     yield turns("no roots beside angles", "-sin(x)", roots=["x"])
+    yield turns("angles that are 0 at the point", "-sin(x)", at=["1"])
+    none: Record = {"angles": [], "cells": cube("1"), "function": "x**2"}
+    words = "angles that are different states"
+    subject: Record = {"states": ["x"], "rhs": [["-x"]], "at": ["0"]}
+    yield of_subject(words, subject, [STABLE], "circles", none, FALLS)
 
 
 def of_centres() -> Iterator[Forgery]:
@@ -527,7 +610,7 @@ def of_centres() -> Iterator[Forgery]:
     quarters = [f"{first}{second}" for first in "-+" for second in "-+"]
     skew: Record = {"within": "1", "surfaces": ["x - y", "x + y"], "empty": []}
     within: Record = {"cells": skew, "weights": {key: ["2", "1"] for key in quarters}}
-    proofs: Record = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in quarters}
+    proofs: Record = {f"turns {own} field 0": eight for own in quarters}
     yield turns("equal weights beside lines that are no axes", spring, proofs, **within, **mirror)
 
     plain: Record = {"exponent": "0", "factors": []}
@@ -538,7 +621,7 @@ def of_centres() -> Iterator[Forgery]:
     yield turns("an integral without sines and cosines of states", [["y", "-x + 0*sin(x)"]], **plain)
     halves: Record = {"cells": {"within": "1", "surfaces": ["x"], "empty": []}, "sense": -1}
     halves["weights"] = {"-": ["1", "1"], "+": ["1", "1"]}
-    proofs = {f"turns {own} field 0": {"simplices": [{}] * 16} for own in "-+"}
+    proofs = {f"turns {own} field 0": eight for own in "-+"}
     grows = [["y + (1 + sign(x))*y**2/2", "-x"]]  # by the energies of both sides, each half turn more than the last
     yield turns("the same flux from both sides of a line", grows, proofs, **halves, **plain)
 
@@ -560,6 +643,7 @@ def of_polygons() -> Iterator[Forgery]:
     yield outside(f"{away} ((8, 8),)", turned, square, ["4 - x - y"])
     yield outside("two whole numbers in a text", ["x", "y"], ["+8 -8", *square[1:]], [])
     yield outside("a unit of lengths", ["x", "y"], square, [], unit=None)
+    yield outside("sines and cosines of at most 64", ["x + 0*sin(x + 65)", "y"], square, [])
     yield outside("sines and cosines of affine functions", ["x + 0*sin(x*y)", "y"], square, [])
     yield outside("sines and cosines that are not multiplied by each other", ["x + sin(x)*sin(y)/9", "y"], square, [])
     spring, line = ["y", "-x + x**3 - y"], ["6 -1", "5 1"]
@@ -595,6 +679,8 @@ def of_meshes() -> Iterator[Forgery]:
     yield changed("a V without a denominator beside a mesh", *quarter, proof)
     one = [([*hypotheses, "below"], True), ([*claims, 2, "attracts", "below"], True)]
     yield changed("a level that is a whole number", *one)
+    rests = ["-x + x**3/2", "-y"]  # at x = sqrt(2), in the mesh
+    yield changed("a function that falls on simplex 0", (["statement", "subject", "rhs"], [rests]))
     yield meshed("a simplex", triangles=[])
     words = "sides of one simplex to the left, and of one to the right"
     yield meshed(words, triangles=[*mesh["triangles"], mesh["triangles"][0]])
@@ -621,7 +707,8 @@ def conditions() -> Iterator[Forgery]:
     """All of them."""
     for kind in (
         *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
-        *(of_evidence, of_squares, of_pairs, of_further_functions, of_cells, of_faces, of_points, of_pieces),
+        *(of_evidence, of_squares, of_pairs, of_further_functions, of_formulas, of_documents),
+        *(of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
     ):
         yield from kind()

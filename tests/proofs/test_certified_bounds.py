@@ -75,7 +75,7 @@ def put(certificate: Record, path: tuple[Any, ...], data: Any) -> Record:
 
 FORGED: dict[str, tuple[tuple[Any, ...], Any, str]] = {
     "a larger start": (("ellipse", "squared_radius"), "1", "an ellipse that holds the disc of starts"),
-    "no start": (("ellipse", "squared_radius"), "0", "a disc of starts"),
+    "no start": (("ellipse", "squared_radius"), "0", "a positive quadratic form"),
     "a smaller swing": (("ellipse", "squared_swing"), "1/16", "an ellipse in the disc that bodies stay in"),
     "a negative swing": (("ellipse", "squared_swing"), "-1", "a positive quadratic form"),
     "an ellipse beyond the cells": (("ellipse", "level"), "1", "an ellipse"),

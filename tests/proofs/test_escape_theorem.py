@@ -136,7 +136,7 @@ FORGED: dict[str, tuple[str, dict[str, Any], str]] = {
     "another sign of a surface": (SLIDE, {"function": "-x", "direction": ["-1", "0"]}, "surface"),
     "a surface left out": (SLIDE, {"surfaces": ["y"], "signs": "0", "mixture": [["+", 0, "3", ["0", "1"]],
                                    ["-", 0, "3", ["0", "-1"]]]}, "products of the surfaces"),
-    "a surface in two signs": (SLIDE, {"signs": "00"}, "subspace of at least one dimension"),
+    "a surface in two signs": (SLIDE, {"signs": "00"}, "a direction along the subspace"),
     "a field alone": (SLIDE, {"mixture": [["++", 0, "1", ["0", "1"]]]}, "tangent"),
     "weights that do not cancel": (SLIDE, {"mixture": [["++", 0, "1", ["0", "1"]], ["+-", 0, "2", ["0", "-1"]]]},
                                    "tangent"),

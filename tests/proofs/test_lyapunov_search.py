@@ -147,6 +147,13 @@ def test_a_region_up_to_its_exact_limit(load: Load) -> None:
     assert not with_reach(result, region=replace(region, falls=True)).check()
 
 
+def test_units_do_not_hide_a_region(load: Load) -> None:
+    """The level of V = abs(x, y)^2 is the square of the half-width."""
+    region = decide_system(load("-x + y**2", "-y", lyapunov='"x**2 + y**2"', radius='"1/10000000"')).reach.region
+    assert isinstance(region, SublevelRegion)
+    assert 1 - 2**-11 < float(region.level) * 10**14 < 1
+
+
 @pytest.mark.parametrize(
     ("first", "second", "lyapunov", "level"),
     [

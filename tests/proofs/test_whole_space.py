@@ -107,3 +107,10 @@ def test_samples_refute_beyond_the_cube() -> None:
     hypotheses = stability_hypotheses(cells, square, ASYMPTOTICALLY_STABLE) | {"everywhere": True, "proper": "1/4"}
     with pytest.raises(NotShownError, match="a sample refutes"):
         SampledProofs().entry(subject, "lyapunov", hypotheses)
+
+
+@pytest.mark.parametrize(("rhs", "rests"), [(["2 - x**2"], ["sqrt(2)"]), (["y", "2 - x**2 - y"], ["sqrt(2)", "0"])])
+def test_irrational_points_attract_from_near(rhs: list[str], rests: list[str]) -> None:
+    """Of them nothing is said about the whole space, of which no certificate in rational numbers can speak."""
+    found = ns.System(["x", "y"][: len(rhs)], rhs, at=rests).check()
+    assert (found.verdict, found.evidence.reach.everywhere) == ("asymptotically stable", False)
