@@ -17,7 +17,7 @@ from tests.certificates.array_conditions import array_conditions
 from tests.certificates.arrays import ARRAY_KINDS, array_certificates, array_texts
 from tests.certificates.cases import cases
 from tests.certificates.conditions import conditions
-from tests.certificates.corpus import BAD, BAD_ARRAYS, GOOD, PREFIX, Record, forged, text_of
+from tests.certificates.corpus import BAD, BAD_ARRAYS, GOOD, PREFIX, Record, forged, good_certificates, text_of
 from tests.certificates.forgeries import KINDS, Forgery, Kinds, forgeries, texts
 from tests.certificates.inclusion import contradiction
 from tests.oracles.rebuilt_arrays import assert_still_true
@@ -33,6 +33,7 @@ def write(*, arrays_only: bool) -> None:
         ValueError: where a good certificate is rejected, or a forged one is accepted.
     """
     GOOD.mkdir(exist_ok=True)
+    good_certificates()  # what conditions change is read before it is written anew
     for old in GOOD.glob(f"{PREFIX}*.json" if arrays_only else "*.json"):
         old.unlink()
     if not arrays_only:
