@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, combinations_with_replacement, product
+from itertools import combinations_with_replacement, product
 from math import gcd, lcm
 from typing import Any
 
@@ -96,7 +96,8 @@ def geodesic_sphere(frequency: int, planes: Floats | None = None) -> tuple[Float
     if planes is None or not len(planes):
         golden = (1 + 5**0.5) / 2
         corners = [np.roll((0.0, s, t * golden), k) for k in range(3) for s in (-1, 1) for t in (-1, 1)]
-        sides = [own for own in combinations(range(12), 3) if _is_side(corners, *own)]
+        chosen = ((i, j, k) for i in range(12) for j in range(i) for k in range(j))
+        sides = [own for own in chosen if _is_side(corners, *own)]
     else:
         frequency, span = round(FINER * frequency), np.linalg.svd(planes)[2]
         ends = np.linalg.inv(np.vstack([planes, span[len(planes) :]])).T
