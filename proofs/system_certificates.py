@@ -459,8 +459,8 @@ def find_region_of_simplices(
     Where formulas are known on the checked square or cube alone, because of denominators, so is the mesh.
 
     Args:
-        result: of a system in two states, or in three where nothing switches; there the mesh is about the region by
-            another V, where there is one.
+        result: of a system in two states, or in three; there the mesh is about the region by another V, where there is
+            one.
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
     """
@@ -479,10 +479,10 @@ def find_region_of_simplices(
         if len(scene.states) == len(PLANE):
             limit = radius if scene.denominators else None
             found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
-        elif surfaces or scene.denominators:
+        elif scene.denominators:
             found = None
         else:
-            found = find_basin_in_space(system, local, asked, REACH * radius, announce)
+            found = find_basin_in_space(system, local, surfaces, asked, REACH * radius, announce)
         if found is not None:
             search.entry(system, "basin", found.hypotheses)
     except (NoCertificateError, NotShownError, BeyondReachError):

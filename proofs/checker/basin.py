@@ -13,8 +13,10 @@ side that has one in each order is *inner*; the others, with their ends and edge
 3. at every corner that is not on the border the fields of all cells whose closures hold it lie in an open half plane;
 4. every side of the border lies in L, or has ``W >= c`` at all of its corners.
 
-In space there is one cell, for which 2 and 3 follow from 1.  Then every solution from a point p of a simplex T with
-``W_T(p) < c`` tends to the point.
+In space 2 and 3 are for every side, edge and corner e, but those that belong to a side of the border: a mixture g of
+``grad W_T`` of two simplices that hold e has ``g . f < 0`` on e for all fields f of cells whose closures meet the
+inside of e, or hold the corner.  Then every solution from a point p of a simplex T with ``W_T(p) < c`` tends to the
+point.
 
 *Proof.*  Let S be the simplices glued along inner sides: a compact space, on which W is continuous.  It maps to the
 plane, or to space, and off the border and what is of codimension two (corners, and edges in space) this map is one to
@@ -30,19 +32,21 @@ until the lift meets the border, where it stops.  The lifts have speed at most v
 converge uniformly (Arzela and Ascoli), to a path over x until it stops; and where it stops it is on the border.
 
 Let x be a solution from p, and s such a lift.  W(s) is absolutely continuous.  At almost all times at which s is inside
-T, or in a face of T of any dimension in space, its derivative is ``grad W_T . x'``: the solution has such times
-arbitrarily near, so x' is along this face.  With x' a mixture of fields of 1 it is negative.  In the plane, at almost
-all times at which s is inside an inner side e the derivative is ``grad W_T . x' = (grad W_T + t n) . x'``, because x'
-is along e, and x' is a mixture of fields of 2.  At almost all times at which s is at a corner x' is zero, by 3 no
-mixture of its fields: such times have measure zero.  All conditions are strict on compact sets, so W(s) falls at a
-speed that is bounded from below.  W is bounded on S, and a solution in the compact image of S goes on; so s meets the
-border after a finite time, with ``W < c``.  By 4 the solution is in L there.
+T, or inside a face of T of any dimension, its derivative is ``grad W_T . x'``: the solution has such times arbitrarily
+near, so x' is along this face.  Inside T it is negative by 1, with x' a mixture of fields of 1.  In the plane, at
+almost all times at which s is inside an inner side e it is ``grad W_T . x' = (grad W_T + t n) . x'``, because x' is
+along e, and x' is a mixture of fields of 2.  At almost all times at which s is at a corner x' is zero, by 3 no
+mixture of its fields: such times have measure zero.  In space the W of all simplices that hold e agree on e, so for x'
+along e, or zero at a corner, ``grad W_T . x' = g . x'``, and x' is a mixture of fields for which that is negative.  All
+conditions are strict on compact sets, so W(s) falls at a speed that is bounded from below.  W is bounded on S, and a
+solution in the compact image of S goes on; so s meets the border after a finite time, with ``W < c``.  By 4 the
+solution is in L there.
 
-An inner side whose cells all meet the inside of one of its simplices fulfils 2 with t = 0.  Polynomials are negative on
-a simplex, or on a side, if all of their Bernstein coefficients there are.  In ``f = f_0 + sum_j w_j f_j`` sines and
-cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the simplex, or at the corner; on
-a side by those of its simplex T.  Each is an affine function and a number times some e from -1 to 1, so a coefficient
-is largest where every e has the sign of what it is multiplied by.
+What is asked of e follows from 1 where all of its cells meet the inside of one simplex that holds it.  Polynomials are
+negative on a simplex, or on a side, if all of their Bernstein coefficients there are.  In ``f = f_0 + sum_j w_j f_j``
+sines and cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the simplex, or at the
+corner; on a side by those of its simplex T.  Each is an affine function and a number times some e from -1 to 1, so a
+coefficient is largest where every e has the sign of what it is multiplied by.
 """
 
 from __future__ import annotations
@@ -52,7 +56,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property, partial
-from itertools import product
+from itertools import combinations, permutations, product
 from math import comb, factorial, lcm, prod
 from operator import add, mul, sub
 from typing import Any, Protocol, TypeAlias, TypeVar
@@ -245,9 +249,11 @@ class Plane:
         self._guards = [Field.of([own]) for own in self.surfaces.listed]
         self.has_borders = bool(self.surfaces.listed)
         self.waves: list[list[tuple[str, Polynomial]]] = []  # of each side, with what they are of
+        self._whole_arguments: list[list[list[int]]] = []
         self._formulas = system.fields(self.domain.place, lambda _, v, end: constant(v.count, end))
         self._counts = [sum(counts) for counts in system.waves]
         self.sides, self.value = cache(self._sides), cache(self._value)
+        self._guard_at = cache(lambda k, place: self._guards[k].on((place,))[0])
         self._read_waves(system)
 
     def _read_waves(self, system: System) -> None:
@@ -258,6 +264,7 @@ class Plane:
                 found += Formula(text, self.domain.place, [0] * count).arguments()
             require(all(v.degree <= 1 for _, v in found), "sines and cosines of affine functions")
             self.waves.append(found)
+            self._whole_arguments.append([whole_argument(v) for _, v in found])
 
     def _sides(self, signs: Pattern) -> list[Side]:
         """The right-hand sides on a cell.
@@ -277,11 +284,11 @@ class Plane:
             found.append(Side(tuple(parts)))
         return found
 
-    def _value(self, side: int, wave: int, place: Place) -> tuple[Fraction, int]:
-        """What a wave is of at a place, and its value there."""
-        name, v = self.waves[side][wave]
-        own = v.at_origin + sum(v.slope(k) * x for k, x in enumerate(place))
-        return own, wave_value(name, own)
+    def _value(self, side: int, wave: int, place: Place) -> tuple[int, int]:
+        """What a wave is of at a place, times the common denominator of its coefficients, and its value there."""
+        bottom, start, *slopes = self._whole_arguments[side][wave]
+        own = start + sum(map(mul, slopes, place))
+        return own, wave_value(self.waves[side][wave][0], Fraction(own, bottom))
 
     def fields(self, signs: Pattern, corners: Sequence[Place]) -> Iterator[Field]:
         """Fields that have those of a cell in their hull on a simplex, or at a corner, times positive numbers."""
@@ -296,7 +303,8 @@ class Plane:
                 at = [self.value(k, j, place) for place in corners]
                 mean = added([scaled(own, value) for own, (_, value) in zip(weights, at, strict=True)])
                 whole = whole.plus(part, mean)
-                spreads.append(part.times(interpolation_error([v for v, _ in at]) * size))
+                v, bottom = [own for own, _ in at], self._whole_arguments[k][j][0]
+                spreads.append(part.times(interpolation_error(max(v) - min(v), bottom) * size))
             yield replace(whole, spreads=tuple(replace(own, degree=whole.degree) for own in spreads))
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Pattern]:
@@ -311,8 +319,9 @@ class Plane:
         return self._patterns(any(s * c > 0 for c in own) or not any(own) for own, s in self._on(corners, end))
 
     def _on(self, corners: Sequence[Place], end: Place | None = None) -> Iterator[tuple[list[int], int]]:
-        for own in self._guards:
-            values = own.on(corners, end)
+        for k, own in enumerate(self._guards):
+            is_affine = own.degree == 1 and end is None
+            values = [self._guard_at(k, place) for place in corners] if is_affine else own.on(corners, end)
             yield from ((values, -1), (values, 1))
 
     def _patterns(self, allowed: Iterable[bool]) -> frozenset[Pattern]:
@@ -324,6 +333,13 @@ class Plane:
             require(size <= 64, "simplices that meet at most 64 cells")
         BUDGET.spend(size * (1 + len(signs)))
         return frozenset(product(*signs))
+
+
+def whole_argument(v: Polynomial) -> list[int]:
+    """The common denominator of the coefficients of an affine function, then its value at the point and its slopes."""
+    numbers = [v.at_origin, *map(v.slope, range(v.count))]
+    bottom = lcm(*(own.denominator for own in numbers))
+    return [bottom, *(int(own * bottom) for own in numbers)]
 
 
 def difference(first: Sequence[Polynomial], second: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
@@ -461,8 +477,7 @@ def show_falls(mesh: Mesh, cells: CellFields) -> None:
         for field in (field for signs in met[-1] for field in cells.fields(signs, corners)):
             require(max(field.along(slope).highest(corners)) < 0, f"a function that falls on simplex {number}")
     if cells.has_borders:
-        require(mesh.dimension == 2, "one cell, for a mesh in space")
-        show_across(mesh, cells, met)
+        (show_across if mesh.dimension == 2 else show_across_in_space)(mesh, cells, met)
 
 
 def show_across(mesh: Mesh, plane: CellFields, met: Sequence[frozenset[Any]]) -> None:
@@ -480,7 +495,9 @@ def show_across(mesh: Mesh, plane: CellFields, met: Sequence[frozenset[Any]]) ->
             if not touching <= met[number] and not touching <= met[other]:
                 beside = mesh.corners(mesh.simplices[number])
                 fields = [end for signs in touching for field in plane.fields(signs, beside) for end in field.ends()]
-                require(falls_along(mesh, (i, j), mesh.slope(number), fields), f"a function that falls on side {i} {j}")
+                across = normal(mesh.corners((i, j)))
+                falls = falls_along(mesh, (i, j), mesh.slope(number), across, fields)
+                require(falls, f"a function that falls on side {i} {j}")
     for k in mesh.inner_corners():
         (place,) = corners = mesh.corners((k,))
         touching = plane.touching(corners)
@@ -489,11 +506,50 @@ def show_across(mesh: Mesh, plane: CellFields, met: Sequence[frozenset[Any]]) ->
         require(len(touching) == 1 or in_half_plane(velocities), f"velocities in a half plane at {place}")
 
 
-def falls_along(mesh: Mesh, side: tuple[int, int], slope: Place, fields: Iterable[Field]) -> bool:
-    """Whether there is a number t with ``(slope + t n) . f < 0`` on a side for all of the fields: bounds of t."""
+def show_across_in_space(mesh: Mesh, space: CellFields, met: Sequence[frozenset[Any]]) -> None:
+    """W falls along solutions that stay on a side, an edge or a corner where cells meet: conditions 2 and 3 in space.
+
+    Args:
+        mesh: of tetrahedra.
+        space: the cells.
+        met: those that the inside of each tetrahedron may meet.
+    """
+    holding: dict[Place, list[int]] = {}
+    for number, own in enumerate(mesh.simplices):
+        BUDGET.spend(20)
+        for count in (1, 2, 3):
+            for face in combinations(sorted(own), count):
+                holding.setdefault(face, []).append(number)
+    for side in mesh.border:
+        for count in (1, 2, 3):
+            for face in combinations(sorted(side), count):
+                holding.pop(face, None)
+    for face, numbers in holding.items():
+        touching = space.touching(mesh.corners(face))
+        if not any(touching <= met[number] for number in numbers):
+            beside = mesh.corners(mesh.simplices[numbers[0]] if len(face) > 1 else face)
+            fields = [end for signs in touching for field in space.fields(signs, beside) for end in field.ends()]
+            slopes = [mesh.slope(number) for number in numbers]
+            BUDGET.spend(len(slopes) ** 2)
+            falls = any(falls_along(mesh, face, *own, fields, least=0) for own in permutations(slopes, 2))
+            require(falls, f"a function that falls on the face {face}")
+
+
+def falls_along(
+    mesh: Mesh, side: Place, slope: Place, across: Place, fields: Iterable[Field], least: int | None = None
+) -> bool:
+    """Whether there is a number t with ``(slope + t across) . f < 0`` on a side for all of the fields: bounds of t.
+
+    Args:
+        mesh: of simplices.
+        side: the numbers of the corners of one, or in space those of an edge, or of one corner.
+        slope: a vector.
+        across: another one.
+        fields: velocities.
+        least: of t; any number where None.
+    """
     corners = mesh.corners(side)
-    across = normal(corners)
-    low: Fraction | None = None
+    low = None if least is None else Fraction(least)
     high: Fraction | None = None
     for field in fields:
         rates, pushes = field.along(slope).on(corners), field.along(across).on(corners)

@@ -10,7 +10,6 @@ the last because no distribution on an interval has a larger variance (Popoviciu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from math import ceil
 
@@ -45,7 +44,11 @@ def wave_value(name: str, v: Fraction) -> int:
     return total >> guard
 
 
-def interpolation_error(values: Sequence[Fraction]) -> int:
-    """A bound of the distance between a wave and what its values at some points mean, times ``2^60``, rounded up."""
-    width = max(values) - min(values)
-    return -(-(width.numerator**2 << BITS) // (8 * width.denominator**2)) + 3
+def interpolation_error(width: int, bottom: int) -> int:
+    """A bound of the distance between a wave and what its values at some points mean, times ``2^60``, rounded up.
+
+    Args:
+        width: of the values v_i there, from the least to the largest, a numerator.
+        bottom: its denominator.
+    """
+    return -(-(width**2 << BITS) // (8 * bottom**2)) + 3

@@ -214,7 +214,7 @@ def find_basin(
     if outside is not None:
         open_ones &= inside_ring(ring_of(outside), starts)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
-    came = _come(field, is_home, border, starts[~certified])
+    came = _come(field, is_home, border, starts[~certified & open_ones])
     sampled = square[0], square[0] + came
     return CertifiedBasin(hypotheses, sampled, outside, tuple(traps), tuple(saddles), square, _ends(starts))
 
@@ -222,20 +222,22 @@ def find_basin(
 def find_basin_in_space(
     system: System,
     local: dict[str, Any],
+    surfaces: list[str],
     asked: str,
     limit: float,
     announce: Callable[[str, int, int], None],
 ) -> CertifiedBasin | None:
-    """A mesh around a level set in three states, without switching; None where none is found.
+    """A mesh around a level set in three states; None where none is found.
 
     Args:
         system: in three states.
         local: hypotheses of theorem ``lyapunov`` with a level on a cube, which are shown.
+        surfaces: on which the system switches, in the displacement.
         asked: how much may be done.
         limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
         announce: told what is done, how much of it, and of how much.
     """
-    effort, plane = IN_SPACE[asked], Plane(system, "1", [], Proofs({}))
+    effort, plane = IN_SPACE[asked], Plane(system, "1", surfaces, Proofs({}))
     field, potential = FloatField(plane), _potential(plane, local)
     level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
 
@@ -247,7 +249,7 @@ def find_basin_in_space(
     if len(grown) < 2:
         return None
     mesh = front.record(grown)
-    hypotheses = {"local": local, "surfaces": [], "mesh": mesh, "below": len(grown) - 1}
+    hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": len(grown) - 1}
     found = CertifiedBasin(hypotheses, (0, 0))
     starts = _grid(found.border, effort.starts, None)
     certified = found.holds(starts) | is_home(starts)

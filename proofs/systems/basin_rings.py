@@ -181,24 +181,24 @@ class FloatField:
             for waves in product(*bounds):
                 yield self.side(cell, k, at.reshape(-1, count - 1), waves).reshape(at.shape), points
 
-    @cached_property
-    def _guard_points(self) -> Bernstein:
-        return bernstein(max((own.degree for own in self.surfaces), default=0))
-
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, NDArray[np.bool_]]]:
-        """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there."""
+        """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there.
+
+        Likewise for tetrahedra, and for triangles in space.
+        """
         listed = self.surfaces
         if not listed:
             yield (), np.ones(len(triangles), dtype=bool)
             return
-        at = self._guard_points.places(triangles)
-        guards = self.guards(at.reshape(-1, 2)).reshape(*at.shape[:2], len(listed))
+        points = bernstein(max(own.degree for own in listed), triangles.shape[1])
+        at = points.places(triangles)
+        guards = self.guards(at.reshape(-1, at.shape[2])).reshape(*at.shape[:2], len(listed))
         allowed = np.empty((len(triangles), len(listed), 2), dtype=bool)
         for number in range(len(listed)):
             if number in exact:
                 own, slack = exact[number], 0.0
             else:
-                own = self._guard_points.coefficients(guards[:, :, number])
+                own = points.coefficients(guards[:, :, number])
                 slack = SMALL * float(np.abs(own).max())
             allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
             if slack:

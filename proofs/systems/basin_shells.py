@@ -3,7 +3,9 @@
 All polyhedra have corners on the same rays, so that what lies between two of them are prisms over triangles of a
 sphere, each of three tetrahedra; W is the number of the polyhedron.  On a tetrahedron with three corners on one of them
 the gradient of W is the normal of this side, so velocities f must lead inward over all sides, and over planes that
-are parallel to an edge of each polyhedron.  What is proposed here is shown by theorem ``basin`` of the checker.
+are parallel to an edge of each polyhedron.  Up to three planes through the point on which the field switches are made
+of edges, so that W may bend in them; other surfaces cut tetrahedra, which the fields of both sides must suit.  What is
+proposed here is shown by theorem ``basin`` of the checker.
 
 *Growth.*  Polyhedra begin as an ellipsoid in the level set that attracts.  A ray then goes as far as a place from which
 the field, disturbed by a part a of its speed along the outward normal, leads into the polyhedron before.  In the limit
@@ -18,11 +20,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations_with_replacement, product
+from math import gcd, lcm
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.checker.cells import Pattern
 from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, Floats, bernstein
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
@@ -40,6 +45,9 @@ MENDINGS, FEW, MENDED = 16, 0.02, 0.3  # rounds; bad tetrahedra at most; of the 
 TOGETHER = 1000  # tetrahedra that are looked at, before others are
 APART = 2.0**-24  # of their sizes: what polyhedra are apart at least
 BITS = 40  # of coordinates
+FINER = 1.5  # than those of an icosahedron are the parts of an edge of an octahedron
+NEAR = 2.0**-12  # of the cube of the set that attracts: where slopes at the point are taken
+WIDTH = 2.0**-20  # of the distance from the point: how far beside a plane velocities of its sides are taken
 
 Triples = NDArray[np.int64]
 
@@ -74,11 +82,27 @@ EFFORTS = {
 # ---- a sphere of triangles -----------------------------------------------------------------------
 
 
-def geodesic_sphere(frequency: int) -> tuple[Floats, Triples]:
-    """The corners and the triangles, counterclockwise from outside, of a divided icosahedron on the unit sphere."""
-    golden = (1 + 5**0.5) / 2
-    corners = [np.roll((0.0, s, t * golden), k) for k in range(3) for s in (-1, 1) for t in (-1, 1)]
-    near = [(i, j, k) for i in range(12) for j in range(i) for k in range(j) if _is_side(corners, i, j, k)]
+def geodesic_sphere(frequency: int, planes: Floats | None = None) -> tuple[Floats, Triples, NDArray[np.bool_]]:
+    """Corners and triangles, counterclockwise from outside, of a divided polyhedron on the unit sphere.
+
+    Args:
+        frequency: parts of an edge of an icosahedron; of an octahedron, which has fewer edges, there are more.
+        planes: normals of up to three planes through the middle that edges are to follow, shape (planes, 3); then an
+            octahedron is divided, with corners where three planes meet.
+
+    Returns:
+        The corners, the triangles, and for each corner which of the planes hold it.
+    """
+    if planes is None or not len(planes):
+        golden = (1 + 5**0.5) / 2
+        corners = [np.roll((0.0, s, t * golden), k) for k in range(3) for s in (-1, 1) for t in (-1, 1)]
+        chosen = ((i, j, k) for i in range(12) for j in range(i) for k in range(j))
+        sides = [own for own in chosen if _is_side(corners, *own)]
+    else:
+        frequency, span = round(FINER * frequency), np.linalg.svd(planes)[2]
+        ends = np.linalg.inv(np.vstack([planes, span[len(planes) :]])).T
+        corners = [sign * own / np.linalg.norm(own) for sign in (1, -1) for own in ends]
+        sides = list(product((0, 3), (1, 4), (2, 5)))
     numbers: dict[tuple[tuple[int, int], ...], int] = {}
     places, triangles = list[Floats](), list[tuple[int, int, int]]()
 
@@ -90,9 +114,9 @@ def geodesic_sphere(frequency: int) -> tuple[Floats, Triples]:
             places.append(np.asarray(place / np.linalg.norm(place)))
         return numbers[key]
 
-    for a, b, c in near:
+    for own in sides:
 
-        def at(i: int, j: int, own: tuple[int, int, int] = (a, b, c)) -> int:
+        def at(i: int, j: int, own: tuple[int, ...] = own) -> int:
             return number(tuple(zip(own, (i, j, frequency - i - j), strict=True)))
 
         for i in range(frequency):
@@ -103,7 +127,9 @@ def geodesic_sphere(frequency: int) -> tuple[Floats, Triples]:
     sphere, found = np.array(places), np.array(triangles)
     inward = np.linalg.det(sphere[found]) < 0
     found[inward] = found[inward][:, ::-1]
-    return sphere, found
+    count = 0 if planes is None else len(planes)
+    held = np.array([[all(corner % 3 != k for corner, _ in key) for k in range(count)] for key in numbers], dtype=bool)
+    return sphere, found, held
 
 
 def _is_side(corners: Sequence[Floats], *own: int) -> bool:
@@ -148,9 +174,16 @@ class Front:
         effort: ShellEffort,
     ) -> None:
         self.field, self.effort = field, effort
-        self.sphere, self.triangles = geodesic_sphere(effort.frequency)
+        self.planes = switching_planes(field)
+        numbers = list(self.planes)
+        units = unit_ball(slopes_along(lambda x: field.at(x)[0], np.eye(3), NEAR * within))
+        if numbers:
+            along = self._along_plane(inside, within) if len(numbers) == 1 else None
+            units = self._level_set(inside, within) if along is None else along
+        normals = np.array([self.planes[k] for k in numbers], dtype=float).reshape(-1, 3) @ units
+        self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        self.sphere, self.triangles, self.held = geodesic_sphere(effort.frequency, self.normals)
         self.count = len(self.sphere)
-        units = unit_ball(self._linear_part(2.0**-12 * within))
         self.units = units * INSIDE * min(_reach(own, inside, within) for own in self.sphere @ units.T)
         for _ in range(SMALLER):
             if not self._bad_sides(np.zeros(self.count)).any():
@@ -167,9 +200,40 @@ class Front:
         """The corners of the first polyhedron."""
         return np.asarray(self.sphere @ self.units.T)
 
-    def _linear_part(self, size: float) -> Floats:
-        steps = size * np.eye(3)
-        return np.asarray((self.field.at(steps)[0] - self.field.at(-steps)[0]).T / (2 * size))
+    def _level_set(self, inside: Callable[[Floats], NDArray[np.bool_]], within: float) -> Floats:
+        """Units U of the ellipsoid nearest to the set that attracts: ``r^-2 = u' P u`` for its distances r on rays u.
+
+        ``P = (U U')^-1``; where that is not positive, U are the units of the states.
+        """
+        sphere, _, _ = geodesic_sphere(self.effort.frequency)
+        distances = np.array([_reach(own, inside, within) for own in sphere])
+        pairs = list(combinations_with_replacement(range(3), 2))
+        columns = np.stack([sphere[:, i] * sphere[:, j] for i, j in pairs], axis=1)
+        form = np.zeros((3, 3))
+        for (i, j), own in zip(pairs, np.linalg.lstsq(columns, distances**-2)[0], strict=True):
+            form[i, j] += own / 2
+            form[j, i] += own / 2
+        if not np.linalg.eigvalsh(form).min() > 0:
+            return np.eye(3)
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
+
+    def _along_plane(self, inside: Callable[[Floats], NDArray[np.bool_]], within: float) -> Floats | None:
+        """Units in which a ball shrinks along a plane on which solutions slide near the point; None where none do.
+
+        Its third axis is that of the jump of the field, so that off the plane the ball shrinks by what jumps.
+        """
+        normal = np.array(next(iter(self.planes.values())), dtype=float)
+        size, plane = NEAR * within, np.linalg.svd(normal[None])[2][1:]
+        _, slides = sliding(self.field, size * plane, normal)
+        if not slides.all():
+            return None
+        slopes = slopes_along(lambda x: sliding(self.field, x, normal)[0], plane, size)
+        across = WIDTH * size * normal / np.linalg.norm(normal)
+        jump = np.subtract(*(self.field.at(own[None])[0, 0] for own in (across, -across)))
+        flat, jump = plane.T @ unit_ball(plane @ slopes), jump / np.linalg.norm(jump)
+        flat = flat * min(_reach(own, inside, within) for own in flat.T)
+        units = np.column_stack([flat, _reach(jump, inside, within) * jump])
+        return units * [1, 1, np.sign(np.linalg.det(units))]  # as the axes of the states are turned
 
     def grown(self, announce: Callable[[int, int], None]) -> list[Floats]:
         """Polyhedra from the first one on, as few as serve, on whose shells floats see W fall."""
@@ -219,14 +283,24 @@ class Front:
     def _outside(self, before: Floats, start: Floats, normals: Floats, part: float) -> Floats:
         """How far outside of a polyhedron the disturbed field leads from places on rays, as a logarithm."""
         z = np.exp(start)[:, None] * self.sphere
-        middle = z + PATH / 2 * self._course(z, normals, part)
-        end = z + PATH * self._course(middle, normals, part)
+        course = self._course(z, normals, part)
+        step = np.full((self.count, 1), PATH)
+        for normal, held in zip(self.normals, self.held.T, strict=True):  # no further than to a plane
+            away, speed = z @ normal, course @ normal
+            meets = ~held & (away * speed < 0)
+            step[meets, 0] = np.minimum(step[meets, 0], -away[meets] / speed[meets])
+        middle = z + step / 2 * course
+        end = z + step * self._course(middle, normals, part)
         return np.asarray(np.log(np.linalg.norm(end, axis=1)) - self._toward(before, end))
 
     def _course(self, z: Floats, normals: Floats, part: float) -> Floats:
         """The disturbed field, of a speed that is the distance from the point, less near the limit."""
         places = z @ self.units.T
-        field = self.field.at(places)[0] @ self.back.T
+        field = self.field.at(places)[0]
+        for normal, held in zip(self.planes.values(), self.held.T, strict=True):
+            mixed, slides = sliding(self.field, places[held], np.array(normal, dtype=float))
+            field[held] = np.where(slides[:, None], mixed, field[held])
+        field = field @ self.back.T
         course = field / (np.linalg.norm(field, axis=1)[:, None] + np.finfo(float).tiny) + part * normals
         room = np.clip(1 - (np.abs(places).max(axis=1) / self.limit) ** 4, 0, 1)
         return np.asarray(course * (room * np.linalg.norm(z, axis=1))[:, None])
@@ -263,24 +337,25 @@ class Front:
         corners = self.triangles[near[rows, chosen]]
         return np.asarray((logarithms[corners] * own).sum(axis=1) / own.sum(axis=1))
 
-    @cached_property
-    def _on_sides(self) -> Bernstein:
-        """For polynomials of the field's degree; sines and cosines are taken for cubic ones."""
-        parts = [part for side in self.field.plane.sides(()) for part in side.parts]
-        degrees = [max(own.degree for own in part) for part in parts]
-        return bernstein(max([*degrees[:1], *(own + 3 for own in degrees[1:])]))
+    def _on_sides(self, cell: Pattern) -> Bernstein:
+        """For polynomials of the degree of a cell's fields; sines and cosines are taken for cubic ones."""
+        parts = [side.parts for side in self.field.plane.sides(cell)]
+        degrees = [max(own.degree for own in part) + 3 * (k > 0) for own in parts for k, part in enumerate(own)]
+        return bernstein(max(degrees))
 
     def _bad_sides(self, logarithms: Floats) -> NDArray[np.bool_]:
         """Over which sides the field is not seen to lead inward."""
         corners = self.places(logarithms)[self.triangles]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        places = np.einsum("kc,mcd->mkd", self._on_sides.nodes, corners)
         bad = np.zeros(len(corners), dtype=bool)
-        for velocities in self.field.at(places.reshape(-1, 3)):
-            own = velocities.reshape(places.shape)
-            rates = self._on_sides.coefficients(np.einsum("mkd,md->mk", own, normals))
-            scale = np.linalg.norm(own, axis=2).max(axis=1) * np.linalg.norm(normals, axis=1)
-            bad |= rates.max(axis=1) > -MARGIN * scale
+        for cell, here in self.field.meeting(corners, self._on_planes(corners, self.triangles)):
+            points = self._on_sides(cell)
+            places = points.places(corners[here])
+            for velocities in self.field.on(cell, places.reshape(-1, 3)):
+                own = velocities.reshape(places.shape)
+                rates = points.coefficients(np.einsum("mkd,md->mk", own, normals[here]))
+                scale = np.linalg.norm(own, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
+                bad[here] |= rates.max(axis=1) > -MARGIN * scale
         return bad
 
     def _thinned(self, found: Sequence[Floats]) -> list[Floats]:
@@ -311,6 +386,7 @@ class Front:
                 failing[part] = self._failing(inner, after, margin, self.between[part])
                 if failing.sum() > most:
                     return None
+            failing |= self._failing_beside_planes(inner, after, margin)
             if not failing.any():
                 return np.asarray(after)
             slower = np.zeros(self.count, dtype=bool)
@@ -324,11 +400,61 @@ class Front:
         places = np.concatenate([self.places(inner), self.places(outer)])[own]
         sizes, slopes = gradients(places, (own >= self.count).astype(float))
         good = sizes > 0
-        for velocities, points in self.field.velocities((), places):
-            rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes))
-            scale = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes, axis=1)
-            good &= rates.max(axis=1) < -margin * scale
+        for cell, here in self.field.meeting(places, self._on_planes(places, own % self.count)):
+            for velocities, points in self.field.velocities(cell, places[here]):
+                rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes[here]))
+                scale = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes[here], axis=1)
+                good[here] &= rates.max(axis=1) < -margin * scale
         return np.asarray(~good)
+
+    @cached_property
+    def _beside_planes(self) -> tuple[Triples, Triples]:
+        """Pairs of tetrahedra with a side between them in a plane, and the place of the corner of the first off it."""
+        held = self.held[self.between % self.count]
+        found: dict[tuple[int, ...], list[int]] = {}
+        for k in range(len(self.planes)):
+            for number in np.nonzero(held[:, :, k].sum(axis=1) == 3)[0].tolist():
+                side = tuple(sorted(self.between[number][held[number, :, k]].tolist()))
+                found.setdefault(side, []).append(number)
+        pairs = np.array([own for own in found.values() if len(own) == 2], dtype=int).reshape(-1, 2)
+        sides = [side for side, own in found.items() if len(own) == 2]
+        away = [np.isin(self.between[own[0]], side).argmin() for own, side in zip(pairs, sides, strict=True)]
+        return pairs, np.array(away, dtype=int)
+
+    def _failing_beside_planes(self, inner: Floats, outer: Floats, margin: float) -> NDArray[np.bool_]:
+        """Tetrahedra beside sides in planes on which no mixture of both gradients is seen to fall for all fields."""
+        failing = np.zeros(len(self.between), dtype=bool)
+        pairs, away = self._beside_planes
+        if not len(pairs):
+            return failing
+        own = self.between[pairs.T]
+        places = np.concatenate([self.places(inner), self.places(outer)])[own]
+        slopes = [gradients(at, (n >= self.count).astype(float))[1] for at, n in zip(places, own, strict=True)]
+        low, high = np.zeros(len(pairs)), np.ones(len(pairs))  # bounds of the part of the second gradient
+        listed, rays = places.reshape(-1, 4, 3), own.reshape(-1, 4) % self.count
+        for cell, here in self.field.meeting(listed, self._on_planes(listed, rays)):
+            touched = here.reshape(2, -1).any(axis=0)
+            for velocities, points in self.field.velocities(cell, places[0, touched]):
+                sizes = np.linalg.norm(velocities, axis=2).max(axis=1)
+                first, second = (
+                    points.coefficients(np.einsum("mkd,md->mk", velocities, slope[touched]))
+                    + (margin * sizes * np.linalg.norm(slope[touched], axis=1))[:, None]
+                    for slope in slopes
+                )
+                on_side, rise = points.nodes[:, away[touched]].T == 0, second - first
+                bound = -first / np.where(rise == 0, 1, rise)
+                low[touched] = np.maximum(low[touched], np.where(on_side & (rise < 0), bound, 0).max(axis=1))
+                high[touched] = np.minimum(high[touched], np.where(on_side & (rise > 0), bound, 1).min(axis=1))
+                high[touched] -= (on_side & (rise == 0) & (first >= 0)).any(axis=1)
+        failing[pairs[low >= high]] = True
+        return failing
+
+    def _on_planes(self, places: Floats, rays: Triples) -> dict[int, Floats]:
+        """The values of the surfaces that edges follow, at corners on rays: zero on those along the plane."""
+        return {
+            number: np.where(self.held[rays, k], 0, places @ np.array(own, dtype=float))
+            for k, (number, own) in enumerate(self.planes.items())
+        }
 
     def places(self, logarithms: Floats) -> Floats:
         """The corners of a polyhedron, in the displacement from the point."""
@@ -343,13 +469,66 @@ class Front:
         power = BITS - int(np.ceil(np.log2(float(np.abs(self.places(found[-1])).max()))))
         corners, tetrahedra = list[str](), list[str]()
         for value, logarithms in enumerate(found):
-            whole = np.rint(self.places(logarithms) * 2.0**power).astype(np.int64)
-            corners += [f"{x} {y} {z} {value}" for x, y, z in whole.tolist()]
+            whole = np.rint(self.places(logarithms) * 2.0**power).astype(np.int64).tolist()
+            for place, held in zip(whole, self.held, strict=True):
+                x, y, z = on_planes(
+                    place, [own for own, is_on in zip(self.planes.values(), held, strict=True) if is_on]
+                )
+                corners.append(f"{x} {y} {z} {value}")
         for number in range(len(found) - 1):
             listed = (self.between + number * self.count).tolist()
             tetrahedra += [" ".join(map(str, own)) for own in listed]
         unit = f"1/{2**power}" if power >= 0 else str(2**-power)
         return {"unit": unit, "corners": corners, "tetrahedra": tetrahedra}
+
+
+def switching_planes(field: FloatField) -> dict[int, tuple[int, int, int]]:
+    """Up to three planes through the point on which a field switches: their normals, by the numbers of the surfaces."""
+    found: dict[int, tuple[int, int, int]] = {}
+    for number, own in enumerate(field.surfaces):
+        if own.degree == 1 and not own.at_origin:
+            slopes = [own.slope(k) for k in range(3)]
+            bottom = lcm(*(value.denominator for value in slopes))
+            common = gcd(*(int(value * bottom) for value in slopes))
+            x, y, z = (int(value * bottom) // common for value in slopes)
+            known = np.array([*found.values(), (x, y, z)], dtype=float)
+            if len(found) < 3 and np.linalg.matrix_rank(known) == len(known):
+                found[number] = x, y, z
+    return found
+
+
+def on_planes(place: Sequence[int], normals: Sequence[tuple[int, int, int]]) -> tuple[int, int, int]:
+    """A whole place near another one, on up to two planes through the origin."""
+    if len(normals) == 2:
+        (a, b, c), (d, e, f) = normals
+        line = (b * f - c * e, c * d - a * f, a * e - b * d)
+        common = gcd(*line)
+        x, y, z = (own // common for own in line)
+        steps = round((x * place[0] + y * place[1] + z * place[2]) / (x * x + y * y + z * z))
+        return steps * x, steps * y, steps * z
+    moved = list(place)
+    for normal in normals:
+        pivot = max(range(3), key=lambda k: abs(normal[k]))
+        for k in {0, 1, 2} - {pivot}:
+            moved[k] = round(moved[k] / normal[pivot]) * normal[pivot]
+        moved[pivot] = -sum(normal[k] * moved[k] for k in {0, 1, 2} - {pivot}) // normal[pivot]
+    x, y, z = moved
+    return x, y, z
+
+
+def slopes_along(at: Callable[[Floats], Floats], directions: Floats, size: float) -> Floats:
+    """The derivatives of a field at the point along some directions, by differences: a column for each."""
+    return np.asarray((at(size * directions) - at(-size * directions)).T / (2 * size))
+
+
+def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """The mixtures along a plane of velocities of both sides at places in it, and where both lead to it."""
+    width = WIDTH * np.linalg.norm(x, axis=1)[:, None] * normal / np.linalg.norm(normal)
+    there = x - np.outer(x @ normal, normal) / (normal @ normal)
+    above, below = (field.at(there + own)[0] for own in (width, -width))
+    a, b = above @ normal, below @ normal
+    slides = (a < 0) & (b > 0)
+    return (b[:, None] * above - a[:, None] * below) / np.where(slides, b - a, 1)[:, None], slides
 
 
 def unit_ball(linear: Floats) -> Floats:

@@ -17,6 +17,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import chain
 from operator import add
 from typing import Any, TypeAlias
 
@@ -41,6 +42,8 @@ SETTLED, NEAR, MOST_TRAPS = 2.0**-30, 2.0**-8, 2  # speeds and distances of one 
 COARSER, MOST_POINTS, POINTS_A_STEP = 2.0, 4_000, 5  # angles and gaps than those of the region; points of a ring
 SLOWER = 0.75  # than the slowest solutions a V falls
 FIRST, SMALLER, LOOKS = 200, (2, 4, 8, 16, 64), 25  # points of the first ring; distance over its size; rings tried
+ALONG_SIDE = 5  # places on a side at which floats look whether velocities lead over it
+KEPT, LONGEST, COARSENINGS = 0.25, (1 / 24, 1 / 96), 6  # of the angle; of the size, sides with fewer corners; rounds
 
 
 def find_outer_ring(
@@ -63,8 +66,8 @@ def find_outer_ring(
             inward = Pace(-own, min(pace.gap, SLENDER * own), pace.move)
             taken, nearer = _shrunk(field, ring, border, inward, min(steps, STEPS))
             steps -= taken
-            hypotheses = None if nearer is None else on_lattice(nearer, surfaces)
-            if nearer is not None and hypotheses is not None and is_shown(system, hypotheses):
+            hypotheses = None if nearer is None else shown_polygon(system, surfaces, field, nearer)
+            if nearer is not None and hypotheses is not None:
                 best, rings = hypotheses, [nearer]
                 break
         if best is None:  # a smaller angle is harder; after one that is shown it may be shown where another was not
@@ -82,9 +85,11 @@ def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: Pa
         pace: of rings.
         steps: of the rings about one place, at most.
     """
-    field, found = FloatField(Plane(system, "1", list(surfaces), Proofs({}))), []
+    field, found = FloatField(Plane(system, "1", list(surfaces), Proofs({}))), list[Beside]()
     for place, slope in other_rests(field, AROUND * float(np.abs(border).max()))[:MOST_TRAPS]:
-        own = _grown_about(system, surfaces, place, slope, pace, steps)
+        moved = (ring_of(known) + place - other for other, known in found)  # fields may repeat themselves
+        own = next(filter(None, (shown_polygon(system, surfaces, field, ring) for ring in moved)), None)
+        own = own or _grown_about(system, surfaces, place, slope, pace, steps)
         found += [(place, own)] if own is not None else []
     return found
 
@@ -133,10 +138,10 @@ def _grown_about(
     middle, distance = np.array(away, dtype=float), float(np.linalg.norm(place))
     moved = replace(system, at=tuple(map(add, system.at, away)))
     field = FloatField(Plane(moved, "1", _moved(system, surfaces, away), Proofs({})))
+    whole = FloatField(Plane(system, "1", list(surfaces), Proofs({})))
 
     def shown(ring: Floats) -> dict[str, Any] | None:
-        own = on_lattice(ring[::-1] + middle, surfaces)
-        return own if is_shown(system, own) else None
+        return shown_polygon(system, surfaces, whole, ring[::-1] + middle)
 
     ellipse = _small_ring(slope) * distance
     first = next((ellipse / share for share in SMALLER if shown(ellipse / share)), None)
@@ -175,6 +180,48 @@ def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) ->
     moved = {name: f"({name} + ({own}))" for name, own in zip(system.states, away, strict=True)}
     names = re.compile(rf"\b({'|'.join(moved)})\b")
     return [names.sub(lambda own: moved[own[0]], surface) for surface in surfaces]
+
+
+def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ring: Floats) -> dict[str, Any] | None:
+    """The hypotheses of a polygon with few corners, or of all of them, which the checker's theorem takes; else None.
+
+    Args:
+        system: in the plane.
+        surfaces: on which it switches, in the displacement.
+        field: its velocities.
+        ring: corners of a polygon with the point to its left.
+    """
+    if not (_sines(field, ring) > 0).all():
+        return None
+    size = float(np.ptp(ring, axis=0).max())
+    coarser = (_with_fewer_corners(field, ring, part * size) for part in LONGEST)
+    listed = (on_lattice(own, surfaces) for own in chain(coarser, [ring]))
+    return next((own for own in listed if is_shown(system, own)), None)
+
+
+def _with_fewer_corners(field: FloatField, ring: Floats, longest: float) -> Floats:
+    """A ring without corners between which velocities lead over the longer side at a good part of the angle, too."""
+    least = KEPT * float(_sines(field, ring).min())
+    for _ in range(COARSENINGS):
+        longer = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
+        left_out = _sines(field, np.roll(ring, 1, axis=0), longer) > least
+        left_out &= np.linalg.norm(longer, axis=1) < longest
+        left_out[::2] = left_out[-1] = False  # never two neighbours
+        if not left_out.any():
+            break
+        ring = ring[~left_out]
+    return ring
+
+
+def _sines(field: FloatField, ring: Floats, sides: Floats | None = None) -> Floats:
+    """The least sine of the angle at which velocities lead to the right over sides from corners, as floats see it."""
+    sides = np.roll(ring, -1, axis=0) - ring if sides is None else sides
+    normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+    places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
+    velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
+    across = (velocities * normals).sum(axis=-1)
+    sizes = np.linalg.norm(velocities, axis=-1) * np.linalg.norm(normals, axis=1)
+    return np.asarray((across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1)))
 
 
 def is_shown(system: System, hypotheses: dict[str, Any]) -> bool:

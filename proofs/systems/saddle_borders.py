@@ -22,7 +22,8 @@ from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, inside_ring
 from nonsmooth.proofs.systems.outer_ring import AROUND, Beside, is_shown, on_lattice, places_of_rest, unit_of
 
-MOST_SADDLES, MOST_POINTS = 3, 4_000  # the nearest ones; points of one branch
+MOST_SADDLES, MOST_POINTS = 3, 1_500  # the nearest ones; points of one branch
+CLEAR = 2.0**-16  # of the square of the Jacobian's size: a determinant that is as small counts as zero, as on a curve
 NEAR = 1 / 64  # of its distance from the point: how far from a saddle a line is straight, at most
 SHARPER = 1 / 4  # than the angle of rings: a line is one ring, and many are tried
 BEND = 1 / 3  # of the angle, by which a line turns from one point to the next, at most
@@ -46,7 +47,7 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
         return []
     field, half, found = FloatField(plane), float(np.abs(border).max()), list[Beside]()
     rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.isfinite(slope).all()]
-    saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < 0]
+    saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < -CLEAR * np.sum(slope**2)]
     with np.errstate(all="ignore"):  # far out, and where velocities vanish
         for saddle, slope in saddles[:MOST_SADDLES]:
             search = _Search(field, saddle, slope, half, SHARPER * pace.angle)
@@ -93,7 +94,7 @@ class _Search:
             near = min(NEAR, self.angle / 4) * float(np.linalg.norm(self.saddle))
             start = self.saddle + near * self.angle * -falls / grows * beyond
             before = self._branch(start - near * way, 1)
-            after = self._branch(start + near * way, -1)
+            after = None if before is None else self._branch(start + near * way, -1)
             if before is not None and after is not None:
                 chain = np.concatenate([before[0][::-1], after[0]])
                 ends = [f"{x} {y}" for x, y in (before[1], after[1])]

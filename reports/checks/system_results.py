@@ -143,7 +143,7 @@ class SystemCheckResult(FactResult):
     def with_region(self, search: str) -> SystemCheckResult:
         """The same with a larger region, where one is certified: see ``nonsmooth check --region``.
 
-        In two states it consists of triangles, in three of tetrahedra where nothing switches, beside a sublevel set of
+        In two states it consists of triangles, in three of tetrahedra, beside a sublevel set of
         another V as in more states.
 
         Args:

@@ -452,17 +452,21 @@ def octahedra(sizes: Sequence[int], unit: str = "1/4") -> Record:
 
 
 def basins_in_space() -> Iterator[Case]:
-    """Meshes of tetrahedra about a level set: of one field, of two, and with a sine."""
-    systems: dict[str, list[Any]] = {
-        "plain": ["-x", "-y", "-z"],
-        "cubic": ["-x - x**3", "-y + x*y**2/64", "-z"],
-        "switched": [["-x", "-y", "-z"], ["-x - y/2", "-y + x/2", "-z"]],
-        "sines": ["-x", "-y - sin(x - y)/4", "-z"],
+    """Meshes of tetrahedra about a level set: of one field, of two, with a sine, and of relays on sides and across."""
+    systems: dict[str, tuple[list[Any], list[str]]] = {
+        "plain": (["-x", "-y", "-z"], []),
+        "cubic": (["-x - x**3", "-y + x*y**2/64", "-z"], []),
+        "switched": ([["-x", "-y", "-z"], ["-x - y/2", "-y + x/2", "-z"]], []),
+        "sines": (["-x", "-y - sin(x - y)/4", "-z"], []),
+        "relay": (["-x - 8*sign(x)", "-y + y**3/8", "-z"], ["x"]),
+        "relays": (["-x - sign(x)", "-y - sign(y)", "-z"], ["x", "y"]),
+        "beside": (["-x - sign(x - y)", "-y + sign(x - y)", "-z"], ["x - y"]),
+        "saturated": (["-x", "-y", "-z - sat(x + z, -1, 1)/4"], ["x + z - 1", "x + z + 1"]),
     }
-    for name, sides in systems.items():
-        local = lyapunov("x**2 + y**2 + z**2", cells(), level="1/2")
-        for sizes in ((2, 4), (2, 3, 4)):
-            hypotheses = {"local": local, "surfaces": [], "mesh": octahedra(sizes), "below": len(sizes) - 1}
+    for name, (sides, surfaces) in systems.items():
+        local = lyapunov("x**2 + y**2 + z**2", cells(*surfaces), level="1/2")
+        for sizes in ((2, 4), (2, 3, 4)) if name != "relay" else ((2, 8),):
+            hypotheses = {"local": local, "surfaces": surfaces, "mesh": octahedra(sizes), "below": len(sizes) - 1}
             yield Case(f"space-{name}-{len(sizes) - 1}", subject(sides), "basin", hypotheses)
 
 

@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from itertools import permutations, product
 from typing import Any
 
+from nonsmooth.proofs.checker.roots import read_subject
+from nonsmooth.proofs.kernel.search import Search
 from tests.certificates.corpus import good_certificates
 from tests.certificates.forgeries import Forgery, Path, Record
 
@@ -689,6 +691,16 @@ def of_meshes() -> Iterator[Forgery]:
     yield meshed("simplices of positive size", triangles=turned)
 
 
+def of_a_relay_in_space() -> Iterator[Forgery]:
+    """W falls in all tetrahedra, and rises along solutions that slide between them: ``y' = 2 y**3/3 - y``."""
+    good = good_certificates()["space-relay-1"]["evidence"][0]["hypotheses"]
+    own: Record = {"states": ["x", "y", "z"], "rhs": [["-x - 8*sign(x)", "-y + 2*y**3/3", "-z"]], "at": ["0", "0", "0"]}
+    entry, claims = Search().entry(read_subject(own), "lyapunov", good["local"])
+    mesh = {"mesh": good["mesh"], "below": good["below"]}
+    because = "a function that falls on the face (1, 7)"
+    yield of_subject(because, own, [*claims, {"attracts": mesh}], "basin", good, entry["proofs"])
+
+
 def of_names_of_roots() -> Iterator[Forgery]:
     """Roots that are none, or not rational at the point."""
     roots: Path = ["statement", "subject", "roots"]
@@ -710,5 +722,6 @@ def conditions() -> Iterator[Forgery]:
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_formulas, of_documents),
         *(of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
+        of_a_relay_in_space,
     ):
         yield from kind()

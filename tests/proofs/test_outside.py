@@ -26,7 +26,7 @@ from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.systems.basin import EFFORTS
 from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, next_ring
-from nonsmooth.proofs.systems.outer_ring import find_outer_ring, other_rests, ring_of
+from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, other_rests, ring_of
 from nonsmooth.proofs.systems.saddle_borders import AXES, find_borders, left_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
@@ -372,3 +372,17 @@ def nearest_side(chain: Any) -> float | None:
     if not 0 < share[k] < 1 or distance[k] == 0:
         return None
     return float(along[k, 1] * a[k, 0] - along[k, 0] * a[k, 1])
+
+
+def test_polygons_about_a_field_that_repeats_itself_have_few_corners() -> None:
+    """Those of the pendulum about both neighbours: velocities lead into them over longer sides, too."""
+    rhs = [["y", "-1/2*y - sin(x)"]]
+    system = read_subject({"states": ["x", "y"], "rhs": rhs, "at": ["0", "0"]})
+    angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    border = 2.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    found = find_traps(system, [], border, Pace(0.04, 0.012, 0.04), 300)
+    assert sorted(round(place[0]) for place, _ in found) == [-6, 6]
+    assert all(len(own["corners"]) < 500 for _, own in found)
+    for place, own in found:
+        spread = ring_of(own) - place
+        assert np.abs(spread).max() > 4

@@ -42,7 +42,7 @@ def test_waves_on_triangles_are_within_the_bound() -> None:
     random = np.random.default_rng(2)
     for _ in range(200):
         v = [Fraction(int(own), 64) for own in random.integers(-300, 300, 3)]
-        bound = interpolation_error(v) / 2**BITS
+        bound = interpolation_error(int(64 * (max(v) - min(v))), 64) / 2**BITS
         weights = random.dirichlet(np.ones(3), 200)
         values = np.array([float(own) for own in v])
         for wave in (np.sin, np.cos):

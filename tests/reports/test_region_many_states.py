@@ -16,6 +16,10 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.many_states.reshaped_region import EFFORTS
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as SHELLS
+from nonsmooth.reports.checks.check import check_system
+from nonsmooth.symbolic.files.system_builder import build_system
+from tests.evidence.published_systems import astray, in_simplices
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -67,6 +71,28 @@ def assert_inside_and_without_folds(basin: dict[str, Any], q: Callable[..., Floa
         places = corners[np.array(sorted(set(map(tuple, map(sorted, listed)))))]
         between += sign * float(np.abs(np.linalg.det(places)).sum()) / 6
     assert float(own.sum()) == pytest.approx(between)
+
+
+RELAYS = {
+    "sliding on a slanted plane": (["y", "z", "-2*sign(x + 2*y + 2*z) - z"], 0.5),
+    "sliding on an axis": (["-x + y", "-y + x**3/2", "x/4 - sign(z)"], 1.5),
+    "saturated": (["y", "-x - y + x**3/3 + z", "-z - sat(y, -1/4, 1/4)"], 1.0),
+}
+
+
+@few(1)
+@pytest.mark.parametrize("name", RELAYS)
+def test_tetrahedra_where_fields_switch(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Starts in them are followed by polygons along the formulas."""
+    effort = replace(SHELLS["fast"], frequency=4, shells=3, steps=60, starts=3)
+    monkeypatch.setitem(SHELLS, "fast", effort)
+    sides, reaches = RELAYS[name]
+    document = {"system": {"states": ["x", "y", "z"], "rhs": sides}, "check": {"radius": "1/2"}}
+    system = build_system(document, name, Path("relay.toml"))
+    basin = check_system(system).with_region("fast").evidence.reach.basin
+    assert basin is not None
+    assert np.abs(basin.border).max() > reaches
+    assert astray(system, in_simplices(basin, 200)) == 0
 
 
 def test_programs_that_are_too_large_are_said_to_be(
