@@ -405,7 +405,7 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     """
     system, reach, function = result.scene, result.reach, result.function
     region, far = reach.region, reach.region_rate
-    if function is None and len(system.states) > 1:
+    if function is None and reach.rate is None:
         return
     for domain in dict.fromkeys((reach.rate_domain, reach.gain_domain)):
         if domain is None or (function is not None and domain == function.stated_on):

@@ -47,6 +47,20 @@ def test_instability(rhs: str) -> None:
     assert not contradiction(certificate_of(result)["statement"])
 
 
+def test_a_center_manifold_has_a_rate_where_its_v_falls_everywhere() -> None:
+    """``u' = -u^3`` on it, so V falls as ``1/t`` and no faster; the certificate says so with the V."""
+    result = decided("y", "-x**3 - y")
+    rate, near = result.reach.rate, result.reach.near
+    assert (result.method, result.reach.everywhere) == (Method.CENTER, True)
+    assert rate is not None
+    assert near is not None
+    assert (rate.decay.name, rate.function != "") == ("ALGEBRAIC", True)
+    statement = certificate_of(result)["statement"]
+    stated = [own["rate"] for own in statement["claims"] if "rate" in own]
+    assert [(own["kappa"], own["function"]) for own in stated] == [(str(rate.kappa), rate.function)]
+    assert not contradiction(statement)
+
+
 def test_a_solution_in_a_thin_cell() -> None:
     """For ``0 < y < x^2`` the field is ``x^2, -y``: x = 1 / (1 / x_0 - t) grows while y falls, so it stays there."""
     result = decided("(1 + sign(y)*sign(x**2 - y))*x**2/2 - x*(1 - sign(y)*sign(x**2 - y))", "-y")
