@@ -153,7 +153,9 @@ def factors_of(node: ast.AST) -> list[ast.AST]:
 def base_of(node: ast.AST) -> str:
     """What a factor vanishes with: v in v, -v, v/2, v**2, Abs(v) and sqrt(Abs(v))."""
     match node:
-        case ast.UnaryOp(operand=inner) | ast.BinOp(op=ast.Div() | ast.Pow(), left=inner):
+        case ast.UnaryOp(operand=inner) | ast.BinOp(op=ast.Div(), left=inner):
+            return base_of(inner)
+        case ast.BinOp(op=ast.Pow(), left=inner, right=ast.Constant(value=int(power))) if power > 0:
             return base_of(inner)
         case ast.Call(func=ast.Name(id="Abs" | "sqrt"), args=[inner]):
             return base_of(inner)

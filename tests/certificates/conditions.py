@@ -534,6 +534,12 @@ def of_parts() -> Iterator[Forgery]:
         ("a part that attracts, or holds no states of others", STABLE, ["-x", "x"], parts(x, resting)),
         ("an unstable part that holds no states of others", UNSTABLE, ["-x", "y + x"], parts(x, (["y"], out))),
         ("formulas that are continuous in what is replaced", ATTRACTS, ["-x", "2*y*sign(x)**2 - y"], parts(x, y)),
+        (
+            "formulas that are continuous in what is replaced",
+            ATTRACTS,
+            ["-x", "2*y*x**0*sign(x)*sign(x) - y"],
+            parts(x, y),
+        ),
         ("a theorem about parts", ATTRACTS, ["-x", "-y"], parts((["x"], {**x[1], "theorem": "basin"}), y)),
     ):
         yield forged(because, claim, rhs, "cascade", own)
