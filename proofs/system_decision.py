@@ -258,8 +258,10 @@ def may_stay(block: CascadeBlock, result: StabilityResult) -> bool:
 
 
 def _said(block: CascadeBlock, result: StabilityResult) -> str:
-    driven = ", with what drives it at the equilibrium" if block.is_driven else " by itself"
-    return f"{names_of(result.scene.stated_states)}{driven}: {result.reason}"
+    states = result.scene.stated_states
+    it, itself = ("it", "itself") if len(states) == 1 else ("them", "themselves")
+    how = f", with what drives {it} at the equilibrium" if block.is_driven else f" by {itself}"
+    return f"{names_of(states)}{how}: {result.reason}"
 
 
 def _is_rooted_off_zero(system: SwitchedSystem) -> bool:

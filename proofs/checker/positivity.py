@@ -255,6 +255,7 @@ class Square:
                 total[key] = total.get(key, Fraction(0)) + (value if i == j else 2 * value)
         found = Polynomial(self.count, total)
         for name in self.guards:
+            require(type(name) is str and name in guards, "guards that hold there")
             found *= guards[name]
         return found
 

@@ -159,9 +159,7 @@ def _bounds(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Fr
     """
     edges = [(cell, edge) for cell in cells for edge in border_edges(cell, radius)]
     values = [cell.potential((x / w, y / w)).as_rational() for cell, edge in edges for x, y, w in edge]
-    least = min((v for v in values if v is not None), default=fmpq(1))
-    if least <= 0:
-        return None
+    least = min((v for v in values if v is not None and v > 0), default=fmpq(1))
     high = Fraction(2) ** (int(least.p).bit_length() - int(least.q).bit_length())
     smallest = high * SMALLEST
     while _violation(cells, radius, high, falls=True) is None:

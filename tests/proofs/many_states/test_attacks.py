@@ -112,7 +112,8 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
         (["-sgn(x)", "-sgn(y)", "0"], {STAYS, Translation.UNDECIDED}),
         (["sqrt(2)*x", "-y", "-z"], {Translation.UNSTABLE}),
         (["-sqrt(2)*x + y", "-y", "-sign(z)/sqrt(3)"], {Translation.ASYMPTOTICALLY_STABLE}),
-        (["-x - sign(x + sqrt(2)*y)", "-y", "-z"], {Translation.UNDECIDED}),  # surfaces are not enclosed
+        (["-x - sign(x + sqrt(2)*y)", "-y", "-z"], {ATTRACTS}),  # two states and one, each by itself
+        (["-x - sign(x + sqrt(2)*y)", "-y + z/9", "-z + x/9"], {Translation.UNDECIDED}),  # surfaces are not enclosed
         (["-10**30*x", "-y", "-z"], {Translation.UNDECIDED}),  # nor are those whose powers are no floats
         (["-x**16", "-y**15", "-z"], {Translation.UNDECIDED, LEAVES}),
     ],
