@@ -155,13 +155,16 @@ def _decided(system: SwitchedSystem) -> StabilityResult:
 
 
 def _with_rate(system: SwitchedSystem, found: Finding, reach: Reach) -> Reach:
-    """With the rate of a V that stands in evidence alone, where every start comes to the point and no V decides."""
+    """With the rate of a V that stands in evidence alone, where every start comes to the point and no V decides.
+
+    In one state the distance takes its place (:mod:`nonsmooth.proofs.systems.line_reach`).
+    """
     entry = found.entry or reach.global_entry
     if not reach.everywhere or reach.rate is not None or entry is None or found.function is not None:
         return reach
     function = entry["hypotheses"].get("function")
     scaled = system.by_roots is not None or system.scale is not None
-    if scaled or not isinstance(function, str) or "denominator" in entry["hypotheses"]:
+    if len(system.states) == 1 or scaled or not isinstance(function, str) or "denominator" in entry["hypotheses"]:
         return reach
     formula = parse_piecewise(function, system.states)
     examined = SpacePoint(system).examine(formula, system.check.radius, Effort.STRICT)

@@ -22,6 +22,7 @@ from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Meth
 from nonsmooth.reports.exchange.obligations import obligations_of
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import contradiction
+from tests.thorough import few
 
 Decide: TypeAlias = Callable[[CheckedPoint, Known], Finding | None]
 
@@ -52,6 +53,7 @@ def test_states_that_drive_others(name: str) -> None:
     require_shown(decide_by_cascade, CASCADES[name], Method.CASCADE)
 
 
+@few(3)
 @pytest.mark.parametrize("name", SLIDES)
 def test_surfaces_on_which_solutions_slide(name: str) -> None:
     require_shown(decide_by_sliding, SLIDES[name], Method.SLIDING)
