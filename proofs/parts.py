@@ -98,7 +98,7 @@ def cascade(system: SwitchedSystem) -> Iterator[CascadeBlock]:
     Raises:
         SceneError: for formulas that cannot be used with the other states at the point.
     """
-    at = dict(zip(system.stated_states, map(str, system.check.equilibrium), strict=True))
+    at = dict(zip(system.stated_states, map(str, system.stated_point), strict=True))
     drivers = drivers_of(system)
     for driving in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
         states = tuple(name for name in driving if drivers[name] == set(driving))

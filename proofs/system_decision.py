@@ -225,35 +225,31 @@ def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
 
     A block that none drives says that the whole is unstable where it is, and may rest; others have to attract.
     """
-    system = point.system
-    if known.standing is not None or _is_rooted_off_zero(system):
+    if known.standing is not None:
         return None
     try:
-        blocks = list(cascade(system))
+        blocks = list(cascade(point.system))
     except (SceneError, ExpressionError):
         return None
     if len(blocks) < 2:
         return None
     found: list[StabilityResult] = []
     for block in blocks:
-        result = _decided(block.system)
-        if result.verdict is Translation.UNSTABLE and not block.is_driven:
-            return Finding(Method.STATES, Translation.UNSTABLE, _said(block, result), proofs=Parts((result,)))
-        found.append(result)
+        found.append(_decided(block.system))
+        if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
+            return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
     pairs = list(zip(blocks, found, strict=True))
-    reason = "; ".join(_said(block, result) for block, result in pairs)
-    method = Method.CASCADE if any(block.is_driven for block in blocks) else Method.STATES
-    resting = [result for result in found if result.verdict is Translation.STABLE]
-    if not all(may_stay(block, result) for block, result in pairs):
+    if not all(_may_stay(block, result) for block, result in pairs):
         return None
-    if not resting:
-        return Finding(method, Translation.ASYMPTOTICALLY_STABLE, reason, proofs=Parts(tuple(found)))
-    rests = any(result.deciding.refutes for result in resting)
-    refutes = "a state by itself rests near" if rests else ""
-    return Finding(method, Translation.STABLE, reason, proofs=Parts(tuple(found)), refutes=refutes)
+    method = Method.CASCADE if any(block.is_driven for block in blocks) else Method.STATES
+    reason, parts = "; ".join(_said(block, result) for block, result in pairs), Parts(tuple(found))
+    resting = [result for result in found if result.verdict is Translation.STABLE]
+    verdict = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
+    refutes = "a state by itself rests near" if any(result.deciding.refutes for result in resting) else ""
+    return Finding(method, verdict, reason, proofs=parts, refutes=refutes)
 
 
-def may_stay(block: CascadeBlock, result: StabilityResult) -> bool:
+def _may_stay(block: CascadeBlock, result: StabilityResult) -> bool:
     """Whether a block stays near the point as long as those that drive it do."""
     if result.verdict is Translation.STABLE:
         return not block.is_driven
@@ -265,16 +261,6 @@ def _said(block: CascadeBlock, result: StabilityResult) -> str:
     it, itself = ("it", "itself") if len(states) == 1 else ("them", "themselves")
     how = f", with what drives {it} at the equilibrium" if block.is_driven else f" by {itself}"
     return f"{names_of(states)}{how}: {result.reason}"
-
-
-def _is_rooted_off_zero(system: SwitchedSystem) -> bool:
-    """Whether a state under a square root is not zero at the point."""
-    if system.by_roots is None:
-        return False
-    rooted = system.by_roots.roots.rooted
-    return any(
-        value for name, value in zip(system.stated_states, system.check.equilibrium, strict=True) if name in rooted
-    )
 
 
 def decide_by_sliding_away(point: CheckedPoint, known: Known) -> Finding | None:

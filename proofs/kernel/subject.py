@@ -44,19 +44,18 @@ def about(system: SwitchedSystem) -> dict[str, Any]:
     Raises:
         NoCertificateError: for a point or numbers that no certificate can name.
     """
-    at = system.check.equilibrium
+    at = system.stated_point
     if system.by_roots is not None:
         states, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
-        stated = [z * abs(z) if name in rooted else z for name, z in zip(states, at, strict=True)]
         rhs = [[one_line(formula) for formula in member] for member in _without_fractions(system) or system.written]
-        return {"states": list(states), "rhs": rhs, "at": list(map(exact_text, stated)), "roots": list(rooted)}
+        return {"states": list(states), "rhs": rhs, "at": list(map(exact_text, at)), "roots": list(rooted)}
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
     own: dict[str, Any] = {"states": list(system.states), "rhs": rhs}
     own |= {"order": system.order} if with_waves and system.order else {}
     irrational = [] if with_waves else list(_irrational_numbers(system))
     if not irrational:
-        return {**own, "at": [exact_text(value) for value in at]}
+        return {**own, "at": list(map(exact_text, at))}
     generators = Generators([irrational])
     names = [_base_name(system.field)] if generators.base else []
     names += [_root_name(system.field.radicands[i]) for i in generators.numbering]

@@ -105,15 +105,14 @@ def stated_lists(system: SwitchedSystem) -> Sequence[Sequence[str]]:
 
 
 def part_of(system: SwitchedSystem, chosen: Sequence[str], texts: Mapping[str, str]) -> SwitchedSystem:
-    """The system of some states, with the others replaced by formulas; one under a square root by zero.
+    """The system of some states, with the others replaced by formulas; one under a square root by its value.
 
     Raises:
         SceneError: for formulas that cannot be used.
     """
-    states, check = system.stated_states, system.check
-    numbers = [states.index(name) for name in chosen]
+    numbers = [system.stated_states.index(name) for name in chosen]
     lists = dict.fromkeys(tuple(_replaced(system, side[k], texts) for k in numbers) for side in stated_lists(system))
-    point = {"equilibrium": [str(check.equilibrium[k]) for k in numbers], "radius": str(check.radius)}
+    point = {"equilibrium": [str(system.stated_point[k]) for k in numbers], "radius": str(system.check.radius)}
     document = {"system": {"states": list(chosen), "rhs": list(map(list, lists))}, "check": point}
     return build_system(document, system.source, Path(system.name))
 
@@ -122,8 +121,9 @@ def _replaced(system: SwitchedSystem, formula: str, texts: Mapping[str, str]) ->
     if system.by_roots is None:
         return str(with_parameters(formula, texts))
     roots = system.by_roots.roots
-    zeros = {root: "0" for name, root in roots.names.items() if name in texts}
-    return roots.restored(str(with_parameters(roots.extended(formula), {**texts, **zeros})))
+    at = dict(zip(system.stated_states, system.check.equilibrium, strict=True))
+    values = {root: f"({abs(at[name])})" for name, root in roots.names.items() if name in texts}
+    return roots.restored(str(with_parameters(roots.extended(formula), {**texts, **values})))
 
 
 def _of_lists(system: SwitchedSystem, lists: Sequence[Sequence[str]], order: int) -> SwitchedSystem:

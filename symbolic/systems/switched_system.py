@@ -145,6 +145,13 @@ class SwitchedSystem(ShortRepr):
         return self.states if self.by_roots is None else self.by_roots.roots.states
 
     @property
+    def stated_point(self) -> tuple[Number, ...]:
+        """The checked point in the states as they were stated."""
+        rooted = () if self.by_roots is None else self.by_roots.roots.rooted
+        pairs = zip(self.stated_states, self.check.equilibrium, strict=True)
+        return tuple(z * abs(z) if name in rooted else z for name, z in pairs)
+
+    @property
     def origin(self) -> str:
         """Where the scene came from, for messages: its file or built-in name, else its own name."""
         return self.source or self.name

@@ -100,6 +100,8 @@ BY_THEMSELVES = [
     ([f"{ROOT}/2 - x", "-sqrt(Abs(y))*sgn(y) - x/(1 + y**2)"], [0, 0], LEAVES),
     ([f"-{ROOT} - sgn(x)", "-sin(y)"], [0, 0], ATTRACTS),
     ([f"-{ROOT}", "0"], [0, 0], Translation.STABLE),
+    ([f"{ROOT}/2 - x", "1 - sqrt(Abs(y)) - x**2"], [0, 1], LEAVES),
+    ([f"-{ROOT}", "2 - sqrt(Abs(y)) + x"], [0, 4], ATTRACTS),  # x drives y
     ([f"-{ROOT}", "-y - x"], [0, 0], ATTRACTS),  # x drives y
     ([f"-{ROOT}", f"{ROOT} - sqrt(Abs(y))*sgn(y)"], [0, 0], ATTRACTS),  # Torricelli's tanks, which run empty
 ]
