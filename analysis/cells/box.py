@@ -169,8 +169,7 @@ class _Walk:
         """
         falling = falling or self._falling(vertex, place, None)
         while falling is not None:
-            twist, back = self.arrangement.line_search(vertex, falling, place)
-            vertex = self.arrangement.vertex(twist)
+            vertex, back = self.arrangement.line_search(vertex, falling, place)
             falling = self._falling(vertex, place, self.slopes(vertex).learn(back))
         return vertex
 
@@ -179,28 +178,27 @@ class _Walk:
 
         A slope that floats show to fall is taken at once; only where there is none, those in doubt are built.
         """
-        slopes, point = self.slopes(vertex), np.array([[1.0, *normal_floats(place.point)]])
-        falling = slopes.falling(point)
-        if falling is not None:
-            return falling
-        doubtful = (slopes[k] for k in slopes.doubtful(point) if k != back)
-        return next((slope for slope in doubtful if order(slope.form, place) < (0, 0)), None)
+        slopes = self.slopes(vertex)
+        steepest, doubtful = slopes.at(np.array([1.0, *normal_floats(place.point)]))
+        if steepest is not None:
+            return slopes[steepest]
+        inexact = (slopes[k] for k in doubtful if k != back)
+        return next((slope for slope in inexact if order(slope.form, place) < (0, 0)), None)
 
     def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
         """The vertex's cell, and the slope behind each of its inner sides, by label."""
         polygon: Polygon | None = self.region.polygon
         origins: dict[str, SlopeOfD] = {}
         slopes = self.slopes(vertex)
-        waiting = slopes.doubtful(self.arrangement.corners)
-        likely = slopes.sides_of(self.arrangement.corners, waiting)
-        waiting = [*likely, *(k for k in waiting if k not in set(likely))]
+        likely = slopes.sides_of(self.arrangement.corners)
+        waiting = [*likely, *(k for k in slopes.possible if k not in likely)]
         while waiting and polygon is not None:
             k = waiting.pop(0)
             if not any(slopes[k].form):
                 continue
             origins[f"slope {k}"] = slopes[k]
             clipped = polygon.clipped(self._half_plane(slopes[k].form, f"slope {k}"))
-            if clipped is not None and clipped is not polygon:
+            if clipped is not None and clipped is not polygon and k not in likely[:-1]:
                 waiting = slopes.doubtful(float_corners(clipped), waiting)
             polygon = clipped
         return polygon, origins
@@ -216,11 +214,10 @@ class _Walk:
         while waiting:
             here = waiting.pop()
             for slope in self.slopes(here).flat:
-                step, _ = next(self.arrangement.breakpoints(here, slope.direction))
-                twist = Twist(*(x + step * m for x, m in zip(here.twist, slope.direction, strict=True)))
-                if all(twist != known.twist for known in face):
-                    face.append(self.arrangement.vertex(twist))
-                    waiting.append(face[-1])
+                beyond = self.arrangement.next_vertex(here, slope)
+                if all(beyond is not known for known in face):
+                    face.append(beyond)
+                    waiting.append(beyond)
         return face
 
     def _state(self, vertex: Vertex) -> ContactState:
