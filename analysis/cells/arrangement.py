@@ -166,7 +166,7 @@ class Arrangement:
         direction = self.edge(pair)
         kept = along = _zero_form(self.scene)
         for k in tight_rows(signs):
-            reach = abs(inner(self.rows[k].normal, direction))
+            reach = None if k in pair else abs(inner(self.rows[k].normal, direction))
             if reach:
                 kept = added(kept, scaled(self.weights[k], reach))
         for entry, part in zip(direction, self._pull(signs), strict=True):
@@ -265,14 +265,14 @@ def is_multiple(form: Affine, line: Affine) -> bool:
 
     Products of long numbers are many: where floats show that a minor does not vanish, there are none.
     """
-    minors = [(form[i], form[j], line[i], line[j]) for i, j in ((1, 2), (0, 1), (0, 2))]
-    floats = [map(sure_float, minor) for minor in minors]
-    if any(clear_sign(a * d, -b * c) for a, b, c, d in floats):
+    minors = (1, 2), (0, 1), (0, 2)
+    a, b = [sure_float(x) for x in form], [sure_float(x) for x in line]
+    if any(clear_sign(a[i] * b[j], -a[j] * b[i]) for i, j in minors):
         return False
     factor = next(rational_quotient(a.terms, b.terms) for a, b in zip(form, line, strict=True) if b)
     if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
         return True
-    return not any(a * d - b * c for a, b, c, d in minors)
+    return not any(form[i] * line[j] - form[j] * line[i] for i, j in minors)
 
 
 def normal_floats(numbers: Collection[Number]) -> list[float]:

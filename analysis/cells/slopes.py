@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -169,8 +170,9 @@ class _PairTable:
             return np.array([k for k in numbers.tolist() if self._has_direction(k)], dtype=int)
         keys = self._keys(numbers)
         order = np.argsort(keys, kind="stable")
-        buckets = np.split(numbers[order], np.flatnonzero(np.diff(keys[order])) + 1)
-        return np.array(sorted(k for bucket in buckets for k in self._distinct_in(bucket)), dtype=int)
+        ends = [0, *(np.flatnonzero(np.diff(keys[order])) + 1).tolist(), len(order)]
+        found = [k for ends in pairwise(ends) for k in self._distinct_in(numbers[order[slice(*ends)]])]
+        return np.array(sorted(found), dtype=int)
 
     def _has_direction(self, pair: int) -> bool:
         """Whether the rows of a pair are not parallel."""
