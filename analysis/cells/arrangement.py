@@ -17,7 +17,7 @@ Floats sort ratios and decide clear signs; every doubtful sign and every tie is 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.polygon import Point, Polygon
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     Triple,
@@ -121,7 +121,7 @@ class Arrangement:
         self.float_weights = np.array([normal_floats(weight) for weight in self.weights])
         self.sizes = np.abs(self.normals)
         self.moment_sizes = self.sizes.T @ np.abs(self.float_weights)
-        self.corners = float_corners(region.polygon)
+        self.corners = float_corners(region.polygon.vertices)
         self._vertices: dict[Twist, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
@@ -287,9 +287,9 @@ def normal_floats(numbers: Collection[Number]) -> list[float]:
     return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in kept]
 
 
-def float_corners(polygon: Polygon) -> NDArray[np.float64]:
-    """Vertices as rows ``(1, x, y)``."""
-    return np.array([[1.0, *normal_floats(vertex)] for vertex in polygon.vertices])
+def float_corners(points: Sequence[Point]) -> NDArray[np.float64]:
+    """Points as rows ``(1, x, y)``."""
+    return np.array([[1.0, *normal_floats(point)] for point in points]).reshape(-1, 3)
 
 
 def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -86,6 +87,13 @@ def _surrounds(polygon: Polygon, point: Point) -> bool:
     return all(side.slack(point).sign() > 0 for side in polygon.sides if side.label.startswith("slope"))
 
 
+class Crossing(NamedTuple):
+    """A side across which the walk came to a cell: its line and its ends."""
+
+    line: Affine
+    ends: tuple[Point, Point]
+
+
 class _Walk:
     """The cells of one load region.
 
@@ -103,6 +111,7 @@ class _Walk:
         self.known = known
         self.arrangement = Arrangement(scene, region)
         self._slopes: dict[Twist, Slopes] = {}
+        self._crossed: defaultdict[Twist, list[Crossing]] = defaultdict(list)
 
     def slopes(self, vertex: Vertex) -> Slopes:
         """The slopes of D at a vertex (cached)."""
@@ -127,7 +136,6 @@ class _Walk:
         beyond a side on a line across which the walk came lies the cell from which it came.
         """
         done: set[Twist] = set()
-        crossed: defaultdict[Twist, list[Affine]] = defaultdict(list)
         waiting = [self._first()]
         while waiting:
             vertex = waiting.pop()
@@ -139,14 +147,14 @@ class _Walk:
             if polygon is None:
                 continue
             yield tuple(self._state(v) for v in face), polygon
-            explored = [line for v in face for line in crossed[v.twist]]
+            explored = [crossing.line for v in face for crossing in self._crossed[v.twist]]
             for k, side in enumerate(polygon.sides):
                 slope = origins.get(side.label)
                 if slope is None or any(is_multiple(slope.form, line) for line in explored):
                     continue
                 place = Beside(_midpoint(polygon, k), side.normal, slope.form)
                 neighbour = self._descend(vertex, place, slope)
-                crossed[neighbour.twist].append(slope.form)
+                self._crossed[neighbour.twist].append(Crossing(slope.form, _ends(polygon, k)))
                 waiting.append(neighbour)
 
     def _first(self) -> Vertex:
@@ -186,10 +194,13 @@ class _Walk:
         return next((slope for slope in inexact if order(slope.form, place) < (0, 0)), None)
 
     def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
-        """The vertex's cell, and the slope behind each of its inner sides, by label."""
+        """The vertex's cell, and the slope behind each of its inner sides, by label.
+
+        No slope falls at the ends of a side across which the walk came: there both twists minimize D.
+        """
         polygon: Polygon | None = self.region.polygon
         origins: dict[str, SlopeOfD] = {}
-        slopes = self.slopes(vertex)
+        slopes, crossed = self.slopes(vertex), self._crossed[vertex.twist]
         likely = slopes.sides_of(self.arrangement.corners)
         waiting = [*likely, *(k for k in slopes.possible if k not in likely)]
         while waiting and polygon is not None:
@@ -199,7 +210,9 @@ class _Walk:
             origins[f"slope {k}"] = slopes[k]
             clipped = polygon.clipped(self._half_plane(slopes[k].form, f"slope {k}"))
             if clipped is not None and clipped is not polygon and k not in likely[:-1]:
-                waiting = slopes.doubtful(float_corners(clipped), waiting)
+                waiting = slopes.doubtful(float_corners(clipped.vertices), waiting)
+                if waiting and crossed:
+                    waiting = slopes.doubtful(float_corners(_not_among(crossed, clipped)), waiting)
             polygon = clipped
         return polygon, origins
 
@@ -224,9 +237,19 @@ class _Walk:
         return ContactState(tuple(self.arrangement.rows[k] for k in vertex.tight), vertex.twist)
 
 
+def _ends(polygon: Polygon, k: int) -> tuple[Point, Point]:
+    return polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]
+
+
 def _midpoint(polygon: Polygon, k: int) -> Point:
-    (x1, y1), (x2, y2) = polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]
+    (x1, y1), (x2, y2) = _ends(polygon, k)
     return (x1 + x2) / 2, (y1 + y2) / 2
+
+
+def _not_among(crossed: Sequence[Crossing], polygon: Polygon) -> list[Point]:
+    """The vertices of a polygon that are no ends of sides across which the walk came."""
+    ends = [end for crossing in crossed for end in crossing.ends]
+    return [vertex for vertex in polygon.vertices if vertex not in ends]
 
 
 def rest_cells(partition: Partition) -> Sequence[Cell]:
