@@ -144,7 +144,7 @@ class Arrangement:
         residuals = self.normals @ floats - self.rhs
         clear = np.abs(residuals) > (self.sizes @ np.abs(floats) + np.abs(self.rhs)) * FLOAT_DOUBT + SMALLEST_NORMAL
         signs = np.where(clear, np.sign(residuals), 0).astype(int)
-        for k in np.flatnonzero(~clear).tolist():
+        for k in (~clear).nonzero()[0].tolist():
             signs[k] = 0 if k in holding else self.rows[k].residual(twist).sign()
         return Vertex(twist, signs, floats, np.where(clear, residuals, np.nan))
 
@@ -177,11 +177,12 @@ class Arrangement:
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
         last, pull = self._last_pull
-        if np.count_nonzero(signs - last) > np.count_nonzero(signs):
+        if np.count_nonzero(signs != last) > np.count_nonzero(signs):
             last, pull = np.zeros_like(signs), [_zero_form(self.scene) for _ in range(3)]
-        for k in np.flatnonzero(signs - last):
-            change = added if signs[k] > last[k] else subtracted
-            for _ in range(abs(int(signs[k] - last[k]))):  # once, or twice where the sign turns
+        changes = signs - last
+        for k in changes.nonzero()[0].tolist():
+            change = added if changes[k] > 0 else subtracted
+            for _ in range(abs(int(changes[k]))):  # once, or twice where the sign turns
                 pull = [change(form, part) for form, part in zip(pull, self.moments[k], strict=True)]
         self._last_pull = signs, pull
         return pull
@@ -234,7 +235,7 @@ class Arrangement:
         clear &= ~np.isnan(vertex.residuals)
         steps = np.divide(-vertex.residuals, rates, out=np.full(len(rates), -1.0), where=clear)
         clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
-        for k in np.flatnonzero(~clear & (vertex.signs != 0)).tolist():  # rows that hold are not crossed
+        for k in (~clear & (vertex.signs != 0)).nonzero()[0].tolist():  # rows that hold are not crossed
             step = self._step(vertex, direction, k)
             steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
         found: list[float] = steps.tolist()
@@ -280,11 +281,8 @@ def normal_floats(numbers: Collection[Number]) -> list[float]:
 
     Nothing that is made of nan is ever sure, so that what lies beyond the range of floats is left to exact arithmetic.
     """
-    found = [float(number) for number in numbers]
-    if all(SMALLEST_NORMAL <= abs(value) < math.inf for value in found):
-        return found
-    kept = zip(numbers, found, strict=True)
-    return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in kept]
+    found = ((number, float(number)) for number in numbers)
+    return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in found]
 
 
 def float_corners(points: Sequence[Point]) -> NDArray[np.float64]:
@@ -294,7 +292,7 @@ def float_corners(points: Sequence[Point]) -> NDArray[np.float64]:
 
 def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:
     """Numbers of the rows without residual."""
-    return tuple(int(k) for k in np.flatnonzero(signs == 0))
+    return tuple((signs == 0).nonzero()[0].tolist())
 
 
 def _weight(row: Row, force: Affine) -> Affine:

@@ -110,14 +110,14 @@ class _Walk:
         self.region = region
         self.known = known
         self.arrangement = Arrangement(scene, region)
-        self._slopes: dict[Twist, Slopes] = {}
-        self._crossed: defaultdict[Twist, list[Crossing]] = defaultdict(list)
+        self._slopes: dict[Vertex, Slopes] = {}
+        self._crossed: defaultdict[Vertex, list[Crossing]] = defaultdict(list)
 
     def slopes(self, vertex: Vertex) -> Slopes:
         """The slopes of D at a vertex (cached)."""
-        if vertex.twist not in self._slopes:
-            self._slopes[vertex.twist] = Slopes(self.arrangement, vertex.signs)
-        return self._slopes[vertex.twist]
+        if vertex not in self._slopes:
+            self._slopes[vertex] = Slopes(self.arrangement, vertex.signs)
+        return self._slopes[vertex]
 
     def cell_of(self, twist: Twist) -> tuple[tuple[ContactState, ...], Polygon] | None:
         """States and polygon of one twist that solves three independent rows; None where it owns no cell."""
@@ -135,26 +135,26 @@ class _Walk:
         The least value of D is the least of affine functions of c, one for each vertex, so cells meet in whole sides:
         beyond a side on a line across which the walk came lies the cell from which it came.
         """
-        done: set[Twist] = set()
+        done: set[Vertex] = set()
         waiting = [self._first()]
         while waiting:
             vertex = waiting.pop()
-            if vertex.twist in done:
+            if vertex in done:
                 continue
             face = self._face(vertex)
-            done.update(v.twist for v in face)
+            done.update(face)
             polygon, origins = self._polygon(vertex)
             if polygon is None:
                 continue
             yield tuple(self._state(v) for v in face), polygon
-            explored = [crossing.line for v in face for crossing in self._crossed[v.twist]]
+            explored = [crossing.line for v in face for crossing in self._crossed[v]]
             for k, side in enumerate(polygon.sides):
                 slope = origins.get(side.label)
                 if slope is None or any(is_multiple(slope.form, line) for line in explored):
                     continue
                 place = Beside(_midpoint(polygon, k), side.normal, slope.form)
                 neighbour = self._descend(vertex, place, slope)
-                self._crossed[neighbour.twist].append(Crossing(slope.form, _ends(polygon, k)))
+                self._crossed[neighbour].append(Crossing(slope.form, _ends(polygon, k)))
                 waiting.append(neighbour)
 
     def _first(self) -> Vertex:
@@ -200,7 +200,7 @@ class _Walk:
         """
         polygon: Polygon | None = self.region.polygon
         origins: dict[str, SlopeOfD] = {}
-        slopes, crossed = self.slopes(vertex), self._crossed[vertex.twist]
+        slopes, crossed = self.slopes(vertex), self._crossed[vertex]
         likely = slopes.sides_of(self.arrangement.corners)
         waiting = [*likely, *(k for k in slopes.possible if k not in likely)]
         while waiting and polygon is not None:
@@ -228,7 +228,7 @@ class _Walk:
             here = waiting.pop()
             for slope in self.slopes(here).flat:
                 beyond = self.arrangement.next_vertex(here, slope)
-                if all(beyond is not known for known in face):
+                if beyond not in face:
                     face.append(beyond)
                     waiting.append(beyond)
         return face

@@ -30,6 +30,7 @@ from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
+NEXT, AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])  # the other coordinates, in turn
 LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
 
 Floats = NDArray[np.float64]
@@ -70,11 +71,11 @@ class Slopes:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
         possible = ~(table.forms.certainty(arrangement.corners) > 1).all(axis=2)
-        kept = table.distinct(np.flatnonzero(possible.any(axis=1)))
+        kept = table.distinct(possible.any(axis=1).nonzero()[0])
         self._pairs = table.pairs[kept]
         forms = table.forms.chosen(kept)
         self._forms = FloatForms(forms.values.reshape(-1, 3), forms.bounds.repeat(2, axis=1).reshape(-1, 3))
-        self.possible: list[int] = np.flatnonzero(possible[kept]).tolist()
+        self.possible: list[int] = possible[kept].ravel().nonzero()[0].tolist()
         self._exact: dict[int, SlopeOfD] = {}
 
     def __len__(self) -> int:
@@ -122,7 +123,7 @@ class Slopes:
         while len(outline) > 2:
             places = np.array([(1.0, x, y) for x, y, _ in outline])
             depths = forms.certainty(places).min(axis=1)
-            cutting = np.flatnonzero(depths < 0)
+            (cutting,) = (depths < 0).nonzero()
             if not cutting.size:
                 break
             deepest = cutting[depths[cutting].argmin()]
@@ -134,15 +135,15 @@ class Slopes:
     def at(self, point: Floats) -> tuple[int | None, list[int]]:
         """At a point ``(1, x, y)``: the number of the slope that most certainly falls, and those that may vanish."""
         certainty = self._forms.certainty(point)
-        falling = np.flatnonzero(certainty < -1)
+        (falling,) = (certainty < -1).nonzero()
         steepest = int(falling[certainty[falling].argmin()]) if falling.size else None
-        return steepest, np.flatnonzero(~(abs(certainty) > 1)).tolist()
+        return steepest, (~(np.abs(certainty) > 1)).nonzero()[0].tolist()
 
     @cached_property
     def flat(self) -> tuple[SlopeOfD, ...]:
         """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
         small = ~(np.abs(self._forms.values) > self._forms.bounds * FLOAT_DOUBT + SMALLEST_NORMAL).any(axis=1)
-        return tuple(self[k] for k in np.flatnonzero(small).tolist() if not any(self[k].form))
+        return tuple(self[k] for k in small.nonzero()[0].tolist() if not any(self[k].form))
 
 
 class _PairTable:
@@ -151,13 +152,13 @@ class _PairTable:
     @beyond_floats
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
         self.arrangement = arrangement
-        tight = np.flatnonzero(signs == 0)
+        (tight,) = (signs == 0).nonzero()
         self.tight = len(tight)
         self.pairs = tight[_pairs(self.tight)]
-        first, second = self.pairs.T
-        normals, weights, sizes = arrangement.normals, arrangement.float_weights, arrangement.sizes
-        self.directions = _crossed(normals[first], normals[second], np.subtract)
-        self.sizes = _crossed(sizes[first], sizes[second], np.add)
+        normals, weights = arrangement.normals, arrangement.float_weights
+        first, second = normals[self.pairs.T]
+        left, right = first[:, NEXT] * second[:, AFTER], first[:, AFTER] * second[:, NEXT]
+        self.directions, self.sizes = left - right, np.abs(left) + np.abs(right)  # of the cross products
         rows = np.ascontiguousarray(normals[tight].T)
         kept = np.concatenate([np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)])
         along = self.directions @ ((normals.T * signs) @ weights)
@@ -228,14 +229,6 @@ def _clipped(outline: Sequence[Corner], values: Sequence[float], number: int) ->
 def blocks(vectors: Floats) -> list[Floats]:
     """Parts of a table (m, 3) that are small enough for products with the rows of all wheels to stay in the cache."""
     return [vectors[k : k + BLOCK] for k in range(0, max(len(vectors), 1), BLOCK)]
-
-
-_NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
-
-
-def _crossed(a: Floats, b: Floats, minus: np.ufunc) -> Floats:
-    """Cross products of two tables of vectors (m, 3); with a plus for the minus, sums of their absolute terms."""
-    return np.asarray(minus(a[:, _NEXT] * b[:, _AFTER], a[:, _AFTER] * b[:, _NEXT]))
 
 
 @lru_cache(16)
