@@ -142,8 +142,8 @@ class Slopes:
     @cached_property
     def flat(self) -> tuple[SlopeOfD, ...]:
         """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
-        small = ~(np.abs(self._forms.values) > self._forms.bounds * FLOAT_DOUBT + SMALLEST_NORMAL).any(axis=1)
-        return tuple(self[k] for k in small.nonzero()[0].tolist() if not any(self[k].form))
+        clear = np.abs(self._forms.values) > self._forms.bounds * FLOAT_DOUBT + SMALLEST_NORMAL
+        return tuple(self[k] for k in (~clear.any(axis=1)).nonzero()[0].tolist() if not any(self[k].form))
 
 
 class _PairTable:
