@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz, fmpz_poly
 
 from nonsmooth.symbolic.numbers.coefficients import (
+    UNIT_BITS,
     Coefficient,
     Rational,
     as_fmpq,
@@ -27,7 +28,6 @@ from nonsmooth.symbolic.numbers.coefficients import (
     height,
     is_rational,
     product_units,
-    single_units,
 )
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
 from nonsmooth.symbolic.numbers.printing import latex_sum, number_summands, number_to_sympy, plain_sum
@@ -122,7 +122,7 @@ class Number(ExactReal):
             factor = field.radicand_product(s & t).terms if s & t else _ONE
             if len(factor) == 1 and 0 in factor:  # a rational number times different roots: nothing to collect
                 if field.meter is not None:
-                    field.meter.spend(single_units(a, b))
+                    field.meter.spend(1 + (a.height_bits() + b.height_bits()) // UNIT_BITS)
                 return Number(field, {s ^ t: a * b * factor[0] if s & t else a * b})
         elif modulus is None and (is_rational(self.terms) or is_rational(other.terms)):
             return self._multiple(other)
@@ -188,7 +188,7 @@ class Number(ExactReal):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
             if not t or s == t:
                 if field.meter is not None:  # what the inverse and the product would cost
-                    field.meter.spend(single_units(b, b) + single_units(a, b))
+                    field.meter.spend(2 + (a.height_bits() + 3 * b.height_bits()) // UNIT_BITS)
                 return Number(field, {s ^ t: a / b})
         return self * other.inverse()
 
@@ -271,6 +271,14 @@ class Number(ExactReal):
         if self._float is None:
             self._float = self._rounded()
         return self._float
+
+    def near_float(self) -> float:
+        """The value within 2^-36 of itself, most often quickly: sums that hardly cancel need no balls."""
+        if self._float is None and len(self.terms) > 1:
+            value, magnitude = self._float_filter()
+            if TINY < magnitude < HUGE and abs(value) > magnitude / 16:
+                return value
+        return float(self)
 
     def _rounded(self) -> float:
         """The nearest float, or one next to it."""
