@@ -17,7 +17,7 @@ Floats sort ratios and decide clear signs; every doubtful sign and every tie is 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -276,12 +276,12 @@ def is_multiple(form: Affine, line: Affine) -> bool:
     return not any(form[i] * line[j] - form[j] * line[i] for i, j in minors)
 
 
-def normal_floats(numbers: Collection[Number], rounding: Callable[[Number], float] = float) -> list[float]:
+def normal_floats(numbers: Collection[Number]) -> list[float]:
     """Numbers as floats that err by less than ``2^-52`` of themselves, and nan for those that have none.
 
     Nothing that is made of nan is ever sure, so that what lies beyond the range of floats is left to exact arithmetic.
     """
-    found = ((number, rounding(number)) for number in numbers)
+    found = ((number, float(number)) for number in numbers)
     return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in found]
 
 

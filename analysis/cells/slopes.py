@@ -26,7 +26,6 @@ from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
-from nonsmooth.symbolic.numbers.number import Number
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
@@ -105,7 +104,7 @@ class Slopes:
 
     def _keep(self, number: int, slope: SlopeOfD) -> None:
         self._exact[number] = slope
-        self._forms.values[number] = normal_floats(slope.form, Number.near_float)
+        self._forms.values[number] = normal_floats(slope.form)
         self._forms.bounds[number] = np.abs(self._forms.values[number])
 
     def doubtful(self, points: Floats, among: Sequence[int]) -> list[int]:

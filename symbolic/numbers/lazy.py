@@ -232,12 +232,12 @@ def _multiply(left: Quotient, right: Quotient) -> Quotient:
 
 
 def sure_float(value: Any) -> float:
-    """An exact number as a float that errs by less than 2^-36 of it.
+    """An exact number as a float that errs by less than some 2^-51 of it.
 
     It is nan where that is not known: far from one, of lazy quotients whose ball is wide, and of all that was rounded.
     """
     if type(value) is Number:
-        rounded = value.near_float()
+        rounded = float(value)
         return rounded if TINY < abs(rounded) < HUGE or not value.terms else math.nan
     if type(value) is Lazy:
         rounded = value.float_of_ball()

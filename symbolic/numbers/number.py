@@ -272,14 +272,6 @@ class Number(ExactReal):
             self._float = self._rounded()
         return self._float
 
-    def near_float(self) -> float:
-        """The value within 2^-36 of itself, most often quickly: sums that hardly cancel need no balls."""
-        if self._float is None and len(self.terms) > 1:
-            value, magnitude = self._float_filter()
-            if TINY < magnitude < HUGE and abs(value) > magnitude / 16:
-                return value
-        return float(self)
-
     def _rounded(self) -> float:
         """The nearest float, or one next to it."""
         if not self.terms:
