@@ -209,7 +209,8 @@ class _Walk:
                 continue
             origins[f"slope {k}"] = slopes[k]
             clipped = polygon.clipped(self._half_plane(slopes[k].form, f"slope {k}"))
-            if clipped is not None and clipped is not polygon and k not in likely[:-1]:
+            is_cut, is_last = clipped is not polygon and k not in likely, k in likely[-1:]
+            if clipped is not None and (is_cut or is_last):
                 waiting = slopes.doubtful(float_corners(clipped.vertices), waiting)
                 if waiting and crossed:
                     waiting = slopes.doubtful(float_corners(_not_among(crossed, clipped)), waiting)
@@ -247,9 +248,16 @@ def _midpoint(polygon: Polygon, k: int) -> Point:
 
 
 def _not_among(crossed: Sequence[Crossing], polygon: Polygon) -> list[Point]:
-    """The vertices of a polygon that are no ends of sides across which the walk came."""
-    ends = [end for crossing in crossed for end in crossing.ends]
-    return [vertex for vertex in polygon.vertices if vertex not in ends]
+    """The vertices of a polygon but those known to be ends of sides across which the walk came.
+
+    Lazy quotients are not compared: to find that they are equal is long work.
+    """
+    ends = [end for crossing in crossed for end in crossing.ends if not _is_lazy(end)]
+    return [vertex for vertex in polygon.vertices if _is_lazy(vertex) or vertex not in ends]
+
+
+def _is_lazy(point: Point) -> bool:
+    return any(isinstance(x, Lazy) for x in point)
 
 
 def rest_cells(partition: Partition) -> Sequence[Cell]:
