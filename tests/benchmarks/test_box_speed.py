@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.benchmark
 
-REQUIRED_OVER_PPOPT = 50
+REQUIRED_OVER_PPOPT = 70
 REQUIRED_OVER_HIGHS = 1_000
 LARGEST_SECONDS = 60  # for a 10 x 10 grid on two cores
 
