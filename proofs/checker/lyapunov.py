@@ -229,14 +229,25 @@ class Lyapunov:
 
     def show_proper(self, factor: Fraction) -> None:
         """``V + 1 >= factor |x|^2`` in the whole space."""
-        require(not self.bounded and factor > 0, "the whole space, and a positive factor")
         square = constant(self.count, 0)
         for k in range(self.count):
             square += variable(self.count, k, factor) * variable(self.count, k)
-        square = square if self.bottom is None else square * self.bottom
-        for name, signs, cell in self.inclusion.pieces():
+        self._show_larger("", square, factor)
+
+    def show_growth(self, factor: Fraction) -> None:
+        """``V + 1 >= factor |x_k|`` in the whole space, for every k."""
+        for k in range(self.count):
+            for side in (1, -1):
+                self._show_larger(f" {'-0+'[side + 1]}{k}", variable(self.count, k, side * factor), factor)
+
+    def _show_larger(self, name: str, bound: Polynomial, factor: Fraction) -> None:
+        """``V + 1`` is at least a bound in the whole space, which grows with a factor."""
+        require(not self.bounded and factor > 0, "the whole space, and a positive factor")
+        own = bound if self.bottom is None else bound * self.bottom
+        for piece, signs, cell in self.inclusion.pieces():
             guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
-            self._show_on_cell(f"proper {name}", self.above(cell, Fraction(-1)) - square, guards, strict=False)
+            above = self.above(cell, Fraction(-1)) - own
+            self._show_on_cell(f"proper {piece}{name}", above, guards, strict=False)
 
     def is_negative_along(self, direction: Sequence[Fraction]) -> bool:
         """Whether a direction leads from the point into a cell in which V is negative at all small distances."""

@@ -1,57 +1,69 @@
 """Evidence that every solution of the whole space comes to the point: a V that falls everywhere and is proper.
 
-Conditions on a V that hold on a cube about the point are asked again without the cube, and beside them that
-``V + 1 >= factor |x|^2``, so that the level sets of V are bounded.  Where V and the field are forms on cones, the
-conditions on the cube say enough (:func:`nonsmooth.proofs.checker.lyapunov.Lyapunov.require_all_of_space`).
+Conditions on a V that hold on a cube about the point are asked again without the cube, and beside them that ``V + 1``
+is at least a multiple of ``|x|^2``, or of each ``|x_k|``, so that the level sets of V are bounded.  Where V and the field
+are forms on cones, the conditions on the cube say enough
+(:func:`nonsmooth.proofs.checker.lyapunov.Lyapunov.require_all_of_space`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from fractions import Fraction
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 from nonsmooth.proofs.checker.cells import System
-from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.global_function import global_functions
 from nonsmooth.proofs.kernel.quotients import find_quotient
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-FACTORS = (Fraction(1, 4), Fraction(1, 64))  # tried in turn
+BOUNDS = ("proper", "growth")  # |x|^2, and |x_k| for every k, tried in turn
+FACTORS = (Fraction(1, 4), Fraction(1, 64))  # of each
 WORK = 2_000  # coefficients looked at for one claim beside sums of squares
 
 
 def find_global_attraction(
-    system: SwitchedSystem, potentials: Iterable[PiecewiseExpression | None]
+    system: SwitchedSystem,
+    potentials: Iterable[PiecewiseExpression | None],
+    energies: Iterable[PiecewiseExpression] = (),
 ) -> dict[str, Any] | None:
     """The entry of a certificate that shows that every solution comes to the point; None where none is found.
 
+    A V that falls is looked for first, then one that does not rise with functions that show that nothing else stays on
+    one level of it.
+
     Args:
-        system: in two states or more.  Right-hand sides that were rewritten, because of sines, fractions or roots, are
+        system: in one state or more.  Right-hand sides that were rewritten, because of sines, fractions or roots, are
             those of the checked square: of these nothing is shown.
         potentials: V in the displacement, tried in turn, before others that are searched.
+        energies: further V, which need not fall.
     """
     if system.waves or system.denominators or system.scale is not None or system.by_roots is not None:
         return None
     known = rational_subject(system)
     if known is None:
         return None
-    system, subject = known
-    asked = set[str]()
-    for potential in chain(potentials, global_functions(system)):
-        if potential is None or potential.text in asked:
-            continue
-        asked.add(potential.text)
-        found = _shown(system, subject, potential)
+    space, given = WholeSpace(*known), [own for own in potentials if own is not None]
+    for potential in chain(given, global_functions(known[0])):
+        found = space.shown(potential, strict=True)
         if found is not None:
             return found
-    shown = find_quotient(system, everywhere=True)
-    return None if shown is None else shown[0]
+    quotient = find_quotient(known[0], everywhere=True)
+    if quotient is not None:
+        return quotient[0]
+    for potential in chain(given, energies):
+        found = space.shown(potential, strict=False)
+        if found is not None:
+            return found
+    return None
 
 
 def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | None:
@@ -63,17 +75,42 @@ def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | 
         return None
 
 
-def _shown(system: SwitchedSystem, subject: System, potential: PiecewiseExpression) -> dict[str, Any] | None:
-    try:
-        cells = stated_cells(system, None, surfaces_of(system, potential)).record
-    except BeyondReachError:
-        return None
-    own = stability_hypotheses(cells, potential.text, ASYMPTOTICALLY_STABLE) | {"everywhere": True}
-    for factor in FACTORS:
-        hypotheses = {**own, "proper": str(factor)}
+class WholeSpace:
+    """What functions show without a cube; each is asked once.
+
+    Args:
+        system: in rational numbers.
+        subject: what a certificate is about.
+    """
+
+    def __init__(self, system: SwitchedSystem, subject: System) -> None:
+        self.system, self.subject = system, subject
+        self.asked: set[tuple[str, bool]] = set()
+
+    def shown(self, potential: PiecewiseExpression, *, strict: bool) -> dict[str, Any] | None:
+        """The entry for a V that falls; or for one that does not rise, with further functions. None without one."""
+        if (potential.text, strict) in self.asked:
+            return None
+        self.asked.add((potential.text, strict))
         try:
-            SampledProofs().entry(subject, "lyapunov", hypotheses)
-            return Search(WORK).entry(subject, "lyapunov", hypotheses)[0]
+            cells = stated_cells(self.system, None, surfaces_of(self.system, potential)).record
+        except BeyondReachError:
+            return None
+        search = Search(WORK)
+        own = stability_hypotheses(cells, potential.text, ASYMPTOTICALLY_STABLE if strict else STABLE)
+        try:
+            SampledProofs().entry(self.subject, "lyapunov", own)
         except NotShownError:
-            continue
-    return None
+            return None
+        if not strict:
+            second = find_second(self.subject, cells, potential.text, search)
+            if second is None:
+                return None
+            own = stability_hypotheses(cells, potential.text, ASYMPTOTICALLY_STABLE, second)
+        for bound, factor in product(BOUNDS, FACTORS):
+            hypotheses = {**own, "everywhere": True, bound: str(factor)}
+            with suppress(NotShownError):
+                if strict:
+                    SampledProofs().entry(self.subject, "lyapunov", hypotheses)
+                return search.entry(self.subject, "lyapunov", hypotheses)[0]
+        return None

@@ -168,6 +168,8 @@ def of_proper() -> Iterator[Forgery]:
     yield of_one_state(words, "-x", claims, {**proofs, "proper ": ON_PARTS}, {"proper": "-1", **bounded})
     within = {"cells": cube("1/2"), "everywhere": True, "proper": "1"}
     yield of_one_state(words, "x**3 - x", claims, {**FALLS, "proper ": ON_PARTS}, within)
+    yield of_one_state("a proper V for all starts", "-x", [ATTRACTS], FALLS, {"growth": "1"})
+    yield of_one_state("a proof of proper  +0", "-x", claims, proofs, {"growth": "1", **bounded})
 
 
 def of_instability() -> Iterator[Forgery]:
@@ -343,7 +345,7 @@ def of_documents() -> Iterator[Forgery]:
     yield of_one_state("a claim", "-x", [], FALLS, {})
     words = 'evidence of the claim {"attracts": "everywhere"}'
     yield of_one_state(words, "-x", [ATTRACTS, EVERYWHERE], FALLS, {})
-    keys = "cells function second verdict everywhere level below rate gain proper denominator"
+    keys = "cells function second verdict everywhere level below rate gain proper growth denominator"
     yield of_one_state(f"an object with the keys {keys}", "-x", [ATTRACTS], FALLS, {"trust": True})
     other: Path = ["version"]
     words = "the version nonsmooth-certificate/2"

@@ -70,7 +70,7 @@ def is_by_v(record: Record) -> bool:
         and len(about["states"]) == 2
         and "roots" not in about
         and "numbers" not in about
-        and not any(own["hypotheses"].get(key) for own in entries for key in ("second", "proper", "denominator"))
+        and not any(own["hypotheses"].get(key) for own in entries for key in ("second", "proper", "growth", "denominator"))
     )
 
 

@@ -26,6 +26,10 @@ GLOBAL = [
     ["-x*(1 + y**2)", "-y*(1 + x**2)"],
     ["-y - x*(x**2 + y**2)", "x - y*(x**2 + y**2)", "-z + x*y/2"],
     ["y - x**3 - sign(x)", "-x - y"],
+    ["y", "-sat(x, -1, 1) - y"],
+    ["y", "-sign(x) - y"],
+    ["y", "-sat(x + y, -1, 1)"],
+    ["-y - x**3", "2*x*Abs(x)"],
 ]
 
 
@@ -74,6 +78,7 @@ def test_what_holds_on_the_square_need_not_hold_beyond(rhs: list[str]) -> None:
         ("proper", "0"),
         ("proper", "-1"),
         ("proper", "1000"),
+        ("growth", "1000"),
         ("proper", None),
         ("everywhere", False),
         ("function", "x**2"),
