@@ -1,8 +1,8 @@
 """Evidence that every solution of the whole space comes to the point: a V that falls everywhere and is proper.
 
 Conditions on a V that hold on a cube about the point are asked again without the cube, and beside them that ``V + 1``
-is at least a multiple of ``|x|^2``, or of each ``|x_k|``, so that the level sets of V are bounded.  Where V and the field
-are forms on cones, the conditions on the cube say enough
+is at least a multiple of ``|x|^2``, or of each ``|x_k|``, so that the level sets of V are bounded.  Where V and the
+field are forms on cones, the conditions on the cube say enough
 (:func:`nonsmooth.proofs.checker.lyapunov.Lyapunov.require_all_of_space`).
 """
 
@@ -17,6 +17,7 @@ from typing import Any
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.denominators import are_positive_everywhere
 from nonsmooth.proofs.kernel.global_function import global_functions
 from nonsmooth.proofs.kernel.quotients import find_quotient
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
@@ -41,12 +42,12 @@ def find_global_attraction(
     one level of it.
 
     Args:
-        system: in one state or more.  Right-hand sides that were rewritten, because of sines, fractions or roots, are
-            those of the checked square: of these nothing is shown.
+        system: in one state or more.  Right-hand sides that enclose sines are those of the checked square: of these
+            nothing is shown, nor of those in roots of states, nor where a denominator is positive on the square alone.
         potentials: V in the displacement, tried in turn, before others that are searched.
         energies: further V, which need not fall.
     """
-    if system.waves or system.denominators or system.scale is not None or system.by_roots is not None:
+    if system.waves or system.by_roots is not None or not are_positive_everywhere(system):
         return None
     known = rational_subject(system)
     if known is None:

@@ -25,6 +25,7 @@ from functools import cached_property
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
+from nonsmooth.proofs.kernel.denominators import require_denominators
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.first_terms import (
@@ -40,7 +41,6 @@ from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_growth, fi
 from nonsmooth.proofs.many_states.reach import decay_rate, disturbance_gain, largest_sublevel, rate_scales
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import (

@@ -30,6 +30,7 @@ from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, squ
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
+from nonsmooth.proofs.kernel.denominators import require_denominators
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
 from nonsmooth.proofs.systems.decay_rate import (
@@ -40,7 +41,6 @@ from nonsmooth.proofs.systems.decay_rate import (
     rate_scales,
     region_rate,
 )
-from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
 from nonsmooth.proofs.systems.energies import energies
