@@ -43,6 +43,7 @@ from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -135,7 +136,7 @@ class SpacePoint(CheckedPoint):
         everywhere, entry = self._holds_everywhere(found), found.entry if found.is_global else None
         if found.verdict is Translation.ASYMPTOTICALLY_STABLE and not everywhere and entry is None:
             own = None if found.function is None else found.function.formula
-            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov))
+            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov), energies(self.system))
         reach = self._near(found, everywhere=everywhere or entry is not None)
         return replace(reach, global_entry=entry)
 

@@ -1,34 +1,36 @@
-"""Energies of systems of second order: candidates for a V.
+"""Energies: candidates for a V that is a sum of functions of one state each, as of springs, masses and relays.
 
-Where ``x' = a v`` with a number a, and ``v' = -g(x) - ...``, the energy ``G(x)/a + v^2/2`` with ``G' = g`` changes by
-damping alone.  ``V = G(x)/a + v^2/2 + c v h(x)`` with a small c, and ``h = x`` or ``h = g``, falls where v is zero,
-too: where g jumps, as that of a relay, terms of V' of lowest order must cancel exactly, and no linear program with a
-margin proposes such a V.  Where the force is a function of ``x + s v`` alone, as under a saturated control, so is G.
+Where ``x_i`` acts upon all other states by one function, ``x_j' = ... + a_ji h_i(x_i)``, the sum
+``V = sum_i c_i H_i(x_i)`` with ``H_i' = h_i`` changes by ``(c_i a_ij + c_j a_ji) h_i h_j`` for each pair of states, and
+by what each damps by itself: with ``c_i a_ij = -c_j a_ji`` damping alone is left.  Of ``x' = v, v' = -g(x)`` it is
+``G(x) + v^2/2``.  Where an h is a function of ``x_i + s x_j``, as under a saturated control, so may be its H.
 
-Proposals, read off the right-hand sides at a few points; whoever takes one proves what it says.
+``V + c v h(x)`` with a small c, and ``h = x`` or ``h = g``, falls where v is zero, too: where g jumps, as that of a
+relay, terms of V' of lowest order must cancel exactly, and no linear program with a margin proposes such a V.
+
+These are proposals, read off the right-hand sides at a few points; whoever takes one proves what it says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import comb
 from typing import TypeAlias
 
 from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.systems.lyapunov_rows import BasisFunction, build_formula
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1, 4), Fraction(1, 16))  # of the cross term, tried in turn
 NEAR = fmpq(1, 1 << 20)  # of the least distance between ends: where pieces are read off
-MOST_DEGREE = 5  # of g
+MOST_DEGREE = 5  # of h
 
 Term: TypeAlias = tuple[fmpq, BasisFunction]
 
@@ -50,6 +52,21 @@ class Pieces:
         return zip(self.ends, self.polynomials[:-1], self.polynomials[1:], strict=True)
 
     @property
+    def is_polynomial(self) -> bool:
+        """Whether it is one on all sides."""
+        return all(own == self.polynomials[0] for own in self.polynomials)
+
+    @property
+    def size(self) -> fmpq:
+        """The leading coefficient just beyond zero; zero for what vanishes there."""
+        beyond = self.polynomials[self.ends.index(fmpq(0)) + 1]
+        return next((c for c in beyond.coeffs() if c), fmpq(0))
+
+    def times(self, factor: fmpq) -> Pieces:
+        """The multiple."""
+        return Pieces(self.ends, tuple(own * factor for own in self.polynomials))
+
+    @property
     def integral(self) -> Pieces:
         """The continuous one that is zero at 0."""
         found = [own.integral() for own in self.polynomials]
@@ -67,122 +84,176 @@ class Pieces:
             yield from ((c, k, end) for k, c in enumerate(bend.coeffs()))
 
 
+IDENTITY = Pieces((fmpq(0),), (fmpq_poly([0, 1]),) * 2)
+
+
+# ---- how states act upon each other --------------------------------------------------------------
+
+
 @dataclass(frozen=True)
-class SecondOrder:
-    """A system with ``x' = a v`` and ``v' = -g(x) - ...``.
+class Actions:
+    """How each state of a system acts upon the others, near the axes.
 
     Attributes:
-        system: in two states.
-        place: of x among the states.
-        speed: a, which is not zero.
-        force: g, the mean of both signs of v.
+        system: whose right-hand sides were read.
+        shapes: h of each state; the state itself where it acts upon no other one.
+        rates: a by numbers of states, that which acts last; no zeros.
     """
 
     system: SwitchedSystem
-    place: int
-    speed: fmpq
-    force: Pieces
+    shapes: tuple[Pieces, ...]
+    rates: Mapping[tuple[int, int], fmpq]
 
-    def energy(self, slant: fmpq) -> list[Term]:
-        """``G(x + slant v)/a + v^2/2``."""
-        return [(fmpq(1, 2), self._function(0, 2)), *self._sum(self.force.integral, 1 / self.speed, 0, slant)]
+    @property
+    def factors(self) -> list[fmpq]:
+        """The c of each state, from the last one on; 1 where nothing else is asked."""
+        count, found = len(self.shapes), dict[int, fmpq]()
+        for last in reversed(range(count)):
+            waiting = [] if last in found else [last]
+            found.setdefault(last, fmpq(1))
+            while waiting:
+                i = waiting.pop()
+                for j in set(range(count)) - set(found):
+                    there, back = self.rates.get((j, i), 0), self.rates.get((i, j), 0)
+                    if there * back < 0:
+                        found[j] = -found[i] * back / there
+                        waiting.append(j)
+        return [found[k] for k in range(count)]
 
-    def crossed(self, share: Fraction, shape: Pieces) -> list[Term]:
-        """``share v h(x)``."""
-        return self._sum(shape, as_fmpq(share), 1, fmpq(0))
-
-    def _sum(self, function: Pieces, factor: fmpq, power: int, slant: fmpq) -> list[Term]:
-        """A continuous function of ``x + slant v``, times a factor and a power of v."""
-        found = []
-        for c, k, end in function.terms():
-            line = None if end is None else self._polynomial({(1, 0): fmpq(1), (0, 1): slant, (0, 0): -end})
-            for j in range(k + 1 if slant else 1):  # of the binomial
-                found.append((c * factor * comb(k, j) * slant**j, self._function(k - j, power + j, line)))
+    def energy(self, slanted: int | None = None, line: Polynomial | None = None) -> list[Term]:
+        """V; the H of one state may be that of a linear form."""
+        found: list[Term] = []
+        for k, (factor, shape) in enumerate(zip(self.factors, self.shapes, strict=True)):
+            at = line if k == slanted and line is not None else self.states[k]
+            found += self.product(factor, shape.integral, at, self.states[k] * 0 + 1)
         return found
 
-    def _function(self, k: int, power: int, line: Polynomial | None = None) -> BasisFunction:
-        return BasisFunction(self._polynomial({(k, power): fmpq(1)}), line)
-
-    def _polynomial(self, terms: dict[tuple[int, int], fmpq]) -> Polynomial:
-        """By exponents of x and v."""
-        field = self.system.field
-        ordered: Terms = {
-            (k, power) if not self.place else (power, k): field(c) for (k, power), c in terms.items() if c
-        }
-        return Polynomial(field, PLANE, ordered)
+    def product(self, factor: fmpq, function: Pieces, at: Polynomial, times: Polynomial) -> list[Term]:
+        """A continuous function of a linear form, times a factor and a monomial."""
+        found = []
+        for c, k, end in function.terms():
+            line, power = None if end is None else at - self.system.field(end), times
+            for _ in range(k):
+                power = power * at
+            for exponents, own in power.terms.items():
+                known = own.as_rational()
+                if known is not None:
+                    monomial = Polynomial(power.field, power.variables, {exponents: power.field.one})
+                    found.append((c * factor * known, BasisFunction(monomial, line)))
+        return found
 
     def formula(self, terms: Sequence[Term]) -> PiecewiseExpression:
         """The sum as a formula of the states."""
-        return build_formula([own for _, own in terms], [as_fraction(c) for c, _ in terms], self.system.states)
+        total: dict[BasisFunction, fmpq] = {}
+        for c, own in terms:
+            total[own] = total.get(own, fmpq(0)) + c
+        return build_formula(list(total), list(map(as_fraction, total.values())), self.system.states)
+
+    @property
+    def states(self) -> tuple[Polynomial, ...]:
+        """The states as polynomials in the displacement."""
+        return self.system.coordinates()
 
 
-def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
-    """Energies in the whole plane, in x and in those ``x + s v`` that switch a system in two states."""
-    lines = [own.terms for own in system.surfaces(system.displaced(PLANE)) if own.degree == 1]
-    for place in (0, 1):
-        found = second_order(system, place, None)
-        if found is None:
-            continue
-        x, v = _units(place)
-        slants = ((own[v] / own[x]).as_rational() for own in lines if x in own and v in own)
-        for slant in dict.fromkeys((fmpq(0), *slants)):
-            if slant is not None:
-                yield found.formula(found.energy(slant))
+def actions(system: SwitchedSystem, radius: Number | None) -> Actions | None:
+    """How states act upon each other; None where a velocity near an axis is no rational polynomial of low degree.
+
+    Args:
+        system: in two states or more; of several right-hand sides the first is read.
+        radius: half the side of the cube beyond which nothing is asked; None for the space.
+    """
+    shapes: list[Pieces] = []
+    rates: dict[tuple[int, int], fmpq] = {}
+    for i in range(len(system.states)):
+        read = _along_axis(system, i, radius)
+        if read is None:
+            return None
+        acting = {j: own for j, own in enumerate(read) if j != i and own.size}
+        shape = next((own.times(1 / own.size) for own in acting.values()), IDENTITY)
+        shapes.append(shape)
+        rates.update({(j, i): own.size for j, own in acting.items() if own == shape.times(own.size)})
+    return Actions(system, tuple(shapes), rates)
+
+
+def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[Pieces] | None:
+    """Of each velocity what hangs on state i alone, the mean of both sides of its axis."""
+    states, count = system.displaced(system.states), len(system.states)
+    ends = _ends(system, i, radius)
+    near = NEAR * min((right - left for left, right in pairwise(ends)), default=fmpq(1))
+    pieces: list[list[fmpq_poly]] = [[] for _ in system.states]
+    for beside in [*(end - near for end in ends if end <= 0), *(end + near for end in ends if end >= 0)]:
+        total = [fmpq_poly() for _ in system.states]
+        for side in (1, -1):
+            aside = [side * near * near / (k + 1) for k in range(count)]
+            at = [system.field(beside if k == i else own) for k, own in enumerate(aside)]
+            velocity = system.members[0].velocity(lambda own, at=at: own(at).sign(), states)  # type: ignore[misc]
+            for j, part in enumerate(velocity):
+                alone = {e[i]: c.as_rational() for e, c in part.terms.items() if e[i] == sum(e)}
+                if None in alone.values() or max(alone, default=0) > MOST_DEGREE:
+                    return None
+                total[j] += fmpq_poly([alone.get(k) or fmpq(0) for k in range(MOST_DEGREE + 1)]) / 2
+        for own, value in zip(pieces, total, strict=True):
+            own.append(value)
+    return [Pieces(tuple(ends), tuple(own)) for own in pieces]
+
+
+def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:
+    """Where the axis of a state meets switching surfaces at rational places, and 0; in ascending order."""
+    found = {fmpq(0)}
+    for surface in system.surfaces(system.displaced(system.states)):
+        own = {e[i]: c for e, c in surface.terms.items() if e[i] == sum(e)}
+        if set(own) in ({0, 1}, {1}):
+            end = -own.get(0, system.field.zero) / own[1]
+            known = end.as_rational()
+            if known is not None and (radius is None or abs(end) < radius):
+                found.add(known)
+    return sorted(found)
+
+
+# ---- candidates ------------------------------------------------------------------------------------
+
+
+def energies(system: SwitchedSystem, radius: Number | None = None) -> Iterator[PiecewiseExpression]:
+    """Energies on a cube of some half-width, or in the whole space; then with an H of a linear form that switches."""
+    known = actions(system, radius)
+    if known is None:
+        return
+    yield known.formula(known.energy())
+    for surface in system.surfaces(system.displaced(system.states)):
+        slopes = {e.index(1): c for e, c in surface.terms.items() if sum(e) == 1}
+        for i in slopes if surface.degree == 1 and len(slopes) > 1 else ():
+            if not known.shapes[i].is_polynomial:
+                line = known.states[0] * 0
+                for k, slope in slopes.items():
+                    line = line + known.states[k] * (slope / slopes[i])
+                yield known.formula(known.energy(i, line))
 
 
 def crossed_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
-    """Energies with a cross term on a square of some half-width, for a system in two states."""
-    for place in (0, 1):
-        found = second_order(system, place, radius)
-        if found is None:
+    """Energies with a cross term on a square of some half-width, where ``x' = a v`` in two states."""
+    known = actions(system, radius)
+    if known is None:
+        return
+    for place, other in ((0, 1), (1, 0)):
+        if not _is_multiple(system, place, other) or (other, place) not in known.rates:
             continue
-        side = 1 if found.speed > 0 else -1
-        shapes = [Pieces((fmpq(0),), (fmpq_poly([0, side]),) * 2)]
-        if found.force.is_continuous and found.force != shapes[0]:
-            shapes.append(found.force)
+        scale = 1 / known.factors[other]
+        energy = [(c * scale, own) for c, own in known.energy()]
+        force = known.shapes[place].times(-known.rates[other, place])
+        side = fmpq(1) if known.rates[place, other] > 0 else fmpq(-1)
+        shapes = [IDENTITY.times(side)]
+        if force.is_continuous and force != shapes[0]:
+            shapes.append(force)
         for share in SHARES:
             for shape in shapes:
-                yield found.formula(found.energy(fmpq(0)) + found.crossed(share, shape))
+                crossed = known.product(as_fmpq(share), shape, known.states[place], known.states[other])
+                yield known.formula(energy + crossed)
 
 
-def second_order(system: SwitchedSystem, place: int, radius: Number | None) -> SecondOrder | None:
-    """A system as one of second order, where it is one with a rational g.
-
-    Args:
-        system: in two states.
-        place: of x among them.
-        radius: half the side of the square beyond which nothing is asked; None for the plane.
-    """
-    states, (x, v) = system.displaced(PLANE), _units(place)
-    ends = {fmpq(0)}
-    for surface in system.surfaces(states):
-        own = {exponents: c for exponents, c in surface.terms.items() if not exponents[1 - place]}
-        if set(own) <= {x, (0, 0)} and x in own:
-            end = -own.get((0, 0), system.field.zero) / own[x]
-            known = end.as_rational()
-            if known is not None and (radius is None or abs(end) < radius):
-                ends.add(known)
-    ordered = sorted(ends)
-    near = NEAR * min((right - left for left, right in pairwise(ordered)), default=fmpq(1))
-    found = []
-    for beside in [*(end - near for end in ordered if end <= 0), *(end + near for end in ordered if end >= 0)]:
-        for up in (near * near, -near * near):
-            at = [system.field(own) for own in ((beside, up) if place == 0 else (up, beside))]
-            velocity = system.members[0].velocity(lambda own, at=at: own(at).sign(), states)  # type: ignore[misc]
-            if set(velocity[place].terms) != {v}:
-                return None
-            force = {e[place]: c.as_rational() for e, c in velocity[1 - place].terms.items() if not e[1 - place]}
-            found.append((velocity[place].terms[v].as_rational(), force))
-    speed, forces = found[0][0], [force for _, force in found]
-    if speed is None or any(own != speed for own, _ in found):
-        return None
-    if any(c is None or k > MOST_DEGREE for force in forces for k, c in force.items()):
-        return None
-    sides = [fmpq_poly([-(force.get(k) or fmpq(0)) for k in range(MOST_DEGREE + 1)]) for force in forces]
-    means = tuple((above + below) / 2 for above, below in zip(sides[::2], sides[1::2], strict=True))
-    return SecondOrder(system, place, speed, Pieces(tuple(ordered), means))
-
-
-def _units(place: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """The exponents of x and of v alone."""
-    return ((1, 0), (0, 1)) if place == 0 else ((0, 1), (1, 0))
+def _is_multiple(system: SwitchedSystem, place: int, other: int) -> bool:
+    """Whether the velocity of one state is a multiple of another state."""
+    own = system.rhs[place]
+    if own.switching_parts:
+        return False
+    values = dict(zip(system.states, system.displaced(system.states), strict=True))
+    return set(own.polynomial(values, no_sign).terms) == {tuple(int(k == other) for k in range(len(system.states)))}

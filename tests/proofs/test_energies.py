@@ -14,7 +14,7 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.energies import crossed_energies, energies
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.float_formulas import float_value
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
@@ -55,7 +55,28 @@ def test_the_energy_has_the_slope_of_the_force(
 def test_what_is_of_no_second_order_has_none() -> None:
     for rhs in (("y - x", "-2*x - 3*y"), ("y", "-sqrt(2)*x - y"), ("y*Abs(y)", "-x - y")):
         system = system_of(*rhs)
-        assert not [*energies(system), *crossed_energies(system, system.check.radius)]
+        assert not list(crossed_energies(system, system.check.radius))
+
+
+@pytest.mark.parametrize(
+    ("rhs", "energy"),
+    [
+        (("y", "-x**3 - y + 2*z", "-y/3 - z**3"), "z**2/2 + y**2/12 + x**4/24"),  # a chain of three
+        (("2*y", "-sign(x) - y"), "Abs(x) + y**2"),
+        (("y", "-3*sat(x, -1, 2)"), "3*(x*sat(x, -1, 2) - sat(x, -1, 2)**2/2) + y**2/2"),
+        (("-x + y**3", "-x/2 - y"), "x**2/2 + y**4/2"),
+    ],
+)
+def test_energies_of_chains(rhs: tuple[str, ...], energy: str) -> None:
+    states = list("xyz"[: len(rhs)])
+    system = build_system({"system": {"states": states, "rhs": list(rhs)}}, "t", Path("t.toml"))
+    found, *_ = energies(system)
+    expected = parse_piecewise(energy, tuple(states))
+    ratios = []
+    for place in np.random.default_rng(3).uniform(-4, 4, (20, len(rhs))).tolist():
+        values = dict(zip(states, place, strict=True))
+        ratios.append(float_value(found.tree, values, found.text) / float_value(expected.tree, values, energy))
+    assert ratios == pytest.approx([ratios[0]] * len(ratios))
 
 
 def test_a_relay_with_viscous_friction_has_a_short_function() -> None:
