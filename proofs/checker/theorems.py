@@ -36,11 +36,11 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     bounded.  With ``level``, every start of the cube with ``V < level`` stays there and tends to the point; with
     ``below``, nothing is asked of points with ``V >= level`` but on the border of the cube.  With ``rate``, V falls
     that fast; with ``gain`` beside it, of solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the
-    Euclidean norm.  With ``denominator`` V is a quotient (:mod:`.lyapunov`).
+    Euclidean norm.  With ``denominator`` V is a quotient, with ``logarithm`` it holds a logarithm (:mod:`.lyapunov`).
     """
     names = "cells function second verdict everywhere level below rate"
-    cells, function, second, verdict, everywhere, level, below, rate, gain, proper, growth, denominator = take(
-        hypotheses, names, "gain proper growth denominator"
+    cells, function, second, verdict, everywhere, level, below, rate, gain, proper, growth, denominator, inside = take(
+        hypotheses, names, "gain proper growth denominator logarithm"
     )
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     require(type(everywhere) is bool and type(below) is bool, "everywhere and below as true or false")
@@ -53,6 +53,9 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     if denominator is not None:
         require(second is None and rate is None, "a quotient without further functions and rates")
         own.divide_by(Formula(denominator, own.inclusion.domain.displacement).on(no_switching))
+    if inside is not None:
+        require(second is level is rate is denominator is None, "a logarithm with a verdict alone")
+        own.add_logarithm(Formula(inside, own.inclusion.domain.displacement).on(no_switching))
     if below is True:
         own.require_below(rational(level))
     own.show_zero()

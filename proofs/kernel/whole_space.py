@@ -18,7 +18,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.denominators import are_positive_everywhere
-from nonsmooth.proofs.kernel.global_function import global_functions
+from nonsmooth.proofs.kernel.global_function import global_functions, logarithmic_functions
 from nonsmooth.proofs.kernel.quotients import find_quotient
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
@@ -60,6 +60,10 @@ def find_global_attraction(
     quotient = find_quotient(known[0], everywhere=True)
     if quotient is not None:
         return quotient[0]
+    for potential, inside in logarithmic_functions(known[0]):
+        found = space.shown(potential, strict=True, logarithm=inside.text)
+        if found is not None:
+            return found
     for potential in chain(given, energies):
         found = space.shown(potential, strict=False)
         if found is not None:
@@ -86,19 +90,26 @@ class WholeSpace:
 
     def __init__(self, system: SwitchedSystem, subject: System) -> None:
         self.system, self.subject = system, subject
-        self.asked: set[tuple[str, bool]] = set()
+        self.asked: set[tuple[str, bool, str]] = set()
 
-    def shown(self, potential: PiecewiseExpression, *, strict: bool) -> dict[str, Any] | None:
-        """The entry for a V that falls; or for one that does not rise, with further functions. None without one."""
-        if (potential.text, strict) in self.asked:
+    def shown(self, potential: PiecewiseExpression, *, strict: bool, logarithm: str = "") -> dict[str, Any] | None:
+        """The entry for a V that falls; or for one that does not rise, with further functions.  None without one.
+
+        Args:
+            potential: V.
+            strict: whether it is to fall.
+            logarithm: P, where V has ``ln(1 + P)`` beside it.
+        """
+        if (potential.text, strict, logarithm) in self.asked:
             return None
-        self.asked.add((potential.text, strict))
+        self.asked.add((potential.text, strict, logarithm))
         try:
             cells = stated_cells(self.system, None, surfaces_of(self.system, potential)).record
         except BeyondReachError:
             return None
         search = Search(WORK)
         own = stability_hypotheses(cells, potential.text, ASYMPTOTICALLY_STABLE if strict else STABLE)
+        own |= {"logarithm": logarithm} if logarithm else {}
         try:
             SampledProofs().entry(self.subject, "lyapunov", own)
         except NotShownError:

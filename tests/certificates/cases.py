@@ -140,7 +140,7 @@ def slow_rates() -> Iterator[Case]:
 
 
 def slow_growth() -> Iterator[Case]:
-    """Energies in the whole plane that grow like the distance, and with ``x y`` show that every start comes."""
+    """Functions of the whole plane that grow like the distance, or like its logarithm: every start comes."""
     saturated = "-1/2 + Abs(x + 1)*(x + 1)/4 - Abs(x - 1)*(x - 1)/4 + y**2/2"
     for name, side, function, surfaces in (
         ("relay", "-sign(x) - y", "Abs(x) + y**2/2", ["x"]),
@@ -152,6 +152,8 @@ def slow_growth() -> Iterator[Case]:
         second = find_second(read_subject(about), where, function)
         hypotheses = {**lyapunov(function, where, everywhere=True), "second": second, "growth": "1/4"}
         yield Case(f"growth-{name}", about, "lyapunov", hypotheses)
+    hypotheses = {**lyapunov("y**2", cells(within=None), everywhere=True), "logarithm": "x**2", "proper": "1/4"}
+    yield Case("growth-logarithm", subject(["-x + x*y", "-y"]), "lyapunov", hypotheses)
 
 
 def linear_systems() -> Iterator[Case]:
