@@ -28,7 +28,6 @@ GLOBAL = [
     ["y - x**3 - sign(x)", "-x - y"],
     ["y", "-Max(-1, Min(1, x)) - y"],
     ["y", "-sign(x) - y"],
-    ["y", "-Max(-1, Min(1, x + y))"],
     ["-y - x**3", "2*x*Abs(x)"],
     ["y", "-x - y/(1 + Abs(y))"],
     ["-x + x*y", "-y"],
