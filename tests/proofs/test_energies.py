@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,15 +12,9 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.lyapunov_search import square_cells
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-
-def system_of(*rhs: str) -> SwitchedSystem:
-    return build_system({"system": {"states": ["x", "y"], "rhs": list(rhs)}}, "t", Path("t.toml"))
-
+from tests.plain import built
 
 # Right-hand sides, the place of the position, and its force; at rest that of friction is the mean of both directions.
 SECOND_ORDER = [
@@ -42,7 +35,7 @@ def energy_of(formula: PiecewiseExpression, place: int, x: float, v: float) -> f
 def test_the_energy_has_the_slope_of_the_force(
     rhs: tuple[str, str], place: int, force: Callable[[float], float]
 ) -> None:
-    system, step = system_of(*rhs), 1e-6
+    system, step = built(rhs), 1e-6
     found = list(energies(system, square_cells(system, system.check.radius), system.check.radius))
     assert len(found) in (2, 4)
     for formula in found:
@@ -54,12 +47,12 @@ def test_the_energy_has_the_slope_of_the_force(
 
 def test_what_is_of_no_second_order_has_none() -> None:
     for rhs in (("y - x", "-x"), ("y", "-sqrt(2)*x - y"), ("2*y", "-x - y")):
-        system = system_of(*rhs)
+        system = built(rhs)
         assert not list(energies(system, square_cells(system, system.check.radius), system.check.radius))
 
 
 def test_a_relay_with_viscous_friction_has_a_short_function() -> None:
-    result = decide_system(system_of("y", "-2*sign(x) - y"))
+    result = decide_system(built(["y", "-2*sign(x) - y"]))
     assert result.function is not None
     assert result.function.text == "2*Abs(x) + y**2/2 + x*y/4"
     assert result.reach.region is not None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,10 +19,9 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.reports.interface.system import System
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import few, keep, thorough
 
@@ -31,15 +29,6 @@ ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE,
 VALID, INVALID, OPEN = AuditVerdict.VALID, AuditVerdict.INVALID, AuditVerdict.UNDECIDED
 SQUARES = "x**2 + y**2 + z**2"
 CHAIN = ["-sgn(x) + y/2", "-sgn(y) + z/2", "-sgn(z) - x/2"]
-
-
-def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any) -> SwitchedSystem:
-    system: dict[str, Any] = {
-        "states": ["x", "y", "z"],
-        "rhs": rhs,
-        **({"parameters": parameters} if parameters else {}),
-    }
-    return build_system({"system": system, "check": check}, "t", Path("t.toml"))
 
 
 @few(6)
