@@ -115,10 +115,10 @@ REPELS = [
 ATTRACTS = [
     ["y", "-x - x**4*y + x**2"],
     ["2*y - x - x**3", "x - 2*y"],  # subspaces that are no axes
-    ["10*(y - x)", "x*(1 - z) - y", "x*y - 8/3*z"],  # Lorenz, where the origin branches
     ["-y + x*z", "x + y*z", "-z - 2*x**2 - y**2 + x**3"],
     ["-x + y**2", "-y**3"],
     ["-x*y + z*x**2", "-y + x**4", "-2*z - y + x**3"],
+    ["10*(y - x)", "x*(1 - z) - y", "x*y - 8/3*z"],  # Lorenz, where the origin branches
 ]
 
 
@@ -169,7 +169,7 @@ def test_points_that_attract(rhs: list[str]) -> None:
     assert ends(rhs, [FAR / 2] * len(rhs), 4000.0) < 0.95
 
 
-@pytest.mark.parametrize("rhs", keep(1, [ATTRACTS[0], ATTRACTS[4]]), ids="; ".join)
+@pytest.mark.parametrize("rhs", keep(1, [ATTRACTS[0], ATTRACTS[3]]), ids="; ".join)
 def test_a_level_is_named_where_v_falls_in_the_states_themselves(rhs: list[str]) -> None:
     assert decided(rhs).reach.near is not None
 
