@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
+from tests.benchmarks.conftest import Stopwatch
 from tests.body_engine import inward_grid, random_grid, run_beside_engine, with_random_body
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -17,9 +16,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.reports.simulations.body_maps import pose_starts
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
+from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark
 

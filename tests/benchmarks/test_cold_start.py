@@ -5,14 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.benchmarks.conftest import Stopwatch
+from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark
 

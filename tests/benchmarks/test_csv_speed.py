@@ -7,12 +7,10 @@ import resource
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
+from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark
 

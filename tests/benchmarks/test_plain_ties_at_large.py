@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,12 +12,10 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, random_tie
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark
 

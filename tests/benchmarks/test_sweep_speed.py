@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,9 +11,7 @@ from nonsmooth.reports.sweeps.sweep import Means, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from nonsmooth.reports.sweeps.workers import ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
+from tests.benchmarks.conftest import Stopwatch
 
 pytestmark = pytest.mark.benchmark
 

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.benchmarks.conftest import Stopwatch
+from tests.conftest import Arrays
 from tests.proofs import test_symmetries as symmetries
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
 
 pytestmark = pytest.mark.benchmark
 

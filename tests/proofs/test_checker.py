@@ -17,7 +17,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import pytest
 
@@ -34,15 +34,12 @@ from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable
 from tests.array_certificates import check_certificate, claim_disc, claim_rate, evidence, proofs, said, say, subject
 from tests.built_in import checked
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.four_wheel import SIDE
 from tests.oracles.nearest_paths import Wheel as OracleWheel
 from tests.oracles.rebuilt_arrays import assert_still_true
 from tests.oracles.tied_scenes import LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Record: TypeAlias = dict[str, Any]
 

@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -16,9 +15,7 @@ from nonsmooth.reports.derivations.derivation import ReportResult, render_report
 from nonsmooth.reports.output.document import Bullets, Document, Paragraph, Section, Table, plain_text
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.symbolic.files.scene_file import load_scene
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 PAGES = 2
 

@@ -12,7 +12,7 @@ import xml.etree.ElementTree as ET
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -28,11 +28,8 @@ from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems,
 from nonsmooth.symbolic.formulas.expression import parse
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.reports.conftest import DESTINATIONS, OTHERS
+from tests.reports.conftest import DESTINATIONS, OTHERS, Invoke
 from tests.thorough import examples, few
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 COLUMNS = 80  # width of the output where there is no terminal
 CHECK_KEYS = [

@@ -8,7 +8,6 @@ import re
 from collections import Counter
 from math import degrees, hypot
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,10 +17,8 @@ from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.simulations.body_maps import BodyMapResult, destinations_figure
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from tests.reports.conftest import Invoke
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 SCENE = """
 [grid]

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from tests.reports.conftest import Invoke
 from tests.reports.derived import derived
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 HEADING = 1e-12
 

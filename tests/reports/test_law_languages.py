@@ -14,7 +14,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -39,12 +39,10 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from tests.built_in import checked
+from tests.conftest import Arrays
+from tests.reports.conftest import Invoke
 from tests.structured_text import FunctionBlock, StructuredTextError
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
-    from tests.reports.conftest import Invoke
 
 Speeds: TypeAlias = Mapping[int, float]
 Law: TypeAlias = Callable[[float, float, float, float], Speeds]
