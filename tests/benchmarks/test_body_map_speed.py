@@ -6,7 +6,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from nonsmooth.analysis.bodies.many_paths import BodyEnd, ManyPaths
 from nonsmooth.analysis.bodies.path import BodyPath
@@ -17,8 +16,6 @@ from nonsmooth.reports.simulations.body_maps import pose_starts
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 MOST_SECONDS = 60.0  # of this process
 STARTS = 20

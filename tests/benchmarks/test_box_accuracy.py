@@ -6,7 +6,6 @@ from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
-import pytest
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.loads import LoadError
@@ -19,8 +18,6 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
 
 POINTS = 1_000
 RELATIVE = 1e-9  # of the optimum: the linear program returns a vertex, accurate to rounding

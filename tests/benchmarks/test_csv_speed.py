@@ -12,8 +12,6 @@ import pytest
 
 from tests.benchmarks.conftest import Stopwatch
 
-pytestmark = pytest.mark.benchmark
-
 WHEELS, SIDE = 100_000, 317
 ALLOWED_RATIO = 3.5  # of the whole check to reading the table alone
 

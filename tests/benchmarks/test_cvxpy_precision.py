@@ -24,8 +24,6 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 from tests.oracles.cvxpy_programs import ConeSolver, CvxpyMinimizer, hull_upper_derivative_on
 
-pytestmark = pytest.mark.benchmark
-
 TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))
 WITHIN = 0.2  # of the predicted slope
 MOST_TOLERANCES = 1_000  # the error of a solver in units of its tolerance: the condition of the problem, with room

@@ -20,8 +20,6 @@ from tests.benchmarks.conftest import Stopwatch
 from tests.body_engine import run_beside_engine
 from tests.engine_export import error
 
-pytestmark = pytest.mark.benchmark
-
 STARTS = ((Fraction(1, 8), Fraction(1, 16)), (Fraction(-1, 10), Fraction(1, 8)))
 UNTIL = 0.5  # of wheels of speed about one
 TWISTS, POSES = 2e-3, 0.03  # relative errors of twists; lengths and radians between poses

@@ -6,13 +6,10 @@ import time
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from tests.benchmarks.conftest import Stopwatch
 from tests.evidence.engine import ARRAYS, engine_errors
 from tests.evidence.page import gather, page_tables
-
-pytestmark = pytest.mark.benchmark
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "evidence.md").read_text(encoding="utf-8")
 SECONDS = 60  # for all 400 pushes, both ways and under every model

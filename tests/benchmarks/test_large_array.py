@@ -11,8 +11,6 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 
-pytestmark = pytest.mark.benchmark
-
 ALLOWED_RATIO = 4
 SIDE = 100
 

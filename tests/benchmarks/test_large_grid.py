@@ -13,8 +13,6 @@ from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 
-pytestmark = pytest.mark.benchmark
-
 ALLOWED_RATIO = 25  # twice the square of the ratio of wheels: tables of pairs are what grows
 SCENE = """
 name = "grid"

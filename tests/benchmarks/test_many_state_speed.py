@@ -20,8 +20,6 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.benchmarks.conftest import Stopwatch
 
-pytestmark = pytest.mark.benchmark
-
 COUNT = 4
 STATES = ["a", "b", "c", "d"]
 REQUIRED_SPEEDUP = 1.0

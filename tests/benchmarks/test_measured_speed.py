@@ -15,8 +15,6 @@ from nonsmooth.reports.output.console import run
 from tests.benchmarks.conftest import Stopwatch
 from tests.measured_arrays import Kind, measured_array
 
-pytestmark = pytest.mark.benchmark
-
 ARRAYS = 100
 MEDIAN, LONGEST = 1, 10  # seconds of processor time
 RULES = ("nearest", "box", "ellipse")

@@ -15,8 +15,6 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 from tests.oracles.cvxpy_programs import CvxpyMinimizer
 
-pytestmark = pytest.mark.benchmark
-
 REQUIRED_SPEEDUP = 300  # ellipse, four wheels, over CVXPY as one writes it down
 POINTS = 4000  # for the vectorized minimizer
 FEW = 40  # for those that go point by point

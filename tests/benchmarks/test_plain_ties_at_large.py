@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-import pytest
-
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
@@ -16,8 +14,6 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, random_tie
-
-pytestmark = pytest.mark.benchmark
 
 EQUILIBRIA, VERDICTS = 5_000, 300
 FIRST = 10_000  # seeds apart from those of the tests

@@ -14,8 +14,6 @@ from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.benchmarks.conftest import Stopwatch
 
-pytestmark = pytest.mark.benchmark
-
 ALLOWED = 300  # seconds of processor time for one array, all of it on one core
 FEWEST_STUDIES, FEWEST_METHODS, FEWEST_SETTINGS = 4, 3, 5
 DISTINCT = 3  # times that differ by this factor order two methods; below it lies the noise of a busy machine

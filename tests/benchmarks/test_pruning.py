@@ -12,8 +12,6 @@ from tests.benchmarks.conftest import Stopwatch
 from tests.clauses import verdicts
 from tests.conftest import Arrays
 
-pytestmark = pytest.mark.benchmark
-
 
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_built_in_scenes(name: str, stopwatch: Stopwatch) -> None:

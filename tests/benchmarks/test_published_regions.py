@@ -10,8 +10,6 @@ from nonsmooth.proofs.systems.larger_region import find_larger_region
 from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.published_regions import PUBLISHED, Published, area, exact_level, system_of
 
-pytestmark = pytest.mark.benchmark
-
 
 @pytest.mark.parametrize("published", PUBLISHED, ids=lambda published: published.name)
 def test_published_and_certified_regions(published: Published, stopwatch: Stopwatch) -> None:

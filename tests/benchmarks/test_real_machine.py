@@ -30,8 +30,6 @@ from tests.real_machine import (
     scattered_heading,
 )
 
-pytestmark = pytest.mark.benchmark
-
 POSES, HANGING = 200, 50  # poses on the grid, and of bodies that may hang over its border
 REACH, BEYOND = 1.7, 2.7  # of the centre of mass from the middle
 MARGIN = 0.05  # pitches from the edge

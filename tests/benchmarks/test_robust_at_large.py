@@ -20,8 +20,6 @@ from tests.proofs.robust.test_box_bounds import drawn, small_box, twists
 from tests.proofs.robust.test_smooth_bounds import drawn as smooth_array
 from tests.proofs.robust.test_smooth_discs import box_of
 
-pytestmark = pytest.mark.benchmark
-
 ARRAYS, POINTS = 1_000, 5
 SLOPE_ARRAYS = 40
 ROUNDING = 1e-7

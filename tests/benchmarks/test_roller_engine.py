@@ -8,8 +8,6 @@ import pytest
 from tests.benchmarks.conftest import Stopwatch
 from tests.roller_engine import creep_rates
 
-pytestmark = pytest.mark.benchmark
-
 CREEP = 2e-2  # relative, of the speed at which the body comes home near the point
 
 

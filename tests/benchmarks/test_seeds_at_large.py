@@ -9,8 +9,6 @@ from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
 from tests.proofs import test_driven_feedback as driven
 
-pytestmark = pytest.mark.benchmark
-
 EQUILIBRIA = 200  # arrays
 
 

@@ -27,8 +27,6 @@ from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import Answer, Question, ask_apart, with_cvc5, with_z3
 from tests.proofs.system_families import families
 
-pytestmark = pytest.mark.benchmark
-
 PATIENCE = 20.0  # seconds of each solver for one V
 RUNS = 3
 

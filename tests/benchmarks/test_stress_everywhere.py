@@ -16,8 +16,6 @@ from tests.benchmarks.conftest import Stopwatch
 from tests.built_in import planar_systems
 from tests.conftest import Arrays
 
-pytestmark = pytest.mark.benchmark
-
 LEAST_ROWS, MINUTES = 30, 5
 
 

@@ -16,8 +16,6 @@ from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
 from tests.proofs.system_families import families
 
-pytestmark = pytest.mark.benchmark
-
 COUNT = 1_000
 FIRST = 50_000  # seeds apart from those of the tests
 MOST_UNDECIDED = 0.02

@@ -12,8 +12,6 @@ from nonsmooth.symbolic.mechanics.contact_states import regular_states
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
 
-pytestmark = pytest.mark.benchmark
-
 REQUIRED_SPEEDUP = 10
 ROUNDING = 1e-12  # entries are of order 1
 

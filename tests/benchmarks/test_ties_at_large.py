@@ -25,8 +25,6 @@ from tests.oracles.tied_arrays import tied_array, turning_pool, untied_array
 from tests.oracles.tied_box_arrays import tied_box
 from tests.oracles.tied_scenes import scene_of
 
-pytestmark = pytest.mark.benchmark
-
 ARRAYS = int(os.environ.get("NONSMOOTH_TIED_ARRAYS", "100000"))
 BLOCK = 250
 FIRST = 1_000_000  # seeds that the fast tests do not use

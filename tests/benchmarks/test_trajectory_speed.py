@@ -23,8 +23,6 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 
-pytestmark = pytest.mark.benchmark
-
 START, UNTIL = (0.8, 0.3, 0.0), 1.0
 REQUIRED_ERROR = 1e-3  # of hysteresis; event-driven paths are exact to rounding
 RTOL, ATOL = 1e-11, 1e-13

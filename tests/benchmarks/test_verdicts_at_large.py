@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 
-import pytest
-
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
 from tests.proofs.test_verdicts_against_trajectories import compare
-
-pytestmark = pytest.mark.benchmark
 
 ARRAYS, STARTS, LARGEST_SHARE_UNDECIDED = 500, 32, 0.02
 
