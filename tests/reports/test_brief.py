@@ -49,6 +49,7 @@ def test_the_answers_are_those_of_the_whole_report(four_wheel: ArraySubject) -> 
     assert [section.title for section in short.sections] == titles
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: ArraySubject) -> None:
     document = brief_document(four_wheel)
     assert "tolerances: none are stated" in words(document, "What binds").lower()

@@ -160,6 +160,7 @@ def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
         array.map(3, kinematics="leading")
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_ends_say_by_when_and_how_fast_bodies_turn_on(invoke: Invoke) -> None:
     """The rate is that of a check; a body that still moves has a heading and no end, one that stands still no rate."""
     spiral = ("spiral-30", "--rule", "ellipse")

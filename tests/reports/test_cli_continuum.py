@@ -49,6 +49,7 @@ def test_an_object_of_the_scene(tmp_path: Path, invoke: Invoke) -> None:
     assert stable == pytest.approx(math.pi / 2 - axis, abs=HEADING)
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("extent", keep(1, ["short", "all"]))
 def test_the_derivation_has_a_section(extent: str) -> None:
     """That it is in a report of all sections, tests/reports/test_derivation.py shows for another scene."""

@@ -56,6 +56,7 @@ def test_the_cascade_is_followed(invoke: Invoke) -> None:
 # ---- reports -------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @few(1)
 @pytest.mark.parametrize(
     ("name", "rule", "words"),

@@ -418,6 +418,7 @@ def test_no_line_ends_within_the_name_of_a_wheel() -> None:
     assert len(named) == 16
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_answers_are_shown_beside_a_law_that_there_is_not(invoke: Invoke) -> None:
     done = invoke("check", "four-wheel-side", "--law", "a.c", "--json")
     assert (done.status, done.record["answers"]["position"]["verdict"]) == (2, "stays near")
