@@ -166,7 +166,10 @@ class SpacePoint(CheckedPoint):
         """Whether every start of the space reaches the point."""
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return False
-        linear = self.linear is not None and self.linear.is_whole
+        try:
+            linear = self.linear is not None and self.linear.is_whole
+        except BeyondReachError:  # states that were decided by themselves
+            linear = False
         return linear or (found.function is not None and found.function.is_homogeneous)
 
 

@@ -1,6 +1,7 @@
 """The stand-alone checker: what it accepts is true, and what is forged, damaged or malformed it rejects.
 
-Mutants are another chapter (tests/proofs/test_mutants.py).  Here is what is forged by hand, and a test of their oracle.
+Mutants are another chapter (tests/proofs/test_mutants.py), and what one condition alone refuses is in the corpus
+(tests/certificates/array_conditions.py).  Here is what else is forged by hand, and a test of the oracle of mutants.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import pytest
 
@@ -34,16 +35,12 @@ from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable
 from tests.array_certificates import check_certificate, claim_disc, claim_rate, evidence, proofs, said, say, subject
 from tests.built_in import checked
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.four_wheel import SIDE
-from tests.oracles.earlier_arrays import earlier_array
 from tests.oracles.nearest_paths import Wheel as OracleWheel
 from tests.oracles.rebuilt_arrays import assert_still_true
 from tests.oracles.tied_scenes import LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Record: TypeAlias = dict[str, Any]
 
@@ -132,19 +129,22 @@ def test_a_forged_certificate_is_rejected_in_one_line(four_wheel: Record, tmp_pa
         b"{",
         b"\xff\xfe\xfa",
         b'{"schema": 1, "schema": 2}',
-        b"[" * 100_000,
-        b'{"a":' * 100_000,
-        b"9" * 5_000,
+        b"[" * 1_000_000,
+        b'{"a":' * 200_000,
+        b"9" * 1_000_000,
     ],
     ids=["empty", "cut off", "no text", "a key twice", "nested lists", "nested objects", "a huge integer"],
 )
 def test_what_is_no_json_document_is_unreadable(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "file.json"
     path.write_bytes(content)
+    start = time.process_time()
     status, line = check_file(str(path))
+    assert time.process_time() - start < 10 * ALLOWED_SECONDS
     assert status == 2
     assert line.startswith("unreadable: ")
     assert "\n" not in line
+    assert len(line) < 300
 
 
 def test_absent_files_folders_and_large_files_are_unreadable(tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ def test_json_that_is_no_certificate_is_rejected(data: object, tmp_path: Path) -
 
 def test_version_1_is_refused_with_the_line_that_writes_it_anew(four_wheel: Record, tmp_path: Path) -> None:
     path = tmp_path / "file.json"
-    path.write_text(json.dumps(earlier_array(four_wheel)), encoding="utf-8")
+    path.write_text(json.dumps({"schema": "nonsmooth-certificate/1", **subject(four_wheel)}), encoding="utf-8")
     status, line = check_file(str(path))
     assert status == 2
     assert line == (
@@ -410,17 +410,12 @@ CELL_FORGERIES: dict[str, tuple[str, Forge]] = {
     "no corner": ("well-formed data, not a IndexError", lambda c: evidence(c)["cells"][1].update(polygon=[])),
     "another name for a corner": (COVER, _split_point),
     "an unused point": (COVER, lambda c: evidence(c)["points"].append(["0", "1/4", "1"])),
-    "a negative denominator": (
-        WEIGHTS,
-        lambda c: evidence(c)["points"][1].__setitem__(slice(None), ["1/2", "1/2", "-1"]),
-    ),
     "denominator zero": (WEIGHTS, lambda c: evidence(c)["points"][1].__setitem__(2, "0")),
     "cells stretched along x": (nearer(0), _scaled_points("2")),
     "cells pressed along x": (nearer(1), _scaled_points("1/2")),
     "cells beyond the square": (COVER, lambda c: subject(c).update(radius="1/4")),
     "cells within the square": (COVER, lambda c: subject(c).update(radius="1")),
     "a square of size zero": (RADIUS, lambda c: subject(c).update(radius="0")),
-    "a square of negative size": (RADIUS, lambda c: subject(c).update(radius="-1/2")),
     "another checked point": (nearer(0), lambda c: subject(c)["at"].__setitem__(0, "1/10")),
     "a negative index": (
         "a whole number from 0 to 8",
@@ -451,7 +446,6 @@ CELL_FORGERIES: dict[str, tuple[str, Forge]] = {
         nearer(0),
         lambda c: evidence(c)["cells"][0].update({key: evidence(c)["cells"][4][key] for key in ("wheels", "twists")}),
     ),
-    "load model under rule nearest": (RULE, lambda c: subject(c).update(loads="elastic")),
     "more friction across the rim": (
         f"cell 0: {TWISTS}",
         lambda c: [w.update(friction=["1/2", "1"]) for w in subject(c)["wheels"]],
@@ -703,15 +697,8 @@ CLAUSE_FORGERIES: dict[str, tuple[str, Forge]] = {
     "no signs": (unshown("feedback", "stabilizable"), lambda c: proofs(c).pop("feedback")),
     "another sign": (INWARD, lambda c: proofs(c)["feedback"]["signs"].__setitem__(0, -1)),
     "a sign of nothing": (SIGNS, lambda c: proofs(c)["feedback"]["signs"].__setitem__(0, 0)),
-    "signs of another size": (SIGNS, forge_law({"signs": [2] * 8})),
     "signs as text": (SIGNS, forge_law({"signs": ["1"] * 8})),
     "signs as truth values": (SIGNS, forge_law({"signs": [True] * 8})),
-    "twists of another rule": (
-        "signs of translations, under rule nearest",
-        forge_law({"twists": [["1", "0", "0"]] * 3}),
-    ),
-    "a plane that does not hold all": ("a plane of all motions", forge_law({"plane": ["0", "0", "1"]})),
-    "a plane of nothing": ("a plane of all motions", forge_law({"plane": ["0", "0", "0"]})),
     "a law of an unknown kind": ("an object with the keys plane", forge_law({"law": []})),
     "two laws": ("an object with the keys signs", forge_law({"signs": [1] * 8, "plane": ["0", "0", "1"]})),
     "an unknown proof": (LEFT_OVER, lambda c: proofs(c).update(translation={})),

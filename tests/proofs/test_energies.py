@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,14 +11,9 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.energies import crossed_energies, energies
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-
-def system_of(*rhs: str) -> SwitchedSystem:
-    return build_system({"system": {"states": ["x", "y"], "rhs": list(rhs)}}, "t", Path("t.toml"))
+from tests.plain import built
 
 
 # Right-hand sides, the place of the position, and its force; at rest that of friction is the mean of both directions.
@@ -41,7 +35,7 @@ def energy_of(formula: PiecewiseExpression, place: int, x: float, v: float) -> f
 def test_the_energy_has_the_slope_of_the_force(
     rhs: tuple[str, str], place: int, force: Callable[[float], float]
 ) -> None:
-    system, step = system_of(*rhs), 1e-6
+    system, step = built(rhs), 1e-6
     crossed = list(crossed_energies(system, system.check.radius))
     found = [*crossed, *energies(system)]
     assert len(crossed) in (2, 4)
@@ -54,7 +48,7 @@ def test_the_energy_has_the_slope_of_the_force(
 
 def test_what_is_of_no_second_order_has_none() -> None:
     for rhs in (("y - x", "-2*x - 3*y"), ("y", "-sqrt(2)*x - y"), ("y*Abs(y)", "-x - y")):
-        system = system_of(*rhs)
+        system = built(rhs)
         assert not list(crossed_energies(system, system.check.radius))
 
 
@@ -68,8 +62,7 @@ def test_what_is_of_no_second_order_has_none() -> None:
     ],
 )
 def test_energies_of_chains(rhs: tuple[str, ...], energy: str) -> None:
-    states = list("xyz"[: len(rhs)])
-    system = build_system({"system": {"states": states, "rhs": list(rhs)}}, "t", Path("t.toml"))
+    system, states = built(rhs), "xyz"[: len(rhs)]
     found, *_ = energies(system)
     expected = parse_piecewise(energy, tuple(states))
     ratios = []
@@ -80,7 +73,7 @@ def test_energies_of_chains(rhs: tuple[str, ...], energy: str) -> None:
 
 
 def test_a_relay_with_viscous_friction_has_a_short_function() -> None:
-    result = decide_system(system_of("y", "-2*sign(x) - y"))
+    result = decide_system(built(["y", "-2*sign(x) - y"]))
     assert result.function is not None
     assert result.function.text == "2*Abs(x) + y**2/2 + x*y/4"
     assert result.reach.region is not None

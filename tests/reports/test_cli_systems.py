@@ -6,7 +6,7 @@ import json
 import math
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from rich.console import Console
@@ -16,10 +16,8 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.checks.system_results import SystemCheckResult
 from nonsmooth.reports.output.console import BAD_INPUT
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 
 @pytest.mark.parametrize(
