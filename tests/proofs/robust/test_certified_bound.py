@@ -21,6 +21,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from tests.array_certificates import check_certificate, said, say, subject
+from tests.oracles.earlier_arrays import refusal_of_version_1
 from tests.oracles.rebuilt_arrays import Decoder, rebuilt
 from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
 from tests.thorough import few, thorough
@@ -58,6 +59,7 @@ def test_irrational_places_are_followed(name: str, tmp_path: Path) -> None:
     certificate = build_certificate(check_cells(with_box(name, tmp_path)))
     assert check_certificate(certificate) == ""
     assert "tolerances" in said(certificate)
+    assert refusal_of_version_1(certificate) == ""
 
 
 def array_of(certificate: Record) -> Scene:
