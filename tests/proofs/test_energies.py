@@ -15,7 +15,6 @@ from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from tests.plain import built
 
-
 # Right-hand sides, the place of the position, and its force; at rest that of friction is the mean of both directions.
 SECOND_ORDER = [
     (("y", "-2*sign(x) - y"), 0, lambda x: 2 * np.sign(x)),
