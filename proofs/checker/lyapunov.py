@@ -56,8 +56,13 @@ class Lyapunov:
         self.count, self.bounded = inclusion.count, inclusion.domain.bounded
 
     def potential(self, cell: Cell) -> Polynomial:
-        """V on a cell: the first of its functions; with a logarithm the sum of this, Q, and of P."""
-        return cell.functions[0] if self.inside is None else cell.functions[0] + self.inside
+        """V on a cell; with a denominator P, and with a logarithm the sum of Q and P."""
+        own = self.listed(cell)
+        return own if self.inside is None else own + self.inside
+
+    def listed(self, cell: Cell) -> Polynomial:
+        """The first of the functions of a cell."""
+        return cell.functions[0]
 
     def divide_by(self, bottom: Polynomial) -> None:
         """Let V be a quotient: what is listed as its polynomials is P; see the head of this file."""
@@ -76,12 +81,12 @@ class Lyapunov:
         self.proofs.show(Claim("logarithm", (here,), strict=False, bounded=self.bounded))
         for name, signs, cell in self.inclusion.pieces():
             guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
-            self._show_on_cell(f"beside {name}", cell.functions[0], guards, strict=False)
+            self._show_on_cell(f"beside {name}", self.listed(cell), guards, strict=False)
         self.inside = inside
 
     def derivative(self, cell: Cell, field: Sequence[Polynomial]) -> Polynomial:
         """V' along a field, times ``1 + P``, or times the square of the denominator."""
-        own = cell.functions[0]
+        own = self.listed(cell)
         found = lie_derivative(own, field)
         if self.inside is not None:
             return found + found * self.inside + lie_derivative(self.inside, field)
