@@ -8,7 +8,7 @@ field are forms on cones, the conditions on the cube say enough
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, product
@@ -52,23 +52,26 @@ def find_global_attraction(
     known = rational_subject(system)
     if known is None:
         return None
-    space, given = WholeSpace(*known), [own for own in potentials if own is not None]
-    for potential in chain(given, global_functions(known[0])):
-        found = space.shown(potential, strict=True)
-        if found is not None:
-            return found
-    quotient = find_quotient(known[0], everywhere=True)
-    if quotient is not None:
-        return quotient[0]
-    for potential, inside in logarithmic_functions(known[0]):
-        found = space.shown(potential, strict=True, logarithm=inside.text)
-        if found is not None:
-            return found
+    given = [own for own in potentials if own is not None]
+    return next(filter(None, _attempts(*known, given, energies)), None)
+
+
+def _attempts(
+    system: SwitchedSystem,
+    subject: System,
+    given: Iterable[PiecewiseExpression],
+    energies: Iterable[PiecewiseExpression],
+) -> Iterator[dict[str, Any] | None]:
+    """What each way shows, one after the other; None where it shows nothing."""
+    space = WholeSpace(system, subject)
+    for potential in chain(given, global_functions(system)):
+        yield space.by_fall(potential)
+    quotient = find_quotient(system, everywhere=True)
+    yield None if quotient is None else quotient[0]
+    for potential, inside in logarithmic_functions(system):
+        yield space.by_fall(potential, inside.text)
     for potential in chain(given, energies):
-        found = space.shown(potential, strict=False)
-        if found is not None:
-            return found
-    return None
+        yield space.by_rest(potential)
 
 
 def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | None:
@@ -90,39 +93,50 @@ class WholeSpace:
 
     def __init__(self, system: SwitchedSystem, subject: System) -> None:
         self.system, self.subject = system, subject
-        self.asked: set[tuple[str, bool, str]] = set()
+        self.asked: set[tuple[str, str, str]] = set()
 
-    def shown(self, potential: PiecewiseExpression, *, strict: bool, logarithm: str = "") -> dict[str, Any] | None:
-        """The entry for a V that falls; or for one that does not rise, with further functions.  None without one.
+    def by_fall(self, potential: PiecewiseExpression, logarithm: str = "") -> dict[str, Any] | None:
+        """The entry for a V that falls; None where it is not shown.
 
         Args:
-            potential: V.
-            strict: whether it is to fall.
-            logarithm: P, where V has ``ln(1 + P)`` beside it.
+            potential: V, or what is beside the logarithm.
+            logarithm: P, where V holds ``ln(1 + P)``.
         """
-        if (potential.text, strict, logarithm) in self.asked:
+        own = self._unrefuted(potential, ASYMPTOTICALLY_STABLE, logarithm)
+        return None if own is None else self._bounded(own, Search(WORK))
+
+    def by_rest(self, potential: PiecewiseExpression) -> dict[str, Any] | None:
+        """The entry for a V that does not rise, with functions that show that nothing else stays where it is kept."""
+        own = self._unrefuted(potential, STABLE)
+        if own is None:
             return None
-        self.asked.add((potential.text, strict, logarithm))
+        search = Search(WORK)
+        second = find_second(self.subject, own["cells"], potential.text, search)
+        if second is None:
+            return None
+        return self._bounded({**own, "verdict": ASYMPTOTICALLY_STABLE, "second": second}, search)
+
+    def _unrefuted(self, potential: PiecewiseExpression, verdict: str, logarithm: str = "") -> dict[str, Any] | None:
+        """The hypotheses for a verdict, where V was not asked before and no sample refutes it."""
+        if (potential.text, verdict, logarithm) in self.asked:
+            return None
+        self.asked.add((potential.text, verdict, logarithm))
         try:
             cells = stated_cells(self.system, None, surfaces_of(self.system, potential)).record
         except BeyondReachError:
             return None
-        search = Search(WORK)
-        own = stability_hypotheses(cells, potential.text, ASYMPTOTICALLY_STABLE if strict else STABLE)
-        own |= {"logarithm": logarithm} if logarithm else {}
+        own = stability_hypotheses(cells, potential.text, verdict) | ({"logarithm": logarithm} if logarithm else {})
         try:
             SampledProofs().entry(self.subject, "lyapunov", own)
         except NotShownError:
             return None
-        if not strict:
-            second = find_second(self.subject, cells, potential.text, search)
-            if second is None:
-                return None
-            own = stability_hypotheses(cells, potential.text, ASYMPTOTICALLY_STABLE, second)
+        return own
+
+    def _bounded(self, own: dict[str, Any], search: Search) -> dict[str, Any] | None:
+        """The entry for hypotheses, with a bound that shows that level sets are bounded."""
         for bound, factor in product(BOUNDS, FACTORS):
             hypotheses = {**own, "everywhere": True, bound: str(factor)}
             with suppress(NotShownError):
-                if strict:
-                    SampledProofs().entry(self.subject, "lyapunov", hypotheses)
+                SampledProofs().entry(self.subject, "lyapunov", hypotheses)
                 return search.entry(self.subject, "lyapunov", hypotheses)[0]
         return None
