@@ -29,7 +29,7 @@ from nonsmooth.proofs.kernel.second_function import Floats, find_second, gradien
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
 from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.energies import energies
+from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -127,8 +127,9 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     """
     for share in SHARES:
         radius = system.check.radius * share
+        energy = energy_near(system, radius)
         found = (parse_piecewise(text, system.states) for text in weak_functions(system, radius, positive=True))
-        for formula in chain(energies(system, radius), found):
+        for formula in chain([energy] if energy is not None else [], found):
             examined = examine(system, formula, radius)
             if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
                 return examined

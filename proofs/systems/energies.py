@@ -213,9 +213,15 @@ def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:
 # ---- candidates ------------------------------------------------------------------------------------
 
 
-def energies(system: SwitchedSystem, radius: Number | None = None) -> Iterator[PiecewiseExpression]:
-    """Energies on a cube of some half-width, or in the whole space; then with an H of a linear form that switches."""
+def energy_near(system: SwitchedSystem, radius: Number) -> PiecewiseExpression | None:
+    """The energy on a cube of some half-width; None where there is none."""
     known = actions(system, radius)
+    return None if known is None else known.formula(known.energy())
+
+
+def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
+    """The energy in the whole space, then those with an H of a linear form that switches."""
+    known = actions(system, None)
     if known is None:
         return
     yield known.formula(known.energy())
