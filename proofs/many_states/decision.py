@@ -25,6 +25,7 @@ from functools import cached_property
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
+from nonsmooth.proofs.kernel.denominators import require_denominators
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.first_terms import (
@@ -40,9 +41,9 @@ from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_growth, fi
 from nonsmooth.proofs.many_states.reach import decay_rate, disturbance_gain, largest_sublevel, rate_scales
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -135,7 +136,7 @@ class SpacePoint(CheckedPoint):
         everywhere, entry = self._holds_everywhere(found), found.entry if found.is_global else None
         if found.verdict is Translation.ASYMPTOTICALLY_STABLE and not everywhere and entry is None:
             own = None if found.function is None else found.function.formula
-            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov))
+            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov), energies(self.system))
         reach = self._near(found, everywhere=everywhere or entry is not None)
         return replace(reach, global_entry=entry)
 
@@ -165,7 +166,10 @@ class SpacePoint(CheckedPoint):
         """Whether every start of the space reaches the point."""
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return False
-        linear = self.linear is not None and self.linear.is_whole
+        try:
+            linear = self.linear is not None and self.linear.is_whole
+        except BeyondReachError:  # states that were decided by themselves
+            linear = False
         return linear or (found.function is not None and found.function.is_homogeneous)
 
 

@@ -30,6 +30,7 @@ from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, squ
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
+from nonsmooth.proofs.kernel.denominators import require_denominators
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
 from nonsmooth.proofs.systems.decay_rate import (
@@ -40,9 +41,9 @@ from nonsmooth.proofs.systems.decay_rate import (
     rate_scales,
     region_rate,
 )
-from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
+from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.findings import KEPT, CheckedPoint, Finding, Known, Method, Reach, weak_finding
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import (
@@ -315,7 +316,7 @@ class PlanePoint(CheckedPoint):
         entry = found.entry if found.is_global else None
         if not everywhere and entry is None:
             own = None if found.function is None else found.function.formula
-            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov))
+            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov), energies(self.system))
         return replace(reach, everywhere=everywhere or entry is not None, in_finite_time=in_time, global_entry=entry)
 
 

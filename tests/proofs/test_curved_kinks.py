@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -19,11 +18,9 @@ from nonsmooth.proofs.systems.decay_rate import decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.proofs.conftest import Load
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.proofs.conftest import Load
 
 NAMES = {"sign": np.sign, "Abs": np.abs}
 STEP, STEPS = 1e-3, 4000
