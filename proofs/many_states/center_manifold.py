@@ -243,7 +243,7 @@ class Reduction:
         size = self.split.size
         places = _times(self.split.right, [variable(size, k) for k in range(size)])
         places = [own + more for own, more in zip(places, manifold, strict=True)]
-        return [_cut(part.on(places, size), degree) for part in self.field]
+        return [_composed(part, places, size, degree) for part in self.field]
 
     def _carried(self, value: Polynomial, moved: Sequence[Polynomial], degree: int) -> Polynomial:
         """``grad(value) . L f`` up to a degree."""
@@ -396,7 +396,7 @@ class Reduction:
         beside = _identity(split.count) - split.onto_center
         places = _times(split.right, [variable(1, 0)])
         places = [own + more for own, more in zip(places, self.manifold, strict=True)]
-        jacobian = [[_cut(part.derivative(k).on(places, 1), half) for k in range(split.count)] for part in self.field]
+        jacobian = [[_composed(part.derivative(k), places, 1, half) for k in range(split.count)] for part in self.field]
         (speed,) = _times(split.left, self._along(self.manifold, half + 1))
         slope = leading.potential.derivative(0)
         for degree in range(1, half):
@@ -432,6 +432,18 @@ def _times(matrix: fmpq_mat, vector: Sequence[Polynomial]) -> Vector:
 def _cut(value: Polynomial, degree: int) -> Polynomial:
     """The terms up to a degree."""
     return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) <= degree})
+
+
+def _composed(value: Polynomial, places: Sequence[Polynomial], count: int, degree: int) -> Polynomial:
+    """The terms up to a degree where every variable is a polynomial in ``count`` others without a constant term.
+
+    A factor of a product of k is needed up to ``degree - k + 1``: the others are of degree one at least.
+    """
+    total = constant(count, 0)
+    for power in range(degree + 1):
+        needed = [_cut(own, degree + 1 - power) for own in places]
+        total += _part(value, power).on(needed, count)
+    return _cut(total, degree)
 
 
 def _part(value: Polynomial, degree: int) -> Polynomial:

@@ -176,7 +176,10 @@ def actions(system: SwitchedSystem, radius: Number | None) -> Actions | None:
 
 
 def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[Pieces] | None:
-    """Of each velocity what hangs on state i alone, the mean of both sides of its axis."""
+    """Of each velocity what hangs on state i alone, the mean of both sides of its axis.
+
+    Fields that were multiplied by denominators are divided again where that leaves polynomials.
+    """
     states, count = system.displaced(system.states), len(system.states)
     ends = _ends(system, i, radius)
     near = NEAR * min((right - left for left, right in pairwise(ends)), default=fmpq(1))
@@ -186,15 +189,33 @@ def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[P
         for side in (1, -1):
             aside = [side * near * near / (k + 1) for k in range(count)]
             at = [system.field(beside if k == i else own) for k, own in enumerate(aside)]
-            velocity = system.members[0].velocity(lambda own, at=at: own(at).sign(), states)  # type: ignore[misc]
-            for j, part in enumerate(velocity):
-                alone = {e[i]: c.as_rational() for e, c in part.terms.items() if e[i] == sum(e)}
-                if None in alone.values() or max(alone, default=0) > MOST_DEGREE:
+
+            def sign_of(own: Polynomial, at: Sequence[Number] = at) -> int:
+                return own(at).sign()
+
+            scale = fmpq_poly([1])
+            if system.scale is not None:
+                stated = dict(zip(system.states, states, strict=True))
+                scale = _alone(system.scale.polynomial(stated, sign_of), i) or scale
+            for j, part in enumerate(system.members[0].velocity(sign_of, states)):
+                alone = _alone(part, i)
+                if alone is None:
                     return None
-                total[j] += fmpq_poly([alone.get(k) or fmpq(0) for k in range(MOST_DEGREE + 1)]) / 2
+                quotient, rest = divmod(alone, scale)
+                total[j] += (alone if rest else quotient) / 2
+        if max(own.degree() for own in total) > MOST_DEGREE:
+            return None
         for own, value in zip(pieces, total, strict=True):
             own.append(value)
     return [Pieces(tuple(ends), tuple(own)) for own in pieces]
+
+
+def _alone(value: Polynomial, i: int) -> fmpq_poly | None:
+    """The terms that hang on variable i alone; None where one is not rational."""
+    alone = {e[i]: c.as_rational() for e, c in value.terms.items() if e[i] == sum(e)}
+    if None in alone.values():
+        return None
+    return fmpq_poly([alone.get(k) or fmpq(0) for k in range(max(alone, default=0) + 1)])
 
 
 def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:

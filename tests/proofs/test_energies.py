@@ -58,6 +58,7 @@ def test_what_is_of_no_second_order_has_none() -> None:
         (("2*y", "-sign(x) - y"), "Abs(x) + y**2"),
         (("y", "-3*sat(x, -1, 2)"), "3*(x*sat(x, -1, 2) - sat(x, -1, 2)**2/2) + y**2/2"),
         (("-x + y**3", "-x/2 - y"), "x**2/2 + y**4/2"),
+        (("y", "-x**3 - 3*y/(1 + x**4)"), "x**4/4 + y**2/2"),
     ],
 )
 def test_energies_of_chains(rhs: tuple[str, ...], energy: str) -> None:
