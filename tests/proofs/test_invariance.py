@@ -214,6 +214,7 @@ def test_a_v_that_solutions_keep_refutes_attraction(rhs: list[str]) -> None:
     assert (result.verdict, result.deciding.refutes) == (Translation.STABLE, KEPT)
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(("rhs", "lyapunov"), NOT_KEPT)
 def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
     result = decide_system(ns.System(["x", "y"], rhs, lyapunov=lyapunov).system)

@@ -38,7 +38,7 @@ SYSTEMS: dict[str, tuple[list[str], str | None]] = {
     "max": (["-Max(x, sqrt(2)*x)"], None),
     "centre": (["sqrt(2)*y", "-sqrt(2)*x"], None),
     "weighted centre": (["sqrt(2)*y", "-x"], "x**2 + sqrt(2)*y**2"),
-    "nested centre": (["sqrt(2 + sqrt(2))*y", "-sqrt(2 + sqrt(2))*x - y**3"], "x**2 + y**2"),
+    "nested centre": (["sqrt(2 + sqrt(2))*y", "-sqrt(2 + sqrt(2))*x"], "x**2 + y**2"),
     "golden centre": (["(1 + sqrt(5))/2*y", "-cos(pi/5)*2*x"], None),
     "two roots": (["sqrt(6)*y - sqrt(2)*sqrt(3)*y - x", "-y/sqrt(3)"], None),
     "line": (["-sign(x - sqrt(2)*y)", "-sign(y)"], None),
