@@ -286,13 +286,13 @@ def test_a_rate_that_takes_too_much_work_is_not_proved(load: Load) -> None:
 
 ONE_ZERO = [
     ("-2*x", "-10*x"),
+    ("y", "-Max(x - 1/4, 0) - Min(x + 1/4, 0) - y"),  # a dead zone: linear on a smaller square
     ("0", "x - 3*y"),
     ("-x - 2*y", "x/3 + 2/3*y"),
-    ("y", "-Max(x - 1/4, 0) - Min(x + 1/4, 0) - y"),  # a dead zone: linear on a smaller square
 ]
 
 
-@pytest.mark.parametrize("rhs", ONE_ZERO)
+@pytest.mark.parametrize("rhs", keep(2, ONE_ZERO))
 def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: tuple[str, str]) -> None:
     result = decide_system(load(*rhs))
     assert (result.verdict, result.deciding.theorem) == (Translation.STABLE, Method.LYAPUNOV)
