@@ -107,13 +107,13 @@ def test_both_checkers_count_waves_alike(side: tuple[str, str], order: int) -> N
     assert [[part.terms for part in field] for field in own] == as_fractions
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("name", SHORT)
 def test_both_checkers_agree_on_mutants(name: str, seed: int) -> None:
     """One letter of the hypotheses, the proofs or the statement is another one."""
     record, source = json.loads(text_of(name)), random.Random(seed)
     hand, refused = Hand(source, "".join(record["statement"]["subject"]["states"])), 0
-    for _ in range(60):
+    for _ in range(20):
         forged = copy.deepcopy(record)
         hand.another_letter(forged[source.choice(["statement", "evidence"])])
         first, second = both(forged)

@@ -25,6 +25,7 @@ from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from tests import built_in
 from tests.oracles.mutants import Record
 from tests.plain import built
 from tests.proofs.forged import with_reach
@@ -81,7 +82,7 @@ def record_of(name: str) -> Record:
 @pytest.mark.parametrize("name", keep(2, ["relay-oscillator-damped", "flower", "relay-chain"]))
 def test_built_in_systems_are_accepted_without_the_program(name: str, tmp_path: Path) -> None:
     file = tmp_path / "c.json"
-    file.write_text(json.dumps(certificate_of(decide_system(load_system(name)))), encoding="utf-8")
+    file.write_text(json.dumps(certificate_of(built_in.decided(name))), encoding="utf-8")
     line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(file)]
     done = subprocess.run(line, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stdout.splitlines()[0]) == (0, "valid")

@@ -346,7 +346,7 @@ def test_one_wheel_varies_where_speeds_have_a_unit(invoke: Invoke, tmp_path: Pat
     ring = """
 units = { length = "mm", speed = "m/s" }
 friction = { mu_roll = 1, mu_side = "1/2" }
-ring = { count = 6, radius = 100 }
+ring = { count = 4, radius = 100 }
 field = { kind = "radial", speed = "1/10" }
 drive = { speed_limit = "3/10" }
 check = { radius = 50 }
