@@ -9,7 +9,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
-from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, stated_cells
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departure_of
@@ -18,6 +18,7 @@ from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.mutants import Record, is_one_line
+from tests.plain import refused
 from tests.proofs.switched_oracle import Judge, random_fan, spread
 from tests.thorough import but, few, thorough
 
@@ -57,10 +58,6 @@ def certificate(system: SwitchedSystem, verdict: str) -> Record:
     assert {"stability": verdict} in claims
     found = {"version": VERSION, "statement": {"subject": about(system), "claims": claims}, "evidence": [entry]}
     return json.loads(json.dumps(found))
-
-
-def refused(record: Record) -> str:
-    return refusal(record, len(json.dumps(record)))
 
 
 @pytest.mark.parametrize("name", but(["turns inward, curved"], KNOWN))
