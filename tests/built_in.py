@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.files.scene_file import builtin_systems, load_scene
@@ -14,6 +15,12 @@ from nonsmooth.symbolic.files.system_file import load_system
 def checked(name: str, rule: str) -> CellCheck:
     """The check of a built-in scene under a rule with cells."""
     return check_cells(load_scene(name, rule=rule))
+
+
+@cache
+def decided(name: str) -> StabilityResult:
+    """What is decided of a built-in system."""
+    return decide_system(load_system(name))
 
 
 @cache

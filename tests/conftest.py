@@ -14,6 +14,7 @@ import pytest
 from hypothesis import settings
 
 from nonsmooth.analysis.cells.polygon import Point, Polygon
+from nonsmooth.proofs.systems.findings import Reach
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
@@ -29,6 +30,7 @@ settings.load_profile(SOME)  # unless pytest is asked for another: `make bench` 
 HALF = Fraction(1, 2)
 DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
 OTHERS = "nonsmooth.proofs.answers.answers.other_rules"
+POINTS = "systems.scalar_stability.LinePoint", "systems.system_stability.PlanePoint", "many_states.decision.SpacePoint"
 FRICTIONS: dict[str, Pair] = {"side<roll": ROLL, "side>roll": SIDE, "side=roll": (1, 1)}
 
 
@@ -211,6 +213,13 @@ def arrays() -> Arrays:
 def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checks without the paths that count where bodies go: they are sampled, and take seconds."""
     monkeypatch.setattr(DESTINATIONS, lambda check: None)
+
+
+@pytest.fixture
+def without_reach(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Verdicts on plain systems without how far and how fast they hold, which is searched after them."""
+    for point in POINTS:
+        monkeypatch.setattr(f"nonsmooth.proofs.{point}.reach", lambda point, found: Reach())
 
 
 @pytest.fixture

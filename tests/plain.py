@@ -1,11 +1,13 @@
-"""Plain systems of formulas, as a file of them would be read."""
+"""Plain systems of formulas, as a file of them would be read, and what the checker says of certificates about them."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -26,3 +28,9 @@ def built(
     if parameters:
         system["parameters"] = dict(parameters)
     return build_system({"system": system, "check": check}, "t", Path("t.toml"))
+
+
+def refused(record: Any) -> str:
+    """Why the checker rejects a certificate that was written and read; empty where it does not."""
+    text = json.dumps(record)
+    return refusal(json.loads(text), len(text))

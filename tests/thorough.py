@@ -3,8 +3,8 @@
 1. A check over random arrays (a parameter of :data:`SEEDED`) keeps the first one.
 2. A check of many long cases (:func:`few`) keeps as many as take about half a second together: its first, then those
    that have most in their names that no kept case has, such as another rule and another scene (:func:`unlike`).
-3. A test may say itself which of its cases are kept (:func:`keep`), or be left to ``make bench`` as a whole
-   (:data:`thorough`) where a smaller test of the same claim stands beside it, which a comment then names.
+3. A test may say itself which of its cases are kept (:func:`keep`, :func:`but`), or be left to ``make bench`` as a
+   whole (:data:`thorough`) where a smaller test of the same claim stands beside it, which a comment then names.
 4. A property of any input (Hypothesis) is tried on fewer examples (:func:`examples`).
 """
 
@@ -44,6 +44,19 @@ def keep(kept: int, cases: Iterable[Any]) -> list[Any]:
     listed = list(cases)
     further = [pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=thorough) for case in listed[kept:]]
     return [*listed[:kept], *further]
+
+
+def but(long: Iterable[Any], cases: Iterable[Any]) -> list[Any]:
+    """The cases of a parameter, the long ones marked as thorough: of the same claim others take less time.
+
+    Args:
+        long: which ones are marked, each one of the cases.
+        cases: values of one parameter.
+    """
+    listed, left_out = list(cases), list(long)
+    if not all(case in listed for case in left_out):
+        raise ValueError(f"required cases of the parameter, received {left_out}")
+    return [pytest.param(case, marks=thorough) if case in left_out else case for case in listed]
 
 
 def examples(number: int) -> settings:

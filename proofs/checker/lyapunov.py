@@ -76,7 +76,6 @@ class Lyapunov:
 
     def add_logarithm(self, inside: Polynomial) -> None:
         """Let V be ``Q + ln(1 + P)``: what is listed as its polynomials is Q; see the head of this file."""
-        require(not inside.at_origin, "a P that is zero at the point")
         here = Inequality(inside, whole_domain(self.inclusion).guards({}) or {})
         self.proofs.show(Claim("logarithm", (here,), strict=False, bounded=self.bounded))
         for name, signs, cell in self.inclusion.pieces():

@@ -5,6 +5,7 @@ Laws of one rule under the other one are refused in any case, but by other words
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
@@ -67,6 +68,7 @@ def of_discs() -> Iterator[Forgery]:
     claims = {"disc": {**disc, "squared_radius": "4"}, "arrival": None}
     changes = hypothesis("disc", "4"), hypothesis("rate", None)
     yield of_array("a disc in the support polygon", FOUR, claims, *changes, *larger_square())
+    yield of_array("the barrier 1 0", OUTWARD, {}, ([*PROOFS, "barrier 1 0"], ["0", "0", "0"]))
 
 
 def larger_square() -> tuple[tuple[Path, Any], ...]:
@@ -157,6 +159,7 @@ def of_tolerances() -> Iterator[Forgery]:
     tiny = {**bounds, "radius": f"1/{2**70}"}
     words = "discs of sizes that differ less"
     yield of_array(words, name, {**others, "tolerances": tiny}, alone, exact, (["evidence", 0, "hypotheses"], tiny))
+    yield built("numbers of moderate size", *(([*wheels, k, "speed"], str(2**140)) for k in range(4)))
     yield built("friction in both directions", ([*wheels, 0, "friction"], ["1", "0"]))
     outward = [{**own, "speed": "-1"} for own in good["statement"]["subject"]["wheels"]]
     yield built("a rate outside the disc", (wheels, outward))
@@ -264,6 +267,29 @@ def of_basins() -> Iterator[Forgery]:
     yield ends("one polygon in which bodies end", below=3)
     yield ends("a polygon in the disc in which bodies end", (disc, "1/100000"))
     yield ends("a mesh inside the square", (disc, "1"), unit="1/20")
+    weight = Fraction(1, 3**57)
+    tiny = [[str(weight * Fraction(own)) for own in point] for point in points]
+    yield of_array("corners that are enclosed", name, {}, ([*where, "points"], tiny))
+
+    # wheels that turn outward, at places that are those of the mesh times a negative number
+    good = good_arrays()[f"array-{name}"]
+    entry = copy.deepcopy(good["evidence"][1])
+    own = entry["hypotheses"]
+    for cell in own["cells"]:
+        cell["twists"] = [list(map(opposite, twist)) for twist in cell["twists"]]
+    own["mesh"] = {"unit": "-1/32", "corners": mesh["corners"][:8], "triangles": mesh["triangles"][:8]}
+    own["below"] = 1
+    stated = {"mesh": own["mesh"], "below": 1, "squared_radius": own["squared_radius"]}
+    claims = {**dict.fromkeys(said(good)), "ends": stated}
+    outward = [([*SUBJECT, "wheels", k, "speed"], "-1") for k in range(4)]
+    yield of_array("a positive unit", name, claims, (["evidence"], [entry]), *outward)
+
+
+def opposite(number: Any) -> Any:
+    """The number of a field times -1: a text, or a list of products that begin with their factor."""
+    if isinstance(number, str):
+        return str(-Fraction(number))
+    return [[opposite(factor), *rest] for factor, *rest in number]
 
 
 def array_conditions() -> Iterator[Forgery]:

@@ -68,6 +68,7 @@ def of_lyapunov() -> Iterator[Forgery]:
     yield of_one_state("a verdict", "-x", [UNSTABLE], FALLS, {"verdict": "unstable"})
     for key in ("everywhere", "below"):
         yield of_one_state("everywhere and below as true or false", "-x", [ATTRACTS], FALLS, {key: 0})
+    yield of_one_state("rational numbers as texts such as '-3/4'", "-x", [ATTRACTS], FALLS, {"below": True})
     words = "further functions where the point attracts"
     yield of_one_state(words, "-x", [STABLE], FALLS, {"verdict": "stable", "second": NO_FUNCTIONS})
 
@@ -173,9 +174,10 @@ def of_proper() -> Iterator[Forgery]:
     # V = x**2 + ln(1 - x), which is negative; and one with a rate, of which nothing is known
     words = "a mixture that is not negative, for logarithm"
     yield of_one_state(words, "-x", [ATTRACTS], {**FALLS, "logarithm": PLAIN}, {"logarithm": "-x"})
-    slow = {"logarithm": "x**2", "rate": {"kind": "exponential", "kappa": "1"}}
-    yield of_one_state("a logarithm with a verdict alone", "-x", [ATTRACTS], FALLS, slow)
-    yield of_one_state("a P that is zero at the point", "-x", [ATTRACTS], FALLS, {"logarithm": "1 + x**2"})
+    level: Record = {"logarithm": "x**2", "level": "3/2"}  # of V, which is x**2 + ln(1 + x**2), on the border
+    region = {"attracts": {"function": "x**2", "within": "1", "below": "3/2"}}
+    proofs = {**FALLS, "border  +0": PLAIN, "border  -0": PLAIN, "logarithm": ON_PARTS, "beside ": ON_PARTS}
+    yield of_one_state("a logarithm with a verdict alone", "-x", [ATTRACTS, region], proofs, level)
 
 
 def of_instability() -> Iterator[Forgery]:
@@ -705,6 +707,34 @@ def of_meshes() -> Iterator[Forgery]:
     yield meshed("simplices of positive size", triangles=turned)
 
 
+def of_resting_places() -> Iterator[Forgery]:
+    """W falls in all triangles, and a solution rests on a side between them, or at a corner of them."""
+    eight: Record = {"simplices": [{}] * 8}
+    two: Record = {"simplices": [{}, {}]}
+    for because, rhs, surfaces, height in (
+        ("a function that falls on side 0 2", "x**2/16 - y", ["x - 2"], 0),
+        ("velocities in a half plane at (8, 8)", "y*(1 - y)*sign(y - 2)", ["x - 2", "y - 2"], 8),
+    ):
+        corners = [(8, height, 0), (10, height, 1), (8, height + 2, 1), (6, height, 1), (8, height - 2, 1)]
+        mesh = {
+            **{"unit": "1/4", "corners": [" ".join(map(str, own)) for own in corners]},
+            "triangles": ["0 1 2", "0 2 3", "0 3 4", "0 4 1"],
+        }
+        dots = "." * len(surfaces)
+        empty = [f"{dots[:k]}+{dots[k + 1 :]}" for k in range(len(surfaces))]
+        local: Record = {"cells": {"within": "1/2", "surfaces": surfaces, "empty": empty}, "function": "x**2 + y**2"}
+        local |= {"verdict": "asymptotically stable", "everywhere": False, "level": "1/4", "below": False}
+        local |= {"rate": None, "second": None}
+        proofs = {f"V {dots}": eight, f"cell {'-' * len(dots)} field 0": eight}
+        proofs |= {f"empty {own}": PLAIN for own in empty}
+        proofs |= {f"border {dots} {sign}{k}": two for sign in "+-" for k in range(2)}
+        subject: Record = {"states": ["x", "y"], "rhs": [["x*(1 - x)*sign(x - 2)", rhs]], "at": ["0", "0"]}
+        level = {"function": "x**2 + y**2", "within": "1/2", "below": "1/4"}
+        claims = [ATTRACTS, {"attracts": level}, {"attracts": {"mesh": mesh, "below": 1}}]
+        hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": 1}
+        yield of_subject(because, subject, claims, "basin", hypotheses, proofs)
+
+
 def of_a_relay_in_space() -> Iterator[Forgery]:
     """W falls in all tetrahedra, and rises along solutions that slide between them: ``y' = 2 y**3/3 - y``."""
     good = good_certificates()["space-relay-1"]["evidence"][0]["hypotheses"]
@@ -736,6 +766,6 @@ def conditions() -> Iterator[Forgery]:
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_formulas, of_documents),
         *(of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
-        of_a_relay_in_space,
+        *(of_resting_places, of_a_relay_in_space),
     ):
         yield from kind()

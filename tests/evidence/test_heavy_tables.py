@@ -49,7 +49,7 @@ def test_bodies_do_what_is_said(seed: int, speed: int) -> None:
 
 
 @few(1)
-@pytest.mark.parametrize(("seed", "speed"), [(0, 250), (0, 50), (1, 1000), (2, 250), (5, 1000)])
+@pytest.mark.parametrize(("seed", "speed"), [(2, 250), (0, 250), (0, 50), (1, 1000), (5, 1000)])
 def test_bodies_do_in_the_engine_what_is_said(seed: int, speed: int) -> None:
     drawn = Drawn(seed, speed)
     found = compared(drawn, EngineTable(drawn.table))

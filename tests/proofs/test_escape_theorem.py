@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import read_system
-from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import UNSTABLE
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search
 from tests.oracles.mutants import Record, is_one_line
+from tests.plain import refused
 from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -57,10 +58,6 @@ def certificate(name: str) -> Record:
     subject = {"states": states.split(), "rhs": sides, "at": ["0"] * len(states.split())}
     found = {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
     return json.loads(json.dumps(found))
-
-
-def refused(record: Record) -> str:
-    return refusal(record, len(json.dumps(record)))
 
 
 @pytest.mark.parametrize("name", LEAVING)

@@ -336,6 +336,24 @@ def test_mixtures_of_tied_motions_never_refute_a_verdict() -> None:
     assert stable >= 5
 
 
+@pytest.mark.parametrize(
+    ("tied", "verdict"),
+    [
+        ([(-1, Fraction(1, 8)), (-1, Fraction(1, 4))], Translation.ASYMPTOTICALLY_STABLE),
+        ([(-1, 0, 1), (-1, Fraction(1, 8))], Translation.UNDECIDED),  # from s to the order of s^2, or to s/8
+        ([(-1, 0, 1), (-1, 0, 2)], Translation.UNDECIDED),
+    ],
+)
+def test_full_turns_with_a_tie_of_another_order_are_not_said_to_contract(
+    tied: list[tuple[int | Fraction, ...]], verdict: Translation
+) -> None:
+    first, *others = fan_of(AXES, [(-1, 1), (-1, -1), (1, -1), (1, 1)])
+    twists = tuple(Twist(*(FIELD(x) for x in (*motion, 0)[:3])) for motion in tied)
+    result = decide_cones([replace(first, twists=twists), *others])
+    assert result.verdict is verdict
+    assert evidence_holds(result)
+
+
 @pytest.mark.parametrize("count", keep(1, [10, 40]))
 def test_tied_motions_of_an_array_are_decided(arrays: Arrays, count: int) -> None:
     from nonsmooth.analysis.cells.nearest import build_nearest_partition

@@ -18,12 +18,14 @@ import pytest
 from nonsmooth.proofs.certificate import build_certificate
 from tests.array_certificates import check_certificate, evidence, subject
 from tests.built_in import checked
+from tests.thorough import but
 
 Record = dict[str, Any]
 
 SECONDS = 60.0  # of processor time; an idle machine takes 20 at most
 AT_ONCE = 10.0  # where nothing but the reading is asked for
 RANDOM = np.random.default_rng(1)
+FIRST = RANDOM.bit_generator.state  # from which every test begins, whichever ran before
 
 
 def digits(count: int) -> str:
@@ -83,7 +85,7 @@ ARRAYS: dict[str, tuple[Callable[[Record], object], str]] = {
     "equal monomials": (equal_monomials, LIMITS),
     "long denominators": (long_bottoms, LIMITS),
     "a long root": (long_root, LIMITS),
-    "long points": (long_points, "cell 0: a convex polygon, counterclockwise"),
+    "long points": (long_points, "cell 0: wheels by their distance, at every corner"),
 }
 
 
@@ -92,8 +94,9 @@ def good() -> str:
     return json.dumps(build_certificate(checked("four-wheel", "nearest")))
 
 
-@pytest.mark.parametrize("name", ARRAYS)
+@pytest.mark.parametrize("name", but(["equal monomials"], ARRAYS))
 def test_forged_arrays_end(name: str) -> None:
+    RANDOM.bit_generator.state = FIRST
     data = json.loads(good())
     forge, claim = ARRAYS[name]
     forge(data)

@@ -202,8 +202,8 @@ def test_rates_are_below_the_exact_ones(
     keep(
         1,
         [
-            ("-y", "x - y + x**2*y", "3", 4.5),  # van der Pol in reversed time; 1.7 on the square of the search
-            ("y", "-sign(x) - y/4", "1/2", 0.004),  # 0.0026 on that square
+            ("y", "-sign(x) - y/4", "1/2", 0.004),  # 0.0026 on the square of the search
+            ("-y", "x - y + x**2*y", "3", 4.5),  # van der Pol in reversed time; 1.7 on that square
         ],
     ),
 )
@@ -285,15 +285,15 @@ def test_a_rate_that_takes_too_much_work_is_not_proved(load: Load) -> None:
 
 
 ONE_ZERO = [
-    ("-2*x", "-10*x"),
-    ("0", "x - 3*y"),
-    ("-x - 2*y", "x/3 + 2/3*y"),
-    ("y", "-Max(x - 1/4, 0) - Min(x + 1/4, 0) - y"),  # a dead zone: linear on a smaller square
+    ["-2*x", "-10*x"],
+    ["y", "-Max(x - 1/4, 0) - Min(x + 1/4, 0) - y"],  # a dead zone: linear on a smaller square
+    ["0", "x - 3*y"],
+    ["-x - 2*y", "x/3 + 2/3*y"],
 ]
 
 
-@pytest.mark.parametrize("rhs", ONE_ZERO)
-def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: tuple[str, str]) -> None:
+@pytest.mark.parametrize("rhs", keep(2, ONE_ZERO))
+def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list[str]) -> None:
     result = decide_system(load(*rhs))
     assert (result.verdict, result.deciding.theorem) == (Translation.STABLE, Method.LYAPUNOV)
     assert certificate_of(result)["statement"]["claims"] == [{"stability": "stable"}]

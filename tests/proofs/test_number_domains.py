@@ -120,7 +120,7 @@ def requires_gain(rhs: list[str], record: dict[str, Any], gain: dict[str, Any]) 
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.parametrize("seed", range(1, 21))
+@pytest.mark.parametrize("seed", [2, 1, *range(3, 21)])
 def test_planar_numbers_hold_where_they_say(family: str, seed: int) -> None:
     rhs = FAMILIES[family](seed, 2)
     record = record_of(rhs)

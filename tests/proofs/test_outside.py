@@ -20,7 +20,6 @@ from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.outside import closed, is_counterclockwise, meet, require_simple, show_outside, winding
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
@@ -30,6 +29,7 @@ from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, oth
 from nonsmooth.proofs.systems.saddle_borders import AXES, find_borders, left_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
+from tests.plain import refused
 
 COARSE = Pace(0.12, 0.05, 0.04)
 CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts inside the unit circle, exactly
@@ -56,10 +56,6 @@ def certificate(check: Callable[[], Any]) -> dict[str, Any]:
     """A certificate of a check, to be changed."""
     found: dict[str, Any] = json.loads(text_of(check))
     return found
-
-
-def refused(certificate: dict[str, Any]) -> str:
-    return refusal(certificate, len(certificate_text(certificate)))
 
 
 def test_the_polygon_is_around_the_circle() -> None:

@@ -98,7 +98,7 @@ def test_stick_slip_is_proved_with_its_closed_form() -> None:
     assert float(period) == pytest.approx(midpoint(proof.period), abs=1e-13)
 
 
-@pytest.mark.parametrize(("below", "more"), [("2 - x/4", 0), ("2 + Abs(y)", 4)], ids=["line", "two formulas"])
+@pytest.mark.parametrize(("below", "more"), keep(1, [("2 - x/4", 0), ("2 + Abs(y)", 4)]))
 def test_a_denominator_slows_an_orbit_of_two_arcs(below: str, more: int) -> None:
     """The repelling orbit above, slower by a factor s: its period is the integral of s over the time of the other, and
     the multiplier does not see s.  Over both arcs x is 0 in the mean, and the integral of ``abs(y)`` is four times

@@ -25,7 +25,7 @@ from tests.oracles.mutants import Hand, Record
 from tests.oracles.second_formulas import GENS, Reading, terms
 from tests.proofs.system_families import families
 from tests.proofs.test_system_families import system_of
-from tests.thorough import keep
+from tests.thorough import but, keep
 
 NEWER = ("second", "proper", "growth", "denominator", "logarithm")  # hypotheses that the second checker does not know
 PLANAR = {known.name: known for known in families()}
@@ -107,13 +107,13 @@ def test_both_checkers_count_waves_alike(side: tuple[str, str], order: int) -> N
     assert [[part.terms for part in field] for field in own] == as_fractions
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("name", SHORT)
 def test_both_checkers_agree_on_mutants(name: str, seed: int) -> None:
     """One letter of the hypotheses, the proofs or the statement is another one."""
     record, source = json.loads(text_of(name)), random.Random(seed)
     hand, refused = Hand(source, "".join(record["statement"]["subject"]["states"])), 0
-    for _ in range(60):
+    for _ in range(20):
         forged = copy.deepcopy(record)
         hand.another_letter(forged[source.choice(["statement", "evidence"])])
         first, second = both(forged)
@@ -128,7 +128,7 @@ def entry_without(record: Record, key: str) -> Record:
     return {**record, "evidence": [{**entry, "proofs": proofs}, *others]}
 
 
-@pytest.mark.parametrize("name", SHORT)
+@pytest.mark.parametrize("name", but(["waves"], SHORT))
 def test_both_checkers_reject(name: str) -> None:
     """A missing proof of each kind, one too many, another version, an unknown key, no claim, another claim."""
     record = json.loads(text_of(name))

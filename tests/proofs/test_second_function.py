@@ -21,7 +21,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.polynomials import variable
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
-from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.kernel import simplices
@@ -33,6 +33,7 @@ from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
+from tests.plain import refused
 from tests.thorough import keep, thorough
 
 Record = dict[str, Any]
@@ -73,12 +74,6 @@ def built(rhs: Any, function: str, states: str, radius: str | None, more: Record
         own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
         entry, shown = search.entry(read_system(subject), "lyapunov", {**hypotheses, **own, **more})
     return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
-
-
-def refused(record: Record) -> str:
-    """What the checker says of a certificate after it was written and read."""
-    text = json.dumps(record)
-    return refusal(json.loads(text), len(text))
 
 
 def oscillator(friction: str, potential: str) -> tuple[list[str], str]:

@@ -229,7 +229,6 @@ def test_what_no_certificate_shows_of_a_system_with_roots_is_said_in_a_sentence(
     """The search for a function that shows instability once took its subject for one without roots."""
     result = decide_system(built([f"3/4*{ROOT} + 3*x + 3/2*y", "-3/2*sgn(x) + 11/4*y"]))
     assert result.verdict is LEAVES
-    assert result.check()
     with pytest.raises(NoCertificateError, match="no function was found that shows instability"):
         certificate_of(result)
 

@@ -49,7 +49,7 @@ from nonsmooth.symbolic.numbers.plane import hull_holds_zero
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
-from tests.built_in import planar_systems
+from tests.built_in import decided, planar_systems
 from tests.proofs.conftest import Load
 from tests.thorough import examples, few, keep, thorough
 
@@ -347,7 +347,8 @@ def verdict(scene: SwitchedSystem) -> StabilityResult:
     ],
 )
 def test_built_in_systems(name: str, expected: Translation, method: Method) -> None:
-    result = verdict(load_system(name))
+    result = decided(name)
+    assert result.check()
     assert (result.verdict, result.method) == (expected, method)
     assert result.reach.everywhere == (expected is Translation.ASYMPTOTICALLY_STABLE)
     fails = name == "escaping-slide"
@@ -410,7 +411,7 @@ def test_negative_in_open_cells_only_is_not_asymptotic(load: Load, first: str, s
 
 
 def test_the_flower_needs_a_piecewise_quadratic() -> None:
-    result = verdict(load_system("flower"))
+    result = decided("flower")
     assert isinstance(result.given, PlaneFunction)
     witness = result.given.witness
     assert witness is not None
@@ -455,16 +456,17 @@ def test_lyapunov_functions_never_contradict_the_complete_fan(load: Load, seed: 
     second = f"-{q}*sign(y) + ({b})*sign(x) + ({d})*sign(y)*sign(x**2 - y**2)"
     texts = ["Abs(x) + Abs(y)", "x**2 + y**2", "2*Abs(x) + Abs(y - x/2)", "Abs(x) + Abs(y) + Abs(Abs(x) - Abs(y))"]
     for text in texts:
-        result = verdict(load(first, second, lyapunov=f'"{text}"'))
-        fan = decide_constant_fan(plane_cells(result.scene))
+        point = PlanePoint(load(first, second, lyapunov=f'"{text}"'))
+        fan = decide_constant_fan(plane_cells(point.system))
         assert fan is not None
-        assert result.given is not None
-        if result.given.decrease is Decrease.STRICT:
+        assert point.given is not None
+        if point.given.decrease is Decrease.STRICT:
             assert fan.verdict is Translation.ASYMPTOTICALLY_STABLE
-        if result.given.decrease is Decrease.WEAK:
+        if point.given.decrease is Decrease.WEAK:
             assert fan.verdict is not Translation.UNSTABLE
-        if any(move.kind is RayKind.ESCAPE for move in PlanePoint(result.scene).rays):
+        if any(move.kind is RayKind.ESCAPE for move in point.rays):
             assert fan.verdict is Translation.UNSTABLE
+    verdict(load(first, second))
 
 
 @pytest.mark.parametrize("name", planar_systems())

@@ -86,7 +86,7 @@ def test_bodies_with_mass_follow_its_forces(scene: Scene) -> None:
         for move in moves
     ]
     np.testing.assert_allclose(slopes, np.array(ahead).T / 2e-6, rtol=1e-5, atol=1e-6)
-    start, until = (0.2, 0.4, 0.0), 0.1
+    start, until = (0.2, 0.4, 0.0), 0.07
     path, ellipse = (rule_path(scene, rule, start, until).end.state for rule in ("superellipse", "ellipse"))
     light = body_path(scene, RigidBody(1e-4, 1e-4), start, until).trajectory.end.state
     off, apart = (float(np.hypot(*np.subtract(path, other)[:2])) for other in (light, ellipse))

@@ -52,6 +52,7 @@ def test_the_record_lists_single_headings_first(result: CheckResult) -> None:
     assert all(one["from"] == pytest.approx(one["to"]) and one["edge"] and one["reason"] for one in record["undecided"])
 
 
+@pytest.mark.usefixtures("without_paths")
 def test_the_terminal_says_what_is_proved_of_other_headings(result: CheckResult) -> None:
     console = Console(width=100, record=True, file=StringIO())
     console.print(answers_view(result.evidence, result.answers))

@@ -104,7 +104,7 @@ def test_names_of_an_array_are_inside_and_apart(tmp_path: Path, scene: str) -> N
 
 
 def test_the_names_of_a_crowded_array_are_left_out(tmp_path: Path) -> None:
-    text = HEAD + "[grid]\nrows = 40\ncolumns = 41\npitch = 10\n[field]\nkind = 'expression'\nx = '1'\ny = '0'\n"
+    text = HEAD + "[grid]\nrows = 24\ncolumns = 25\npitch = 10\n[field]\nkind = 'expression'\nx = '1'\ny = '0'\n"
     (tmp_path / "many.toml").write_text(text, encoding="utf-8")
     figure = array_figure(load_scene(tmp_path / "many.toml"))
     assert not [text for text in figure.axes[0].texts if text.get_text() == "17"]

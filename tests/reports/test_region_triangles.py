@@ -136,7 +136,7 @@ def test_starts_in_triangles_come_home(name: str) -> None:
     result, basin = coarse_basin_of(name)
     assert basin.share >= SYSTEMS[name][4]
     assert_cover_once(basin)
-    assert sizes_after(name, drawn(basin, 100), 20.0).max() < 0.1
+    assert sizes_after(name, drawn(basin, 100), 8.0).max() < 0.1
     record = json.loads(json.dumps(result.to_dict()))["basin"]
     assert len(record["simplices"]) == len(basin.simplices)
     assert len(record["vertices"]) == len(record["values"]) == len(basin.corners)

@@ -86,6 +86,7 @@ def test_overlap_without_tables_is_refused() -> None:
         build_system(document, "t", Path("t.toml"))
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_a_verdict_of_overlapping_tables() -> None:
     """Both fields attract, and their mean does not; one of them alone is what the first table that holds says."""
     tables = [

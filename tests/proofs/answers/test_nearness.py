@@ -248,7 +248,7 @@ def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path) -> No
     assert rest is not None
     assert is_carried_away(scene, far, rest.distance)
     starts = float(far) / 100 * np.array([[math.cos(angle), math.sin(angle)] for angle in (0.0, 2.0, 4.0)])
-    assert SmallSteps(table).paths(starts, [60.0], float(far))[1].max() > far
+    assert SmallSteps(table).paths(starts, [30.0], float(far))[1].max() > far
 
 
 @thorough  # the small one: test_bodies_beside_a_rest_that_repels_are_carried_away

@@ -36,7 +36,7 @@ from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
 from tests.thorough import keep, thorough
 
 SECONDS = 10.0  # of processor time, for a forged array; an idle machine takes three at most
-PARTS = 4  # of the corpus, of which `make test` takes the first
+PARTS = 8  # of the corpus, of which `make test` takes the first
 STATUS = {0: "valid", 1: "rejected", 2: "unreadable"}
 
 
@@ -62,7 +62,7 @@ def test_good_ones_are_accepted() -> None:
 
 
 def share(forgeries: Sequence[Forgery], part: int) -> list[Forgery]:
-    """Of each kind of forgery those in every fourth place, from the one at place ``part``."""
+    """Of each kind of forgery those in every eighth place, from the one at place ``part``."""
     of_a_kind: defaultdict[str, list[Forgery]] = defaultdict(list)
     for own in forgeries:
         of_a_kind[own.kind].append(own)

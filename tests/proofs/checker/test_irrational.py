@@ -20,13 +20,14 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import read_numbers
 from nonsmooth.proofs.checker.descriptions import describe
-from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.tower import Field, Number
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.written import exact, twin, written_number
 from nonsmooth.proofs.system_certificates import certificate_of, find_system_difference
 from nonsmooth.proofs.system_decision import decide_system
 from tests.certificates.inclusion import contradiction, half_width
+from tests.plain import refused
+from tests.thorough import but
 
 Record = dict[str, Any]
 
@@ -38,7 +39,7 @@ SYSTEMS: dict[str, tuple[list[str], str | None]] = {
     "max": (["-Max(x, sqrt(2)*x)"], None),
     "centre": (["sqrt(2)*y", "-sqrt(2)*x"], None),
     "weighted centre": (["sqrt(2)*y", "-x"], "x**2 + sqrt(2)*y**2"),
-    "nested centre": (["sqrt(2 + sqrt(2))*y", "-sqrt(2 + sqrt(2))*x - y**3"], "x**2 + y**2"),
+    "nested centre": (["sqrt(2 + sqrt(2))*y", "-sqrt(2 + sqrt(2))*x"], "x**2 + y**2"),
     "golden centre": (["(1 + sqrt(5))/2*y", "-cos(pi/5)*2*x"], None),
     "two roots": (["sqrt(6)*y - sqrt(2)*sqrt(3)*y - x", "-y/sqrt(3)"], None),
     "line": (["-sign(x - sqrt(2)*y)", "-sign(y)"], None),
@@ -63,10 +64,6 @@ def originals() -> list[Record]:
     return [record_of(name) for name in ("max", "weighted centre", "two roots", "bends", "cancels")]
 
 
-def rejected(record: Record) -> str:
-    return refusal(record, len(json.dumps(record)))
-
-
 def changed(record: Record, change: Callable[[Record], None]) -> Record:
     """A copy of which something of the subject is changed."""
     found = copy.deepcopy(record)
@@ -77,11 +74,11 @@ def changed(record: Record, change: Callable[[Record], None]) -> Record:
 # ---- what is shown -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", but(["turned"], SYSTEMS))
 def test_the_system_itself_is_certified(name: str) -> None:
     """One right-hand side, with the irrational numbers as they are, and floats agree with what is claimed."""
     record = record_of(name)
-    assert not rejected(record)
+    assert not refused(record)
     assert len(record["statement"]["subject"]["rhs"]) == 1
     assert record["statement"]["subject"]["numbers"]
     assert not contradiction(record["statement"], half_width(record["evidence"][0]["hypotheses"]))
@@ -96,7 +93,7 @@ def test_an_equality_holds_for_the_exact_number_alone() -> None:
     def with_digits(subject: Record) -> None:
         subject["rhs"][0][1] = f"-({near})*x"
 
-    assert rejected(changed(record, with_digits))
+    assert refused(changed(record, with_digits))
 
 
 def test_the_numbers_of_the_subject_are_said_in_words() -> None:
@@ -118,7 +115,7 @@ def test_a_scene_is_told_from_one_with_another_root(tmp_path: Any) -> None:
 def test_another_root_shows_nothing_of_this_one() -> None:
     """The negative root of the polynomial, which fulfils the same equations, makes this system unstable."""
     record = certificate_of(decide_system(ns.System(["x", "y"], ["-sqrt(2)*x + y", "-sqrt(2)*y"], radius="1").system))
-    assert not rejected(record)
+    assert not refused(record)
 
     def with_signs(subject: Record) -> None:
         subject["rhs"] = [[own.replace("sqrt_2", "(-sqrt_2)") for own in side] for side in subject["rhs"]]
@@ -126,8 +123,8 @@ def test_another_root_shows_nothing_of_this_one() -> None:
     def below_zero(subject: Record) -> None:
         subject["numbers"][0]["above"] = "-2"
 
-    assert rejected(changed(record, with_signs))
-    assert "one root" in rejected(changed(record, below_zero))
+    assert refused(changed(record, with_signs))
+    assert "one root" in refused(changed(record, below_zero))
 
 
 @pytest.mark.parametrize(
@@ -143,7 +140,7 @@ def test_another_root_shows_nothing_of_this_one() -> None:
 )
 def test_a_generator_is_one_root(entry: Record) -> None:
     record = changed(record_of("centre"), lambda subject: subject["numbers"][0].update(entry))
-    assert "field" in rejected(record)
+    assert "field" in refused(record)
 
 
 @pytest.mark.parametrize("names", [["x"], ["r", "r"], ["1r"], ["r+1"], [3]])
@@ -151,7 +148,7 @@ def test_names_of_numbers_are_names_of_nothing_else(names: list[Any]) -> None:
     def renamed(subject: Record) -> None:
         subject["numbers"] = [{**ROOT_2, "name": name} for name in names]
 
-    assert rejected(changed(record_of("centre"), renamed))
+    assert refused(changed(record_of("centre"), renamed))
 
 
 def test_a_reducible_polynomial_hides_no_zero() -> None:
@@ -186,7 +183,7 @@ def test_a_false_bound_of_a_rate_is_refused() -> None:
         proofs = {**entry["proofs"], "rate cell ": {"simplices": [{}] * 8}}
         claimed["evidence"] = [{**entry, "hypotheses": hypotheses, "proofs": proofs}]
         claimed["statement"]["claims"] = [{"stability": "asymptotically stable"}]
-        said = rejected(claimed)
+        said = refused(claimed)
         assert ("coefficients" not in said) if holds else said
 
 

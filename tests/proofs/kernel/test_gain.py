@@ -11,17 +11,12 @@ import pytest
 
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.descriptions import describe
-from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of
 from tests.oracles.mutants import Record
+from tests.plain import refused
 from tests.proofs.test_disturbance_gain import SYSTEMS, checked, value
 from tests.thorough import keep
-
-
-def rejected(record: Record) -> str:
-    """Why the checker rejects a certificate; empty where it does not."""
-    return refusal(record, len(json.dumps(record)))
 
 
 def gain_of(record: Record) -> Any:
@@ -40,7 +35,7 @@ def test_the_gain_that_is_printed_is_stated_and_no_smaller_one(rhs: tuple[str, s
     smaller = json.loads(json.dumps(record))
     hypotheses = next(entry["hypotheses"] for entry in smaller["evidence"] if "gain" in entry["hypotheses"])
     hypotheses["gain"] = gain_of(smaller)["gamma"] = str(result.reach.gain.gamma * Fraction(3, 4))
-    assert "gradient" in rejected(smaller)
+    assert "gradient" in refused(smaller)
 
 
 @pytest.mark.parametrize(("rhs", "function"), [SYSTEMS[4], SYSTEMS[7]])

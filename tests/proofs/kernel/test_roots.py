@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 import random
 from functools import cache
 from typing import Any
@@ -13,12 +12,12 @@ import pytest
 
 from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import decide_system
 from tests.oracles.mutants import Record, is_one_line
-from tests.plain import built
+from tests.plain import built, refused
 from tests.proofs.test_square_roots import NAMES, ROOT
 from tests.thorough import keep
 
@@ -27,11 +26,6 @@ TWISTING = [f"-2*{ROOT} + y", "-sgn(x)"]
 WITH_REGION = [f"-3*{ROOT} + y + sgn(y)/9", "-2*sgn(x)"]
 TANKS = ["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))", "sqrt(Abs(y)) - sqrt(Abs(z))"]
 NEVER_EMPTY = ["-..", ".-.", "..-"]  # the tanks' levels near the point: their roots are positive
-
-
-def rejected(record: Record) -> str:
-    """Why the checker rejects a certificate; empty where it does not."""
-    return refusal(record, len(json.dumps(record)))
 
 
 def written(subject: Record, theorem: str, hypotheses: Record) -> Record:
@@ -74,7 +68,7 @@ def test_super_twisting_and_its_kin_are_certified(rhs: list[str]) -> None:
     record = certified(rhs)
     subject, claims = record["statement"]["subject"], record["statement"]["claims"]
     assert (claims[0], subject["rhs"], subject["roots"]) == ({"stability": ATTRACTS}, [rhs], ["x"])
-    assert rejected({**record, "statement": {**record["statement"], "claims": [{"stability": "unstable"}]}})
+    assert refused({**record, "statement": {**record["statement"], "claims": [{"stability": "unstable"}]}})
     assert_true(record, random.Random(1))
 
 
@@ -102,7 +96,7 @@ def test_arbitrary_switching_growth_and_velocities_at_the_point() -> None:
     subject = {"states": ["x", "y"], "rhs": [[f"-{ROOT} + y", "-1 - sgn(x)/2"]], "at": ["0", "0"], "roots": ["x"]}
     cells = {"within": "1/2", "surfaces": ["root_x"], "empty": []}
     leaves = written(subject, "departure", {"cells": cells, "direction": ["0", "-1"]})
-    assert (rejected(leaves), leaves["statement"]["claims"][0]) == ("", {"stability": "unstable"})
+    assert (refused(leaves), leaves["statement"]["claims"][0]) == ("", {"stability": "unstable"})
     with pytest.raises(NotShownError):
         written(subject, "departure", {"cells": cells, "direction": ["0", "1"]})
 
@@ -114,7 +108,7 @@ def test_one_solution_that_leaves() -> None:
     mixture = [["+", 1, "1", ["1", "0"]]]
     own = {"within": "1/2", "surfaces": ["root_x"], "signs": "+", "along": ["y"], "mixture": mixture, "barriers": []}
     record = written(subject, "escape", {**own, "function": "root_x", "direction": ["1", "0"]})
-    assert (rejected(record), record["statement"]["claims"]) == ("", [{"stability": "unstable"}])
+    assert (refused(record), record["statement"]["claims"]) == ("", [{"stability": "unstable"}])
     still = [["+", 0, "1", ["1", "0"]]]
     with pytest.raises(NotShownError):
         written(subject, "escape", {**own, "mixture": still, "function": "root_x", "direction": ["1", "0"]})
@@ -126,7 +120,7 @@ def test_roots_away_from_zero_in_two_states_and_three() -> None:
     subject = record["statement"]["subject"]
     assert (subject["at"], subject["roots"]) == (["1/4", "1/4"], ["x", "y"])
     elsewhere = {**record["statement"], "subject": {**subject, "at": ["1/2", "1/4"]}}
-    assert rejected({**record, "statement": elsewhere}) == "a point whose roots are rational"
+    assert refused({**record, "statement": elsewhere}) == "a point whose roots are rational"
     names = ["x", "y", "z"]
     tanks = {"states": names, "rhs": [TANKS], "at": ["1/4"] * 3, "roots": names}
     surfaces = [f"root_{name} + 1/2" for name in names]
@@ -135,7 +129,7 @@ def test_roots_away_from_zero_in_two_states_and_three() -> None:
         "function": " + ".join(f"root_{name}**2" for name in names),
         **{"second": None, "verdict": ATTRACTS, "everywhere": False, "level": "1/64", "below": False, "rate": None},
     }
-    assert rejected(written(tanks, "lyapunov", hypotheses)) == ""
+    assert refused(written(tanks, "lyapunov", hypotheses)) == ""
 
 
 # ---- what is false -------------------------------------------------------------------------------
@@ -171,7 +165,7 @@ def test_crossing_must_be_shown() -> None:
     (entry,) = record["evidence"]
     name = next(key for key in entry["proofs"] if key.startswith("crosses"))
     without = {key: proof for key, proof in entry["proofs"].items() if key != name}
-    assert name in rejected({**record, "evidence": [{**entry, "proofs": without}]})
+    assert name in refused({**record, "evidence": [{**entry, "proofs": without}]})
 
 
 def test_rates_in_the_time_of_the_roots_are_no_rates() -> None:
@@ -195,7 +189,7 @@ CHANGES: list[dict[str, Any]] = [
 def test_other_subjects_are_rejected_in_one_line(change: dict[str, Any]) -> None:
     record = certified(WITH_REGION)
     subject = {**record["statement"]["subject"], **change}
-    assert is_one_line(rejected({**record, "statement": {**record["statement"], "subject": subject}}))
+    assert is_one_line(refused({**record, "statement": {**record["statement"], "subject": subject}}))
 
 
 # ---- an oracle of mutants (tests/proofs/attacks.py) ----------------------------------------------

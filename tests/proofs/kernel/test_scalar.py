@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 from nonsmooth.proofs import checker
-from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
@@ -32,11 +31,6 @@ LITERAL = {**NAMES, "sign": NAMES["sgn"], "sqrt": np.sqrt, "sat": lambda a, low,
 
 
 EVERYWHERE, FAR = "everywhere", 1_000.0
-
-
-def rejected(record: Record) -> str:
-    """Why the checker rejects a certificate; empty where it does not."""
-    return refusal(record, len(json.dumps(record)))
 
 
 def claims(record: Record, kind: str) -> list[Any]:

@@ -66,6 +66,7 @@ def test_terms_of_higher_weight_decide(force: str) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
+@few(1)  # of the force whose certificate is looked at
 @pytest.mark.parametrize("force", FORCES)
 def test_half_turns_agree(force: str) -> None:
     verdict, own = FORCES[force]

