@@ -30,6 +30,7 @@ from nonsmooth.proofs.kernel.subject import (
     NoCertificateError,
     about,
     exact_text,
+    subjects_of,
 )
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.parts import Parts
@@ -117,19 +118,6 @@ def certificate_of(result: DecidedSystem) -> Record:
     if not found:
         raise reasons[0]
     return found[0]
-
-
-def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
-    """What a certificate about a system may speak of: the system itself, then one in rational numbers that encloses it.
-
-    In three states and more verdicts are about such an enclosure, which is tried first.
-    """
-    try:
-        enclosure = enclose_numbers(system)
-    except NoEnclosureError:
-        yield system
-        return
-    yield from [system, enclosure] if len(system.states) <= len(PLANE) and enclosure is not system else [enclosure]
 
 
 def _certificate_about(result: DecidedSystem) -> Record:

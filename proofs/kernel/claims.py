@@ -32,7 +32,7 @@ class Functions(Lyapunov):
         number: of the function that is V.
     """
 
-    def __init__(self, system: System, cells: dict[str, Any], functions: Sequence[str]) -> None:
+    def __init__(self, system: System, cells: dict[str, Any], functions: Sequence[str | list[list[str]]]) -> None:
         self.collected = Collected()
         super().__init__(Inclusion(system, cells, list(functions), self.collected), self.collected)
         self.number = 0

@@ -105,7 +105,7 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
 
 def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRegion | None:
     cells = _judged(system, formula)
-    region = largest_sublevel(cells, system.check.radius, falls=False) if _is_definite(cells) else None
+    region = largest_sublevel(cells, system.check.radius) if _is_definite(cells) else None
     return None if region is None else LargerRegion(formula, region)
 
 

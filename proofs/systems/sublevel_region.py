@@ -90,24 +90,19 @@ class LevelViolation:
     point: Point | None
 
 
-def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number, *, falls: bool = True) -> SublevelRegion | None:
+def largest_sublevel(cells: Sequence[LyapunovCell], radius: Number) -> SublevelRegion | None:
     """The largest certified level of V on a square, up to bisection; None where no level is certified.
 
     Args:
-        cells: cover the square; V is positive on it.
+        cells: cover the square; V is positive on it, and has no bends.
         radius: half its side.
-        falls: whether V is proved to fall on all of the square; otherwise it must have no bends.
     """
-    if not falls and _bends(cells):
+    high = None if _bends(cells) else _level_on_border(cells, radius)
+    if high is None:
         return None
-    bounds = _bounds(cells, radius)
-    if bounds is None:
-        return None
-    if falls:
-        return _between(cells, radius, *bounds, falls=True)
     rise = first_rise(cells, radius)
-    if rise is None or rise[0] >= bounds[1]:
-        return _between(cells, radius, Fraction(0), bounds[1], falls=False)
+    if rise is None or rise[0] >= high:
+        return _between(cells, radius, high)
     return _below_a_rise(cells, radius, *rise)
 
 
@@ -120,55 +115,50 @@ def _below_a_rise(cells: Sequence[LyapunovCell], radius: Number, high: Fraction,
     """The largest level certified below one that a point refutes."""
     for share in JUST_BELOW:
         low = short_below(high * share)
-        if _violation(cells, radius, low, falls=False) is None:
-            low = _simplified(cells, radius, low, high, falls=False)
-            return SublevelRegion(low, high, point, radius, False)
-    return _between(cells, radius, Fraction(0), high * JUST_BELOW[-1], falls=False)
+        if _violation(cells, radius, low) is None:
+            return SublevelRegion(_simplified(cells, radius, low, high), high, point, radius, False)
+    return _between(cells, radius, high * JUST_BELOW[-1])
 
 
-def _between(
-    cells: Sequence[LyapunovCell], radius: Number, low: Fraction, high: Fraction, *, falls: bool
-) -> SublevelRegion | None:
-    """By bisection; None where no level is certified."""
-    left_open = 0
+def _between(cells: Sequence[LyapunovCell], radius: Number, high: Fraction) -> SublevelRegion | None:
+    """A level below another one by bisection; None where none is certified."""
+    low, left_open = Fraction(0), 0
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        found = _violation(cells, radius, middle, falls=falls)
+        found = _violation(cells, radius, middle)
         low, high = (middle, high) if found is None else (low, middle)
         left_open += found is not None and found.point is None
         if left_open == MOST_OPEN:
             break
-    low = _simplified(cells, radius, low, high, falls=falls)
-    found = _violation(cells, radius, high, falls=falls)
+    low = _simplified(cells, radius, low, high)
+    found = _violation(cells, radius, high)
     point = None if found is None else found.point
-    return SublevelRegion(low, high, point, radius, falls) if low else None
+    return SublevelRegion(low, high, point, radius, False) if low else None
 
 
-def _simplified(
-    cells: Sequence[LyapunovCell], radius: Number, low: Fraction, high: Fraction, *, falls: bool
-) -> Fraction:
+def _simplified(cells: Sequence[LyapunovCell], radius: Number, low: Fraction, high: Fraction) -> Fraction:
     """A level of small denominator between two, if it is certified; else the lower one."""
     simple = _simple_between(low, high)
-    return low if simple is None or _violation(cells, radius, simple, falls=falls) is not None else simple
+    return low if simple is None or _violation(cells, radius, simple) is not None else simple
 
 
-def _bounds(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Fraction] | None:
-    """Powers of two below and above the least value of V on the border; None where that is not clearly positive.
+def _level_on_border(cells: Sequence[LyapunovCell], radius: Number) -> Fraction | None:
+    """A power of two above the least value of V on the border; None where that is not clearly positive.
 
-    They are looked for from near V's least value at the ends of the border's edges, so that units do not count.
+    It is looked for from near V's least value at the ends of the border's edges, so that units do not count.
     """
     edges = [(cell, edge) for cell in cells for edge in border_edges(cell, radius)]
     values = [cell.potential((x / w, y / w)).as_rational() for cell, edge in edges for x, y, w in edge]
     least = min((v for v in values if v is not None and v > 0), default=fmpq(1))
     high = Fraction(2) ** (int(least.p).bit_length() - int(least.q).bit_length())
     smallest = high * SMALLEST
-    while _violation(cells, radius, high, falls=True) is None:
+    while _point_on_border(cells, radius, high) is None:
         high *= 2
-    while _violation(cells, radius, high / 2, falls=True) is not None:
+    while _point_on_border(cells, radius, high / 2) is not None:
         high /= 2
         if high < smallest:
             return None
-    return high / 2, high
+    return high
 
 
 def _simple_between(low: Fraction, high: Fraction) -> Fraction | None:
@@ -180,34 +170,35 @@ def _simple_between(low: Fraction, high: Fraction) -> Fraction | None:
     return None
 
 
-def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction, *, falls: bool) -> LevelViolation | None:
+def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction) -> LevelViolation | None:
     """Why a level is not certified; None where it is."""
-    for cell in cells:
-        for edge in border_edges(cell, radius):
-            found = _point_below(cell.potential - level, edge, cell.region.guards)
-            if found is not None:
-                return LevelViolation(found)
-    for cell in () if falls else cells:
-        for rate in cell.rates:
-            violation = rise_below(rate, cell, level)
-            if violation is not None:
-                return violation
-    return None
+    found = _point_on_border(cells, radius, level)
+    if found is not None:
+        return LevelViolation(found)
+    rises = (_rise_below(rate, cell, level) for cell in cells for rate in cell.rates)
+    return next((rise for rise in rises if rise is not None), None)
 
 
-def below(cell: LyapunovCell, level: Fraction) -> Region:
+def _point_on_border(cells: Sequence[LyapunovCell], radius: Number, level: Fraction) -> Point | None:
+    """A point of the border of the square with V below a level."""
+    edges = ((cell, edge) for cell in cells for edge in border_edges(cell, radius))
+    found = (_point_below(cell.potential - level, edge, cell.region.guards) for cell, edge in edges)
+    return next((point for point in found if point is not None), None)
+
+
+def _below(cell: LyapunovCell, level: Fraction) -> Region:
     """The part of a closed cell where ``V <= level``."""
     return replace(cell.region, guards=(*cell.region.guards, -cell.potential + level))
 
 
-def rise_below(rate: Polynomial, cell: LyapunovCell, level: Fraction) -> LevelViolation | None:
+def _rise_below(rate: Polynomial, cell: LyapunovCell, level: Fraction) -> LevelViolation | None:
     """Why a polynomial is not shown to be negative, off the point, where ``V < level``; None where it is shown."""
     if _falls_along_rays(rate, cell.potential, level, cell.region):
         return None
-    outcome = prove(Sense.NEGATIVE, rate, below(cell, level), except_origin=True)
+    outcome = prove(Sense.NEGATIVE, rate, _below(cell, level), except_origin=True)
     if isinstance(outcome, Counterexample):
         return LevelViolation((outcome.point[0], outcome.point[1]))
-    shown = isinstance(outcome, Proof) or _falls_by_factors(rate, below(cell, level))
+    shown = isinstance(outcome, Proof) or _falls_by_factors(rate, _below(cell, level))
     return None if shown else LevelViolation(None)
 
 

@@ -100,7 +100,7 @@ def published_cells(system: SwitchedSystem) -> tuple[LyapunovCell, ...]:
 
 def exact_level(system: SwitchedSystem) -> SublevelRegion | None:
     """The largest level that is certified of the published V."""
-    return largest_sublevel(published_cells(system), system.check.radius, falls=False)
+    return largest_sublevel(published_cells(system), system.check.radius)
 
 
 def area(potential: str, level: float, radius: float) -> float:

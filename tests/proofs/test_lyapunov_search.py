@@ -13,9 +13,9 @@ from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind, decay_rate
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import Domain, scene_cells
+from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, in_time, propose
@@ -191,10 +191,7 @@ def test_regions_touch_the_border(load: Load, first: str, second: str, lyapunov:
 def test_rates_are_below_the_exact_ones(
     load: Load, first: str, second: str, lyapunov: str, decay: DecayKind, bound: Fraction
 ) -> None:
-    result = decide_system(load(first, second, lyapunov=f'"{lyapunov}"'))
-    assert result.function is not None
-    cells = scene_cells(result.scene, square_regions(result.scene.check.radius))
-    rate = decay_rate(cells)
+    rate = decide_system(load(first, second, lyapunov=f'"{lyapunov}"')).reach.rate
     assert rate is not None
     assert rate.decay is decay
     assert bound / 2 <= rate.kappa <= bound
@@ -246,7 +243,7 @@ def test_regions_of_v_that_bends_need_a_v_that_falls(load: Load) -> None:
     result = decide_system(load("-sign(x)", "-2*sign(y) + x", lyapunov='"Abs(x) + Abs(y)"'))
     assert isinstance(result.reach.region, SublevelRegion)
     assert isinstance(result.function, PlaneFunction)
-    assert largest_sublevel(result.function.result.cells, result.scene.check.radius, falls=False) is None
+    assert largest_sublevel(result.function.result.cells, result.scene.check.radius) is None
 
 
 def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:

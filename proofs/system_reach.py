@@ -1,0 +1,341 @@
+"""How far and how fast solutions come to a point that attracts, by the V that shows it, in any number of states.
+
+*Region*: if ``V >= c`` on the border of the cube, a solution that starts inside with ``V < c`` stays inside and reaches
+the point.
+
+*Rate*: ``V' <= -kappa V^p`` with p = 0, 1 or 2: each claim about ``-V'`` is asked again with this shift.
+
+*Gain*: ``V' <= -kappa V + gamma |d|`` along ``x' in F(x) + d`` where ``|grad V| <= gamma`` on the cube.
+
+All are claims of theorem ``lyapunov``, as the checker derives them.  Floats propose numbers: the least value on the
+border, the least ratio of -V' to ``V^p`` in the cells, the largest gradient.  A region ``V < c`` may reach beyond the
+square on which V is proved to fall; the rate there is asked below its level.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import lru_cache, partial
+from itertools import count
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import fmpq
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.positivity import Claim, Inequality
+from nonsmooth.proofs.checker.theorems import show_rate
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.inequalities.prover import Proof
+from nonsmooth.proofs.inequalities.subdivision import value_at
+from nonsmooth.proofs.kernel.cells import BeyondReachError, rational
+from nonsmooth.proofs.kernel.claims import Collected, Functions
+from nonsmooth.proofs.kernel.search import decide_claim
+from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
+from nonsmooth.proofs.kernel.subject import NoCertificateError, subjects_of
+from nonsmooth.proofs.kernel.whole_space import find_global_attraction
+from nonsmooth.proofs.kernel.written import terms_of
+from nonsmooth.proofs.many_states.decision import SpacePoint
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms, functions_on
+from nonsmooth.proofs.stated_functions import stated_function
+from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.decay_rate import (
+    GAIN_SHARES,
+    SLACK,
+    DecayKind,
+    DecayRate,
+    DisturbanceGain,
+    RegionRate,
+    gain_above,
+    rates_below,
+    slowest_ratio,
+)
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Reach
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.proofs.systems.system_stability import has_rooted_axis, region_beyond
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import float_values
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+Floats: TypeAlias = NDArray[np.float64]
+
+WORK = 4_000  # coefficients looked at for one claim, beside sums of squares
+WIDTH = Fraction(1, 4096)  # of a level: by how much a short fraction may be less
+LEVEL_SHARES = (1 + SLACK, *(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4)))  # of the least value, tried in turn
+FINE = 1 << 10  # denominators of a point that refutes a level
+REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for its rate
+
+RAYS, SHRINKING, DISTANCES = 200, 0.75, 20  # of points at which ratios are looked at
+GRID = {1: 3, 2: 13, 3: 5, 4: 3}  # points of a side of the cube that they pass, besides
+POINTS, BEST, ROUNDS, SPREAD = 2_000, 16, 7, 0.25  # of the search for a least value
+
+
+def reach_of(point: CheckedPoint, found: Finding) -> Reach:
+    """How far and how fast a finding carries: what the point knows of it, with the reach of the V that decides."""
+    known, system, function = point.reach(found), point.system, found.function
+    if found.verdict is not Translation.ASYMPTOTICALLY_STABLE or len(system.states) == 1:
+        return known
+    reach = Reach()
+    if function is not None and (function.decrease is Decrease.STRICT or found.entry is None):
+        reach = _reach_of_function(system, function)
+    if not point.speaks_of_states:
+        reach = Reach(in_finite_time=reach.in_finite_time)
+    entry = found.entry if found.is_global else None
+    if not known.everywhere and entry is None:
+        own = None if function is None else function.formula
+        entry = find_global_attraction(system, (own, system.check.lyapunov))
+    everywhere, in_time = known.everywhere or entry is not None, known.in_finite_time or reach.in_finite_time
+    reach = replace(reach, everywhere=everywhere, global_entry=entry, in_finite_time=in_time)
+    return _with_rate(system, found.entry or entry, reach) if everywhere and function is None else reach
+
+
+def _with_rate(system: SwitchedSystem, entry: dict[str, Any] | None, reach: Reach) -> Reach:
+    """With the rate of a V that stands in evidence alone, as every start comes to the point and no V decides."""
+    function = None if entry is None else entry["hypotheses"].get("function")
+    if entry is None or not isinstance(function, str) or "denominator" in entry["hypotheses"]:
+        return reach
+    formula = parse_piecewise(function, system.states)
+    examined = SpacePoint(system).examine(formula, system.check.radius, Effort.STRICT)
+    if examined is None or examined.decrease is not Decrease.STRICT:
+        return reach
+    own = _reach_of_function(system, examined)
+    if own.rate is None:
+        return reach
+    rate = replace(own.rate, function=function)
+    return replace(reach, near=own.near, rate=rate, rate_domain=examined.stated_on)
+
+
+def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Reach:
+    """Region, rate and gain of a V that falls; in two states the region may reach beyond the square on which it does.
+
+    Where V falls in the whole space, which is the region, level, rate and gain are those on the checked cube.  The rate
+    holds in the space where it is one of forms.
+    """
+    is_whole, checked = function.domain.radius is None, system.check.radius
+    cube = Domain(function.stated_on.radius or checked)
+    found = _falling(system, function, cube.radius or checked)
+    near = None if found is None else found.largest_sublevel()
+    far = region_beyond(system, function) if isinstance(function, PlaneFunction) and not is_whole else None
+    region = near if far is None or (near is not None and near.level >= far.level) else far
+    reach = Reach() if is_whole else Reach(near=near, region=region)
+    rate = None if found is None or system.scale is not None else found.decay_rate()  # a scaled field has another one
+    if found is None or rate is None:
+        return reach
+    if system.by_roots is not None:  # in the time of the roots
+        in_time = rate.decay is not DecayKind.ALGEBRAIC and has_rooted_axis(system)
+        return replace(reach, in_finite_time=in_time)
+    scales = is_whole and are_about_forms(found.rate_claims(rate.decay, rate.kappa))
+    return replace(
+        reach,
+        near=None if scales else near,
+        rate=rate,
+        rate_domain=function.domain if scales else cube,
+        region_rate=None if region is None or region is near else _region_rate(system, function, region),
+        gain=found.disturbance_gain(rate, near),
+        gain_domain=cube,
+    )
+
+
+def _region_rate(system: SwitchedSystem, function: ExaminedFunction, region: SublevelRegion) -> RegionRate | None:
+    """A rate on a region of the checked cube, or where V is below half its level; None where none is proved.
+
+    The level may be that at which V' first vanishes, where no rate is positive.
+    """
+    for share in REGION_SHARES:
+        level, found = region.level * share, _falling(system, function, system.check.radius)
+        if found is not None:
+            found.conditions.require_below(level)
+            rate = found.decay_rate([DecayKind.EXPONENTIAL])
+            if rate is not None:
+                return RegionRate(rate.kappa, level)
+    return None
+
+
+def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number) -> FallingFunction | None:
+    """The claims about V on a cube; None where no certificate can name the system, V or the cube."""
+    if isinstance(function, ExaminedLyapunov):
+        found = {own.claim.name: own.found for own in function.asked if own.found is not None}
+        return FallingFunction(function.radius, function.conditions, found)
+    for subject in subjects_of(system):
+        try:
+            stated, cells = stated_function(subject, radius, function)
+            return FallingFunction(radius, functions_on(subject, cells, [stated]))
+        except (NoCertificateError, BeyondReachError):
+            continue
+    return None
+
+
+@dataclass
+class FallingFunction:
+    """A V that falls on a cube, whose further claims are shown.
+
+    Attributes:
+        radius: half the side of the cube.
+        conditions: from which they are derived.
+        known: evidence that it falls, by the names of claims: functions mu serve for rates, too.
+    """
+
+    radius: Number
+    conditions: Functions
+    known: Mapping[str, Shown] = field(default_factory=dict)
+
+    def largest_sublevel(self) -> SublevelRegion | None:
+        """A certified level near the least value on the border of the cube; None where none is proved."""
+        places = [(_least(own.inequalities[0]), own) for own in self._claims(Functions.show_border, Fraction(0))]
+        (value, place), claim = min(places, key=lambda own: own[0][0], default=((0.0, ()), None))
+        if claim is None or not 0 < value < np.inf:
+            return None
+        for share in LEVEL_SHARES:
+            level = _short_below(Fraction(value) * share)
+            proofs = self._proofs(self._claims(Functions.show_border, level))
+            if proofs is not None:
+                refuted, point = self._refuted(claim, place)
+                return SublevelRegion(level, refuted, point, self.radius, True, proofs)
+        return None
+
+    def decay_rate(self, kinds: Iterable[DecayKind] = DecayKind) -> DecayRate | None:
+        """A rate of the first kind that is proved; None where none is."""
+        falls = self._claims(partial(Functions.show_falls, prefix="rate ", shift=self.conditions.zero, strict=False))
+        for decay in kinds:
+            for kappa in rates_below(self._slowest(decay, falls)):
+                proofs = self._proofs(self.rate_claims(decay, kappa))
+                if proofs is not None:
+                    return DecayRate(decay, kappa, proofs=proofs)
+        return None
+
+    def rate_claims(self, decay: DecayKind, kappa: Fraction) -> list[Claim]:
+        """The claims about V' with kappa."""
+        return self._claims(show_rate, {"kind": decay.name.lower(), "kappa": str(kappa)})
+
+    def disturbance_gain(self, rate: DecayRate, region: SublevelRegion | None) -> DisturbanceGain | None:
+        """The gain of a V with a rate on the cube.
+
+        None where none is proved, for an algebraic rate, and where V bends on surfaces that meet.
+
+        Args:
+            rate: proved on the cube.
+            region: certified there; None without one.
+        """
+        if rate.decay is DecayKind.ALGEBRAIC:
+            return None
+        try:
+            squares = self._claims(Functions.show_gradient, Fraction(0))
+        except RejectedError:
+            return None
+        radius = as_fraction(rational(self.radius))
+        needed = math.sqrt(max(-_least(own.inequalities[0])[0] for own in squares)) / radius
+        for share in GAIN_SHARES:
+            gamma = gain_above(needed * float(share))
+            proofs = self._proofs(self._claims(Functions.show_gradient, gamma * radius))
+            if proofs is not None:
+                return DisturbanceGain(gamma, rate, None if region is None else region.level, proofs)
+        return None
+
+    # ---- claims ----------------------------------------------------------------------------------
+
+    def _claims(self, ask: Callable[..., None], *values: Any) -> list[Claim]:
+        self.conditions.proofs = collected = Collected()
+        ask(self.conditions, *values)
+        return collected.claims
+
+    def _proofs(self, claims: Iterable[Claim]) -> dict[str, Any] | None:
+        """Evidence of all claims by their names; None where that of one is not found."""
+        found = {}
+        for claim in claims:
+            evidence = self._evidence(claim)
+            if evidence is None:
+                return None
+            found[claim.name] = evidence
+        return found
+
+    def _evidence(self, claim: Claim) -> dict[str, Any] | None:
+        """Of a claim, with the functions mu that are known of the one without a rate."""
+        known = self.known.get(claim.name.removeprefix("rate "))
+        if known is None or known.mu is None:
+            outcome = decide_claim(claim, WORK)
+            return outcome.evidence if isinstance(outcome, Proof) else None
+        if len(known.mu) != len(mu_shapes([claim])):  # of an algebraic rate, whose claims have a higher degree
+            return None
+        at_origin = claim.at_origin or any(own.value.at_origin for own in claim.inequalities)
+        shown = find(replace(claim, strict=True, at_origin=at_origin), Effort.HASTY, known.mu)
+        return None if shown is None else shown.evidence
+
+    # ---- floats ----------------------------------------------------------------------------------
+
+    def _slowest(self, decay: DecayKind, falls: Sequence[Claim]) -> Fraction:
+        """The largest rate that the claims without one allow at many points; faces count where mu is known."""
+        samples = [np.zeros((2, 0))]
+        for own, unit in zip(falls, self.rate_claims(decay, Fraction(1)), strict=True):
+            known, shapes = self.known.get(own.name.removeprefix("rate ")), mu_shapes([own])
+            mu = () if known is None or known.mu is None else known.mu
+            for inequality, other in zip(own.inequalities, unit.inequalities, strict=True):
+                if not own.count or len(mu) < len(shapes):
+                    continue
+                points = _kept(inequality, _points_near(own.count))
+                sizes = float_values(terms_of(inequality.value - other.value), points)
+                value = with_values(condition_of(own, inequality, shapes), dict(enumerate(mu))).constant
+                ratios = float_values(value, points) / sizes
+                usable = np.isfinite(ratios) & (sizes > 0)
+                samples.append(np.array([ratios, np.linalg.norm(points, axis=1)])[:, usable])
+        return slowest_ratio(*np.hstack(samples))
+
+    def _refuted(self, claim: Claim, place: Sequence[float]) -> tuple[Fraction | None, Any]:
+        """A level that a point of one side of the border refutes, and this point; None where floats miss the cell."""
+        (own,) = claim.inequalities
+        exact = [fmpq(round(x * FINE), FINE) for x in place]
+        value = value_at(terms_of(own.value), exact)
+        if any(sign(value_at(terms_of(guard), exact)) < 0 for guard in own.guards.values()):
+            return None, None
+        side, number = claim.name.split()[-1][0], int(claim.name.split()[-1][1:])
+        exact[number:number] = [fmpq(1 if side == "+" else -1)]
+        return _short_below(Fraction(float(value)) * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
+
+
+def _short_below(value: Fraction) -> Fraction:
+    """A short fraction below a positive number, or at it, and nearly as large."""
+    powers = ((value * (1 - WIDTH / 2)).limit_denominator(1 << k) for k in count())
+    return next(own for own in powers if value * (1 - WIDTH) <= own <= value)
+
+
+def _kept(inequality: Inequality, points: Floats) -> Floats:
+    """The points at which no guard is negative."""
+    kept = np.ones(len(points), dtype=bool)
+    for guard in inequality.guards.values():
+        kept &= float_values(terms_of(guard), points) >= 0
+    return points[kept]
+
+
+@lru_cache
+def _points_near(count: int) -> Floats:
+    """Points of the cube on rays, at distances that fall by a constant factor: terms of low degree decide near it."""
+    side = np.linspace(-1, 1, GRID.get(count, 2))
+    regular = np.stack(np.meshgrid(*[side] * count), axis=-1).reshape(-1, count)
+    rays = np.vstack([np.random.default_rng(0).uniform(-1, 1, (RAYS, count)), regular])
+    rays = rays[np.any(rays != 0, axis=1)]
+    rays /= np.abs(rays).max(axis=1, keepdims=True)
+    return np.vstack([rays * SHRINKING**k for k in range(DISTANCES)])
+
+
+def _least(inequality: Inequality) -> tuple[float, tuple[float, ...]]:
+    """The least value that is met in a search by samples, and where; infinite where no point is kept."""
+    value, source = inequality.value, np.random.default_rng(0)
+    points, found = source.uniform(-1, 1, (POINTS, value.count)), (float("inf"), ())
+    for k in range(ROUNDS):
+        points = _kept(inequality, points)
+        if not len(points):
+            break
+        values = float_values(terms_of(value), points)
+        best = points[np.argsort(values)[:BEST]]
+        found = float(values.min()), tuple(best[0])
+        steps = source.normal(scale=SPREAD ** (k + 1), size=(BEST, *best.shape))
+        points = np.vstack([best, np.clip((best + steps).reshape(-1, value.count), -1, 1)])
+    return found
