@@ -15,7 +15,7 @@ square on which V is proved to fall; the rate there is asked below its level.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, partial
@@ -26,6 +26,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
 from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.checker.work import RejectedError
@@ -59,8 +60,8 @@ from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Reach
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
-from nonsmooth.proofs.systems.system_stability import has_rooted_axis, region_beyond
-from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.proofs.systems.system_stability import has_rooted_axis
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -69,9 +70,10 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 Floats: TypeAlias = NDArray[np.float64]
 
 WORK = 4_000  # coefficients looked at for one claim, beside sums of squares
-WIDTH = Fraction(1, 4096)  # of a level: by how much a short fraction may be less
-LEVEL_SHARES = (1 + SLACK, *(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4)))  # of the least value, tried in turn
-FINE = 1 << 10  # denominators of a point that refutes a level
+WIDTH = Fraction(1, 1 << 14)  # of a level: by how much a short fraction may be less
+LEVEL_SHARES = (Fraction(4095, 4096), *(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4)))  # of the least value
+FINE = ((1 << 10, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that refutes a level; moved outward by a share
+MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
 REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for its rate
 
 RAYS, SHRINKING, DISTANCES = 200, 0.75, 20  # of points at which ratios are looked at
@@ -124,7 +126,8 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
     cube = Domain(function.stated_on.radius or checked)
     found = _falling(system, function, cube.radius or checked)
     near = None if found is None else found.largest_sublevel()
-    far = region_beyond(system, function) if isinstance(function, PlaneFunction) and not is_whole else None
+    beyond = _beyond(system, function) if isinstance(function, PlaneFunction) else None
+    far = None if beyond is None else beyond.largest_sublevel(falls=False)
     region = near if far is None or (near is not None and near.level >= far.level) else far
     reach = Reach() if is_whole else Reach(near=near, region=region)
     rate = None if found is None or system.scale is not None else found.decay_rate()  # a scaled field has another one
@@ -139,25 +142,25 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
         near=None if scales else near,
         rate=rate,
         rate_domain=function.domain if scales else cube,
-        region_rate=None if region is None or region is near else _region_rate(system, function, region),
+        region_rate=None if beyond is None or far is None or region is near else beyond.region_rate(far),
         gain=found.disturbance_gain(rate, near),
         gain_domain=cube,
     )
 
 
-def _region_rate(system: SwitchedSystem, function: ExaminedFunction, region: SublevelRegion) -> RegionRate | None:
-    """A rate on a region of the checked cube, or where V is below half its level; None where none is proved.
+def _beyond(system: SwitchedSystem, function: PlaneFunction) -> FallingFunction | None:
+    """A V that is proved to fall on a smaller square, on the checked one; None where nothing is asked of it there.
 
-    The level may be that at which V' first vanishes, where no rate is positive.
+    That is so for a V that was searched where its derivative has a high degree, as that of enclosed sines.
     """
-    for share in REGION_SHARES:
-        level, found = region.level * share, _falling(system, function, system.check.radius)
-        if found is not None:
-            found.conditions.require_below(level)
-            rate = found.decay_rate([DecayKind.EXPONENTIAL])
-            if rate is not None:
-                return RegionRate(rate.kappa, level)
-    return None
+    domain, checked = function.domain, system.check.radius
+    if domain.radius is None or domain.radius == checked:
+        return None
+    if not function.is_given and (system.waves or function.formula is None):  # of pieces, known on the smaller one
+        return None
+    found = _falling(system, function, checked)
+    is_short = function.is_given or (found is not None and found.degree <= MOST_DEGREE)
+    return found if is_short else None
 
 
 def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number) -> FallingFunction | None:
@@ -165,6 +168,13 @@ def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number)
     if isinstance(function, ExaminedLyapunov):
         found = {own.claim.name: own.found for own in function.asked if own.found is not None}
         return FallingFunction(function.radius, function.conditions, found)
+    return claims_about(system, function, radius)
+
+
+def claims_about(
+    system: SwitchedSystem, function: ExaminedFunction | PiecewiseExpression, radius: Number
+) -> FallingFunction | None:
+    """The same of a V of which nothing is known."""
     for subject in subjects_of(system):
         try:
             stated, cells = stated_function(subject, radius, function)
@@ -188,28 +198,63 @@ class FallingFunction:
     conditions: Functions
     known: Mapping[str, Shown] = field(default_factory=dict)
 
-    def largest_sublevel(self) -> SublevelRegion | None:
-        """A certified level near the least value on the border of the cube; None where none is proved."""
-        places = [(_least(own.inequalities[0]), own) for own in self._claims(Functions.show_border, Fraction(0))]
-        (value, place), claim = min(places, key=lambda own: own[0][0], default=((0.0, ()), None))
-        if claim is None or not 0 < value < np.inf:
-            return None
-        for share in LEVEL_SHARES:
+    def largest_sublevel(self, *, falls: bool = True) -> SublevelRegion | None:
+        """A certified level near the least value on the border of the cube; None where none is proved.
+
+        Args:
+            falls: whether V is proved to fall on all of the cube; otherwise that is asked below the level, which then
+                is less than V at all points where it does not fall.
+        """
+        sought = self._on_border() if falls else [*self._on_border(), *self._where_it_rises()]
+        found = [(_least(own), own, side) for own, side in sought]
+        (value, place), own, side = min(found, key=lambda entry: entry[0][0])
+        for share in (*([1 + SLACK] if side else []), *LEVEL_SHARES) if 0 < value < np.inf else ():
             level = _short_below(Fraction(value) * share)
-            proofs = self._proofs(self._claims(Functions.show_border, level))
+            if not falls:
+                self.conditions.require_below(level)
+            claims = [*([] if falls else self.conditions.claims()), *self._claims(Functions.show_border, level)]
+            proofs = self._proofs(claims)
             if proofs is not None:
-                refuted, point = self._refuted(claim, place)
-                return SublevelRegion(level, refuted, point, self.radius, True, proofs)
+                return SublevelRegion(level, *self._refuted(own, place, side), self.radius, falls, proofs)
         return None
+
+    def first_rise(self) -> tuple[float, Floats]:
+        """The least value of V where it does not fall, as floats see it, and where, in the displacement."""
+        value, place = min((_least(own) for own, _ in self._where_it_rises()), key=lambda entry: entry[0])
+        return value, np.array(place) * float(self.radius)
+
+    def _on_border(self) -> list[tuple[Inequality, str]]:
+        """V on each side of the cube, cell by cell."""
+        return [(own.inequalities[0], own.name.split()[-1]) for own in self._claims(Functions.show_border, Fraction(0))]
+
+    def _where_it_rises(self) -> list[tuple[Inequality, str]]:
+        """V on the parts of cells where it does not fall."""
+        speed = 1 / as_fraction(rational(self.radius))
+        return [
+            (Inequality(size.times(speed), {**own.guards, "rise": -own.value}), "")
+            for claim, own, size in self._with_sizes(DecayKind.EXPONENTIAL)
+            if not own.pushes
+        ]
 
     def decay_rate(self, kinds: Iterable[DecayKind] = DecayKind) -> DecayRate | None:
         """A rate of the first kind that is proved; None where none is."""
-        falls = self._claims(partial(Functions.show_falls, prefix="rate ", shift=self.conditions.zero, strict=False))
         for decay in kinds:
-            for kappa in rates_below(self._slowest(decay, falls)):
+            for kappa in rates_below(self._slowest(decay)):
                 proofs = self._proofs(self.rate_claims(decay, kappa))
                 if proofs is not None:
                     return DecayRate(decay, kappa, proofs=proofs)
+        return None
+
+    def region_rate(self, region: SublevelRegion) -> RegionRate | None:
+        """A rate on a region of the cube, or where V is below half its level; None where none is proved.
+
+        The level may be that at which V' first vanishes, where no rate is positive.
+        """
+        for share in REGION_SHARES:
+            self.conditions.require_below(region.level * share)
+            rate = self.decay_rate([DecayKind.EXPONENTIAL])
+            if rate is not None:
+                return RegionRate(rate.kappa, region.level * share)
         return None
 
     def rate_claims(self, decay: DecayKind, kappa: Fraction) -> list[Claim]:
@@ -239,6 +284,11 @@ class FallingFunction:
             if proofs is not None:
                 return DisturbanceGain(gamma, rate, None if region is None else region.level, proofs)
         return None
+
+    @property
+    def degree(self) -> int:
+        """That of V'."""
+        return max(own.value.degree for _, own, _ in self._with_sizes(DecayKind.EXPONENTIAL))
 
     # ---- claims ----------------------------------------------------------------------------------
 
@@ -271,33 +321,45 @@ class FallingFunction:
 
     # ---- floats ----------------------------------------------------------------------------------
 
-    def _slowest(self, decay: DecayKind, falls: Sequence[Claim]) -> Fraction:
-        """The largest rate that the claims without one allow at many points; faces count where mu is known."""
+    def _with_sizes(self, decay: DecayKind) -> Iterator[tuple[Claim, Inequality, Polynomial]]:
+        """The inequalities about ``-V'`` with ``V^p``, times the half-width."""
+        own = self.conditions
+        falls = self._claims(partial(Functions.show_falls, prefix="rate ", shift=own.zero, strict=False))
+        for claim, shifted in zip(falls, self.rate_claims(decay, Fraction(1)), strict=True):
+            for inequality, other in zip(claim.inequalities, shifted.inequalities, strict=True):
+                yield claim, inequality, inequality.value - other.value
+
+    def _slowest(self, decay: DecayKind) -> Fraction:
+        """The largest rate that many points allow; faces count where mu is known."""
         samples = [np.zeros((2, 0))]
-        for own, unit in zip(falls, self.rate_claims(decay, Fraction(1)), strict=True):
-            known, shapes = self.known.get(own.name.removeprefix("rate ")), mu_shapes([own])
+        for claim, own, size in self._with_sizes(decay):
+            known, shapes = self.known.get(claim.name.removeprefix("rate ")), mu_shapes([claim])
             mu = () if known is None or known.mu is None else known.mu
-            for inequality, other in zip(own.inequalities, unit.inequalities, strict=True):
-                if not own.count or len(mu) < len(shapes):
-                    continue
-                points = _kept(inequality, _points_near(own.count))
-                sizes = float_values(terms_of(inequality.value - other.value), points)
-                value = with_values(condition_of(own, inequality, shapes), dict(enumerate(mu))).constant
+            if claim.count and len(mu) >= len(shapes):
+                points = _kept(own, _points_near(claim.count))
+                sizes = float_values(terms_of(size), points)
+                value = with_values(condition_of(claim, own, shapes), dict(enumerate(mu))).constant
                 ratios = float_values(value, points) / sizes
                 usable = np.isfinite(ratios) & (sizes > 0)
                 samples.append(np.array([ratios, np.linalg.norm(points, axis=1)])[:, usable])
         return slowest_ratio(*np.hstack(samples))
 
-    def _refuted(self, claim: Claim, place: Sequence[float]) -> tuple[Fraction | None, Any]:
-        """A level that a point of one side of the border refutes, and this point; None where floats miss the cell."""
-        (own,) = claim.inequalities
-        exact = [fmpq(round(x * FINE), FINE) for x in place]
-        value = value_at(terms_of(own.value), exact)
-        if any(sign(value_at(terms_of(guard), exact)) < 0 for guard in own.guards.values()):
-            return None, None
-        side, number = claim.name.split()[-1][0], int(claim.name.split()[-1][1:])
-        exact[number:number] = [fmpq(1 if side == "+" else -1)]
-        return _short_below(Fraction(float(value)) * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
+    def _refuted(self, own: Inequality, place: Sequence[float], side: str) -> tuple[Fraction | None, Any]:
+        """A level that a point refutes, and this point; None where floats miss the cell.
+
+        Args:
+            own: V on a part of the cube.
+            place: there.
+            side: of the cube on whose border the part lies, as claims name it; empty where it does not.
+        """
+        for denominator, outward in FINE:
+            exact = [fmpq(round(x * (1 + outward) * denominator), denominator) for x in place]
+            if all(sign(value_at(terms_of(guard), exact)) >= 0 for guard in own.guards.values()):
+                value = Fraction(float(value_at(terms_of(own.value), exact)))
+                if side:
+                    exact.insert(int(side[1:]), fmpq(1 if side[0] == "+" else -1))
+                return _short_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
+        return None, None
 
 
 def _short_below(value: Fraction) -> Fraction:

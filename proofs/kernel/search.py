@@ -2,8 +2,8 @@
 
 Which inequalities a theorem needs is written once, in :mod:`nonsmooth.proofs.checker`.  Here its function runs with
 proofs that are looked for while it asks for them: what it shows then, it shows again from the evidence alone.  (So
-calls go from here to the checker's theorem, and from there back to :class:`Search`.)  In one and two states a check
-decides by :mod:`nonsmooth.proofs.inequalities`, and nothing of that proof is used here.
+calls go from here to the checker's theorem, and from there back to :class:`Search`.)  In two states a check
+decides the signs of V by :mod:`nonsmooth.proofs.inequalities`, and nothing of that proof is used here.
 
 Kinds of evidence are tried one after the other; the simplest, *mixtures*, is found here: nonnegative multiples of
 guards that leave an affine polynomial without negative values.

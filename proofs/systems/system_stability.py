@@ -24,14 +24,14 @@ from contextlib import suppress
 from functools import cached_property
 from typing import Any
 
-from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions
+from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.denominators import require_denominators
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import KEPT, CheckedPoint, Finding, Known, Method, Reach, weak_finding
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import (
@@ -40,7 +40,7 @@ from nonsmooth.proofs.systems.leading_terms import (
     decide_leading_terms,
     needs_no_other_terms,
 )
-from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov, has_curves, searched_cells
+from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov, has_curves
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
@@ -54,32 +54,11 @@ from nonsmooth.proofs.systems.ray_moves import (
     resting_edges,
 )
 from nonsmooth.proofs.systems.search import search_lyapunov
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, signs_by_factors
-
-MOST_DEGREE = 6  # of V' whose sign is asked for on sublevel sets of a searched V: beyond that it takes too long
-
-
-@shared_effort(EFFORT)
-def region_beyond(scene: SwitchedSystem, function: PlaneFunction) -> SublevelRegion | None:
-    """The largest level in the checked square of a V that is proved to fall on a smaller one.
-
-    None where V bends, and for a V that was searched where its derivative has a high degree, as that of enclosed sines.
-    """
-    checked = scene.check.radius
-    if function.domain.radius in (None, checked):
-        return None
-    if function.is_given:
-        return largest_sublevel(inhabited(scene_cells(scene, square_regions(checked))), checked)
-    if scene.waves or function.formula is None:
-        return None
-    cells = searched_cells(scene, function.formula, checked)
-    short = all(rate.degree <= MOST_DEGREE for cell in cells for rate in cell.rates)
-    return largest_sublevel(cells, checked) if cells and short else None
 
 
 def holds_everywhere(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:

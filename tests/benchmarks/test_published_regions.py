@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.proofs.systems.larger_region import find_larger_region
+from nonsmooth.proofs.larger_region import find_larger_region
 from tests.proofs.published_regions import PUBLISHED, Published, area, exact_level, system_of
 
 if TYPE_CHECKING:
