@@ -72,13 +72,13 @@ Floats: TypeAlias = NDArray[np.float64]
 WORK = 4_000  # coefficients looked at for one claim, beside sums of squares
 WIDTH = Fraction(1, 1 << 14)  # of a level: by how much a short fraction may be less
 LEVEL_SHARES = (Fraction(4095, 4096), *(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4)))  # of the least value
-FINE = ((1 << 10, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that refutes a level; moved outward by a share
+FINE = ((1 << 14, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that refutes a level; moved outward by a share
 MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
 REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for its rate
 
 RAYS, SHRINKING, DISTANCES = 200, 0.75, 20  # of points at which ratios are looked at
 GRID = {1: 3, 2: 13, 3: 5, 4: 3}  # points of a side of the cube that they pass, besides
-POINTS, BEST, ROUNDS, SPREAD = 2_000, 16, 7, 0.25  # of the search for a least value
+POINTS, BEST, ROUNDS, SPREAD = 4_000, 32, 7, 0.35  # of the search for a least value
 
 
 def reach_of(point: CheckedPoint, found: Finding) -> Reach:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 Floats: TypeAlias = NDArray[np.float64]
 
 # Of what samples allow, tried in turn.
-SHARES = (Fraction(255, 256), Fraction(15, 16), Fraction(3, 4), Fraction(1, 2), Fraction(1, 4))
+SHARES = (Fraction(255, 256), *(Fraction(k, 32) for k in (31, 30, 28, 24, 16, 8)))
 SLACK = Fraction(1, 1 << 30)  # by which floats may miss it
 DENOMINATOR = 64  # of kappa and gamma; of slow rates twice as large until it holds FEWEST of them
 FEWEST = 8
