@@ -190,7 +190,11 @@ def reached_words(region: SublevelRegion, states: Sequence[str]) -> str:
 
 def global_words(entry: Mapping[str, Any]) -> str:
     """Which V shows that every start reaches the point."""
-    return f"V = {quotient_text(entry['hypotheses'])} falls in the whole space too, where its level sets are bounded"
+    hypotheses = entry["hypotheses"]
+    function, bounded = f"V = {quotient_text(hypotheses)}", "where its level sets are bounded"
+    if hypotheses["second"] is None:
+        return f"{function} falls in the whole space too, {bounded}"
+    return f"{function} does not increase in the whole space, {bounded}, and no other solution stays where V' = 0"
 
 
 def region_words(region: SublevelRegion, states: Sequence[str]) -> str:

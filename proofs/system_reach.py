@@ -57,6 +57,7 @@ from nonsmooth.proofs.systems.decay_rate import (
 )
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Reach
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
@@ -94,7 +95,7 @@ def reach_of(point: CheckedPoint, found: Finding) -> Reach:
     entry = found.entry if found.is_global else None
     if not known.everywhere and entry is None:
         own = None if function is None else function.formula
-        entry = find_global_attraction(system, (own, system.check.lyapunov))
+        entry = find_global_attraction(system, (own, system.check.lyapunov), energies(system))
     everywhere, in_time = known.everywhere or entry is not None, known.in_finite_time or reach.in_finite_time
     reach = replace(reach, everywhere=everywhere, global_entry=entry, in_finite_time=in_time)
     return _with_rate(system, found.entry or entry, reach) if everywhere and function is None else reach

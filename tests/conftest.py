@@ -27,6 +27,8 @@ Entry: TypeAlias = Rational | Number
 settings.load_profile(SOME)  # unless pytest is asked for another: `make bench` is for ALL
 
 HALF = Fraction(1, 2)
+DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
+OTHERS = "nonsmooth.proofs.answers.answers.other_rules"
 FRICTIONS: dict[str, Pair] = {"side<roll": ROLL, "side>roll": SIDE, "side=roll": (1, 1)}
 
 
@@ -203,3 +205,15 @@ def pytest_collection_finish() -> None:
 def arrays() -> Arrays:
     """Builders of test arrays."""
     return Arrays()
+
+
+@pytest.fixture
+def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks without the paths that count where bodies go: they are sampled, and take seconds."""
+    monkeypatch.setattr(DESTINATIONS, lambda check: None)
+
+
+@pytest.fixture
+def without_other_rules(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks without what the other rules say, which takes seconds where bodies leave the checked point."""
+    monkeypatch.setattr(OTHERS, lambda scene: ())

@@ -16,7 +16,6 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from types import FunctionType
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -24,10 +23,8 @@ import nonsmooth
 from nonsmooth.analysis import Kinematics, array_field, build_partition, simulate
 from nonsmooth.proofs import audit, check_theorem4, decide_system
 from nonsmooth.symbolic import governing_equations, load_scene, load_system
+from tests.conftest import Arrays
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")

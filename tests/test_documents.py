@@ -36,7 +36,7 @@ LONG_COMMANDS = re.compile(
     r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--(grid|tables)|simulate \S+\.toml .*--until 3"
     r"|simulate table\.toml .*--fail|sweep .*\.svg|sweep .*--borders|check twist\.toml"
     r"|check table\.toml$|check table\.toml .*--law"
-    r"|check \S+\.toml --(at auto|require (pose|tolerances))|check \S+\.toml .*--rule ellipse)(\b|$)"
+    r"|check relay-chain|check \S+\.toml --(at auto|require (pose|tolerances))|check \S+\.toml .*--rule ellipse)(\b|$)"
 )  # and these, of which tests/reports has smaller ones
 WRITTEN = re.compile(r" (?:-o|--law) (\S+)")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]

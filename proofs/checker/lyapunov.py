@@ -16,6 +16,9 @@ solution leaves ``V < level``.  ``V' <= -kappa V`` or ``V' <= -kappa`` is the sa
 *Quotients.*  V may be ``P/Q`` with one polynomial Q that is positive off the point.  Signs of V are those of P, and
 ``Q^2 V' = Q P' - P Q'`` takes the place of V'.  Where ``Q(0) = 0``, Q is a form and P has terms of higher degree than Q
 alone: then V tends to 0 at the point, and what follows from its fall off the point is the same.
+
+*Logarithms.*  V may be ``Q + ln(1 + P)`` with one polynomial P, where P and Q are not negative: V is positive where
+``Q + P`` is, and bounded only where this is, and ``(1 + P) V' = (1 + P) Q' + P'``.
 """
 
 from __future__ import annotations
@@ -49,10 +52,16 @@ class Lyapunov:
         self.below: Fraction | None = None
         self.border = ""
         self.bottom: Polynomial | None = None  # Q, where V is a quotient
+        self.inside: Polynomial | None = None  # P, where V holds ln(1 + P)
         self.count, self.bounded = inclusion.count, inclusion.domain.bounded
 
     def potential(self, cell: Cell) -> Polynomial:
-        """V on a cell: the first of its functions."""
+        """V on a cell; with a denominator P, and with a logarithm the sum of Q and P."""
+        own = self.listed(cell)
+        return own if self.inside is None else own + self.inside
+
+    def listed(self, cell: Cell) -> Polynomial:
+        """The first of the functions of a cell."""
         return cell.functions[0]
 
     def divide_by(self, bottom: Polynomial) -> None:
@@ -65,10 +74,22 @@ class Lyapunov:
         require(low or min(lowest, default=0) > bottom.degree, "a V that is zero at the point")
         self.bottom = bottom
 
+    def add_logarithm(self, inside: Polynomial) -> None:
+        """Let V be ``Q + ln(1 + P)``: what is listed as its polynomials is Q; see the head of this file."""
+        require(not inside.at_origin, "a P that is zero at the point")
+        here = Inequality(inside, whole_domain(self.inclusion).guards({}) or {})
+        self.proofs.show(Claim("logarithm", (here,), strict=False, bounded=self.bounded))
+        for name, signs, cell in self.inclusion.pieces():
+            guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
+            self._show_on_cell(f"beside {name}", self.listed(cell), guards, strict=False)
+        self.inside = inside
+
     def derivative(self, cell: Cell, field: Sequence[Polynomial]) -> Polynomial:
-        """V' along a field, times the square of the denominator."""
-        own = self.potential(cell)
+        """V' along a field, times ``1 + P``, or times the square of the denominator."""
+        own = self.listed(cell)
         found = lie_derivative(own, field)
+        if self.inside is not None:
+            return found + found * self.inside + lie_derivative(self.inside, field)
         return found if self.bottom is None else found * self.bottom - own * lie_derivative(self.bottom, field)
 
     def above(self, cell: Cell, level: Fraction) -> Polynomial:
@@ -229,14 +250,25 @@ class Lyapunov:
 
     def show_proper(self, factor: Fraction) -> None:
         """``V + 1 >= factor |x|^2`` in the whole space."""
-        require(not self.bounded and factor > 0, "the whole space, and a positive factor")
         square = constant(self.count, 0)
         for k in range(self.count):
             square += variable(self.count, k, factor) * variable(self.count, k)
-        square = square if self.bottom is None else square * self.bottom
-        for name, signs, cell in self.inclusion.pieces():
+        self._show_larger("", square, factor)
+
+    def show_growth(self, factor: Fraction) -> None:
+        """``V + 1 >= factor |x_k|`` in the whole space, for every k."""
+        for k in range(self.count):
+            for side in (1, -1):
+                self._show_larger(f" {'-0+'[side + 1]}{k}", variable(self.count, k, side * factor), factor)
+
+    def _show_larger(self, name: str, bound: Polynomial, factor: Fraction) -> None:
+        """``V + 1`` is at least a bound in the whole space, which grows with a factor."""
+        require(not self.bounded and factor > 0, "the whole space, and a positive factor")
+        own = bound if self.bottom is None else bound * self.bottom
+        for piece, signs, cell in self.inclusion.pieces():
             guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
-            self._show_on_cell(f"proper {name}", self.above(cell, Fraction(-1)) - square, guards, strict=False)
+            above = self.above(cell, Fraction(-1)) - own
+            self._show_on_cell(f"proper {piece}{name}", above, guards, strict=False)
 
     def is_negative_along(self, direction: Sequence[Fraction]) -> bool:
         """Whether a direction leads from the point into a cell in which V is negative at all small distances."""

@@ -31,28 +31,31 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     set on which W_j is constant too.  In the last one a solution has no rate that is not zero: it is at the point.
     There V is zero, so it is zero on L_0, which is the point.
 
-    With ``everywhere``, every solution tends to the point: V and the field are forms on cones; or, with ``proper``, all
-    is shown in the whole space, and ``V + 1 >= proper |x|^2``, so that level sets are bounded.  With ``level``, every
-    start of the cube with ``V < level`` stays there and tends to the point; with ``below``, nothing is asked of points
-    with ``V >= level`` but on the border of the cube.  With ``rate``, V falls that fast; with ``gain`` beside it, of
-    solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the Euclidean norm.  With ``denominator`` V
-    is a quotient (:mod:`.lyapunov`).
+    With ``everywhere``, every solution tends to the point: V and the field are forms on cones; or all is shown in the
+    whole space, and ``V + 1 >= proper |x|^2``, or ``V + 1 >= growth |x_k|`` for every k, so that level sets are
+    bounded.  With ``level``, every start of the cube with ``V < level`` stays there and tends to the point; with
+    ``below``, nothing is asked of points with ``V >= level`` but on the border of the cube.  With ``rate``, V falls
+    that fast; with ``gain`` beside it, of solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the
+    Euclidean norm.  With ``denominator`` V is a quotient, with ``logarithm`` it holds a logarithm (:mod:`.lyapunov`).
     """
     names = "cells function second verdict everywhere level below rate"
-    cells, function, second, verdict, everywhere, level, below, rate, gain, proper, denominator = take(
-        hypotheses, names, "gain proper denominator"
+    cells, function, second, verdict, everywhere, level, below, rate, gain, proper, growth, denominator, inside = take(
+        hypotheses, names, "gain proper growth denominator logarithm"
     )
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     require(type(everywhere) is bool and type(below) is bool, "everywhere and below as true or false")
     attracts = verdict == ASYMPTOTICALLY_STABLE
     require(attracts or second is None, "further functions where the point attracts")
-    require(everywhere is True or proper is None, "a proper V for all starts")
+    require(everywhere is True or proper is growth is None, "a proper V for all starts")
     own = read_functions(system, cells, function, second, proofs)
     if own.inclusion.domain.frame is not None:
         require(level is rate is denominator is None and everywhere is False, "a verdict alone in a frame")
     if denominator is not None:
         require(second is None and rate is None, "a quotient without further functions and rates")
         own.divide_by(Formula(denominator, own.inclusion.domain.displacement).on(no_switching))
+    if inside is not None:
+        require(second is level is rate is denominator is None, "a logarithm with a verdict alone")
+        own.add_logarithm(Formula(inside, own.inclusion.domain.displacement).on(no_switching))
     if below is True:
         own.require_below(rational(level))
     own.show_zero()
@@ -68,10 +71,12 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
         about["in"] = list(system.coordinates)
     if everywhere is True:
         require(attracts and below is not True, "an attracting point")
-        if proper is None:
+        if proper is growth is None:
             own.require_all_of_space()
-        else:
+        if proper is not None:
             own.show_proper(rational(proper))
+        if growth is not None:
+            own.show_growth(rational(growth))
         shown.append({"attracts": "everywhere"})
     if level is not None:
         require(attracts and own.bounded and rational(level) > 0, "a positive level around a point that attracts")

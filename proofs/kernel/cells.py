@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -63,13 +63,13 @@ class SignCell:
 
 @dataclass(frozen=True)
 class SignCells:
-    """The cells of a cube about the checked point.
+    """The cells of a cube about the checked point, or of the whole space.
 
     Attributes:
         states: names of the states; every polynomial is in the displacement.
         surfaces: the switching surfaces of the system, and of a V.
         cells: the patterns of signs that the cube has, with the fields.
-        radius: half the side of the cube.
+        radius: half the side of the cube; 1 in the whole space.
         beyond: whether the fields are those of the system outside the cube too; denominators are positive inside only.
         asked: the switching expressions whose signs the fields ask for.
     """
@@ -88,13 +88,13 @@ class SignCells:
 
 
 def build_cells(
-    system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = (), *, irrational: bool = False
+    system: SwitchedSystem, radius: Number | None, more: Iterable[Polynomial] = (), *, irrational: bool = False
 ) -> SignCells:
-    """The cells of a cube.
+    """The cells of a cube, or of the whole space.
 
     Args:
         system: in any number of states.
-        radius: half the side of the cube.
+        radius: half the side of the cube; None for the whole space.
         more: further surfaces, of a V.
         irrational: whether fields may have irrational coefficients; they are then left as they are.
 
@@ -121,8 +121,9 @@ def build_cells(
         fields = (member.velocity(sign_of, states) for member in system.members)
         velocities = tuple(tuple(read(part) for part in field) for field in fields)
         found.append(SignCell(signs, velocities))
-    half = radius.as_rational() if len(system.states) == 1 else None  # intervals may be of any size
-    half = rational(radius) if half is None else half
+    size = system.field.one if radius is None else radius
+    half = size.as_rational() if len(system.states) == 1 else None  # intervals may be of any size
+    half = rational(size) if half is None else half
     return SignCells(system.states, surfaces, tuple(found), half, not system.denominators, frozenset(asked))
 
 
@@ -187,8 +188,8 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
     return tuple(surface for surface in found if surface.degree)
 
 
-def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Pattern]:
-    """All patterns of signs whose cells are not proved to be empty in the open cube."""
+def patterns(surfaces: Sequence[Polynomial], radius: Number | None) -> Iterator[Pattern]:
+    """All patterns of signs whose cells are not proved to be empty in the open cube; None stands for the space."""
     affine = [surface.degree == 1 for surface in surfaces]
     sides = _signs_in_floats(surfaces, radius)
     waiting: list[Pattern] = [()]
@@ -205,23 +206,26 @@ def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Pattern
                 waiting.append(longer)
 
 
-def _signs_in_floats(surfaces: Sequence[Polynomial], radius: Number) -> NDArray[np.float64]:
+def _signs_in_floats(surfaces: Sequence[Polynomial], radius: Number | None) -> NDArray[np.float64]:
     """Pattern at points of the cube, in floats: where a pattern is seen, no proof of its emptiness is looked for."""
     if not surfaces:
         return np.zeros((1, 0))
     count = len(surfaces[0].variables)
-    cloud = np.random.default_rng(0).uniform(-1, 1, (SAMPLES, count)) * float(radius)
+    cloud = np.random.default_rng(0).uniform(-1, 1, (SAMPLES, count)) * float(radius or 1)
     return np.column_stack([np.sign(float_values(surface.terms, cloud)) for surface in surfaces])
 
 
-def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
-    """Whether affine forms are positive together nowhere in the open cube: a mixture is not positive (Gordan)."""
+def is_empty(forms: Sequence[Polynomial], radius: Number | None) -> bool:
+    """Whether affine forms are positive together nowhere in the open cube, or in the space, where there is none.
+
+    Then a mixture of them and of those of the sides is not positive (Gordan).
+    """
     found = least_mixture(forms, radius) if forms else None
     return found is not None and found.value.sign() >= 0
 
 
-def least_mixture(forms: Sequence[Polynomial], radius: Number) -> Mixture | None:
-    """The mixture of affine forms, and of those of the sides of the cube, that is constant and least.
+def least_mixture(forms: Sequence[Polynomial], radius: Number | None) -> Mixture | None:
+    """The mixture of affine forms, and of those of the sides of a cube, that is constant and least.
 
     Its weights are of the forms first; its value is minus the constant.
     """
@@ -230,8 +234,8 @@ def least_mixture(forms: Sequence[Polynomial], radius: Number) -> Mixture | None
     zero = (0,) * count
     columns = [(*(form.terms.get(unit, field.zero) for unit in units), field.one) for form in forms]
     prices = [-form.terms.get(zero, field.zero) for form in forms]
-    for k in range(count):
-        for side in (1, -1):
+    if radius is not None:
+        for k, side in product(range(count), (1, -1)):
             columns.append((*(field(side if i == k else 0) for i in range(count)), field.one))
             prices.append(-radius)
     return best_mixture(columns, (*(field.zero for _ in range(count)), field.one), prices)
@@ -245,7 +249,7 @@ class StatedCells:
         within: half the side of the cube; None for the whole space.
         surfaces: of the system, and further ones, each once up to a factor.
         empty: patterns of signs that no point inside the cube has, as texts, with the evidence.
-        cells: of the cube, or of a cube in the whole space.
+        cells: of the cube, or of the whole space.
     """
 
     within: str | None
@@ -284,21 +288,20 @@ def stated_cells(
 
     Args:
         system: in any number of states.
-        radius: half the side of the cube; None for the whole space, where all surfaces pass the point.
+        radius: half the side of the cube; None for the whole space.
         more: further surfaces, of functions; what is a multiple of another one is left out.
         irrational: whether fields and surfaces may have irrational coefficients.
 
     Raises:
         BeyondReachError: for other irrational numbers, and for too many surfaces or cells.
     """
-    half = system.field(1) if radius is None else radius
-    own = build_cells(system, half, irrational=irrational)
+    own = build_cells(system, radius, irrational=irrational)
     known = {monic(surface) for surface in own.surfaces}
     new = {monic(surface): surface for surface in (*more, *even_factors(own.asked))}
     further = [surface for form, surface in new.items() if form not in known]
-    cells = build_cells(system, half, further, irrational=irrational)
+    cells = build_cells(system, radius, further, irrational=irrational)
     within = None if radius is None else str(radius)
-    return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells)), cells)
+    return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells, radius)), cells)
 
 
 def even_factors(expressions: Iterable[Polynomial]) -> list[Polynomial]:
@@ -318,7 +321,7 @@ def _leading(polynomial: Polynomial) -> Number:
     return polynomial.terms[max(polynomial.terms)]
 
 
-def _empty_patterns(cells: SignCells) -> Iterator[tuple[str, dict[str, Any]]]:
+def _empty_patterns(cells: SignCells, radius: Number | None) -> Iterator[tuple[str, dict[str, Any]]]:
     """Patterns, walked as the checker walks them: of those that have no cell the shortest beginnings, and why."""
     occurring = {cell.signs[:size] for cell in cells.cells for size in range(len(cells.surfaces) + 1)}
     known: list[dict[int, int]] = []
@@ -326,7 +329,7 @@ def _empty_patterns(cells: SignCells) -> Iterator[tuple[str, dict[str, Any]]]:
         for sign in (-1, 1):
             longer = (*beginning, sign)
             if len(longer) <= len(cells.surfaces) and longer not in occurring and not _is_known(longer, known):
-                weights = _contradiction(cells, longer)
+                weights = _contradiction(cells, longer, radius)
                 known.append({j: longer[j] for j in weights})
                 last = max(weights)
                 mixture = {
@@ -340,11 +343,11 @@ def _is_known(signs: Pattern, known: Sequence[dict[int, int]]) -> bool:
     return any(all(j < len(signs) and signs[j] == s for j, s in own.items()) for own in known)
 
 
-def _contradiction(cells: SignCells, signs: Pattern) -> dict[int, Number]:
-    """Weights with which some affine surfaces with their signs have no positive value in the cube."""
+def _contradiction(cells: SignCells, signs: Pattern, radius: Number | None) -> dict[int, Number]:
+    """Weights with which some affine surfaces with their signs have no positive value in the cube, or the space."""
     affine = [j for j in range(len(signs)) if cells.surfaces[j].degree == 1]
     forms = [cells.surfaces[j] * signs[j] for j in affine]
-    found = least_mixture(forms, forms[0].field(cells.radius))
+    found = least_mixture(forms, radius)
     weights = {} if found is None else found.weights
     return {j: weights[i] for i, j in enumerate(affine) if weights.get(i)}
 

@@ -38,7 +38,7 @@ class Functions(Lyapunov):
         self.number = 0
         self._known: dict[Hashable, Any] = {}  # of all functions: guards and pushes
 
-    def potential(self, cell: Cell) -> Polynomial:
+    def listed(self, cell: Cell) -> Polynomial:
         """The function with the number, on a cell."""
         return cell.functions[self.number]
 

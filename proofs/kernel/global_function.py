@@ -1,10 +1,12 @@
-"""Proposals for a V that is positive and falls in the whole space: polynomials, by sums of squares.
+"""Proposals for a V that is positive and falls in the whole space: polynomials, and logarithms, by sums of squares.
 
 With fields f that are polynomials, of one cell, both are asked without a domain,
 
     V  a sum of squares,    -grad V . f  a sum of squares for every f,
 
-which is affine in the coefficients of V (Parrilo 2000).  Floats propose;
+which is affine in the coefficients of V (Parrilo 2000).  So is ``-(1 + P) grad Q . f - grad P . f`` in those of Q, for
+``V = Q + ln(1 + P)`` with a P that is known: the sum of the squares of some states.  A field with products of states
+may have such a V and none that is a polynomial (Ahmadi, Krstic and Parrilo 2011).  Floats propose;
 :mod:`nonsmooth.proofs.kernel.whole_space` shows what they propose, or does not.
 """
 
@@ -38,19 +40,41 @@ MOST_UNKNOWNS = 3_000  # entries of Gram matrices
 
 def global_functions(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
     """V in the displacement, one after the other; none where something switches."""
+    for exponents in _bases(len(system.states)):
+        yield from _proposed(system, exponents, {})
+
+
+def logarithmic_functions(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, PiecewiseExpression]]:
+    """Q and P in the displacement, one after the other; none where something switches."""
+    count = len(system.states)
+    squares = [tuple(2 * int(j == k) for j in range(count)) for k in range(count)]
+    for size in range(1, count) if count <= FEW else ():
+        for chosen in combinations(squares, size):
+            inside: Terms = {own: fmpq(1) for own in chosen}
+            for formula in _proposed(system, [own for own in squares if own not in chosen], inside):
+                yield formula, _formula(system.states, chosen, [fmpq(1)] * size)
+
+
+def _proposed(system: SwitchedSystem, exponents: Sequence[Exponents], inside: Terms) -> Iterator[PiecewiseExpression]:
+    """The sum of some monomials with coefficients that a solver in floats finds, rounded in several ways.
+
+    Args:
+        system: whose velocities are polynomials; of others nothing is proposed.
+        exponents: of the monomials.
+        inside: P of a logarithm beside them; empty without one.
+    """
     try:
         fields = _fields(system)
     except (BeyondReachError, SceneError):
         return
-    for exponents in _bases(len(system.states)):
-        problems = _problems(fields, exponents)
-        if sum(gram_entries(blocks) for _, blocks in problems) > 2 * MOST_UNKNOWNS:
-            return
-        solved = solve_inside(problems, len(exponents), bounded=True)
-        for denominator in DENOMINATORS if solved is not None else ():
-            found = None if solved is None else round_parameters(*solved, denominator)
-            if found is not None and any(found):
-                yield _formula(system.states, exponents, found)
+    problems = _problems(fields, exponents, inside)
+    if sum(gram_entries(blocks) for _, blocks in problems) > 2 * MOST_UNKNOWNS:
+        return
+    solved = solve_inside(problems, len(exponents), bounded=True)
+    for denominator in DENOMINATORS if solved is not None else ():
+        found = None if solved is None else round_parameters(*solved, denominator)
+        if found is not None and any(found):
+            yield _formula(system.states, exponents, found)
 
 
 def _fields(system: SwitchedSystem) -> list[list[Terms]]:
@@ -85,13 +109,17 @@ def _bases(count: int) -> Iterator[list[Exponents]]:
     yield [*quadratic, *monomials_between(count, 3, 4)]
 
 
-def _problems(fields: Sequence[Sequence[Terms]], exponents: Sequence[Exponents]) -> list[Problem]:
-    """That V is positive, and falls along every field."""
+def _problems(fields: Sequence[Sequence[Terms]], exponents: Sequence[Exponents], inside: Terms) -> list[Problem]:
+    """That the sum is positive, and V falls along every field."""
     count = len(exponents[0])
+    factor = add_terms({(0,) * count: fmpq(1)}, inside)
     asked = [Condition({}, {k: {own: fmpq(1)} for k, own in enumerate(exponents)}, (), (), count)]
     for field in fields:
-        slopes = {k: fall for k, own in enumerate(exponents) if (fall := _fall(own, field))}
-        asked.append(Condition({}, slopes, (), (), count))
+        falls = [multiply_terms(factor, _fall(own, field)) for own in exponents]
+        known: Terms = {}
+        for own, c in inside.items():
+            known = add_terms(known, {e: c * value for e, value in _fall(own, field).items()})
+        asked.append(Condition(known, {k: fall for k, fall in enumerate(falls) if fall}, (), (), count))
     return [(own, without_idle(build_blocks(own), own.support)) for own in asked]
 
 

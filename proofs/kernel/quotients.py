@@ -85,6 +85,9 @@ def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: b
 def quotient_text(hypotheses: dict[str, Any]) -> str:
     """V of a theorem as a formula."""
     top, bottom = one_line(str(hypotheses["function"])), hypotheses.get("denominator")
+    logarithm = hypotheses.get("logarithm")
+    if logarithm is not None:
+        return f"{top} + ln(1 + {one_line(logarithm)})"
     return top if bottom is None else f"({top})/({one_line(bottom)})"
 
 

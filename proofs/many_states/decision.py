@@ -25,6 +25,7 @@ from functools import cached_property
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
+from nonsmooth.proofs.kernel.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.first_terms import (
     LinearPart,
@@ -38,7 +39,6 @@ from nonsmooth.proofs.many_states.first_terms import (
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_growth, find_lyapunov
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import (
     KEPT,
@@ -131,7 +131,10 @@ class SpacePoint(CheckedPoint):
         """Whether every start of the space reaches the point."""
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return Reach()
-        linear = self.linear is not None and self.linear.is_whole
+        try:
+            linear = self.linear is not None and self.linear.is_whole
+        except BeyondReachError:  # states that were decided by themselves
+            linear = False
         return Reach(linear or (found.function is not None and found.function.is_homogeneous))
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from fractions import Fraction
+from itertools import chain
 
 import numpy as np
 from flint import fmpq
@@ -28,6 +29,7 @@ from nonsmooth.proofs.kernel.second_function import Floats, find_second, gradien
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
 from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -125,8 +127,10 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     """
     for share in SHARES:
         radius = system.check.radius * share
-        for text in weak_functions(system, radius, positive=True):
-            examined = examine(system, parse_piecewise(text, system.states), radius)
+        energy = energy_near(system, radius)
+        found = (parse_piecewise(text, system.states) for text in weak_functions(system, radius, positive=True))
+        for formula in chain([energy] if energy is not None else [], found):
+            examined = examine(system, formula, radius)
             if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
                 return examined
     return None

@@ -1,97 +1,265 @@
-"""Energies of systems of second order with a cross term: candidates for a V that falls.
+"""Energies: candidates for a V that is a sum of functions of one state each, as of springs, masses and relays.
 
-Where ``x' = v`` and ``v' = -g(x) - ...`` the energy ``G(x) + v^2/2`` with ``G' = g`` falls by damping alone, and
-``V = G(x) + v^2/2 + c v h(x)`` with a small c, and ``h = x`` or ``h = g``, falls where v is zero, too.  Where g jumps,
-as that of a relay, terms of V' of lowest order must cancel exactly: no linear program with a margin proposes such a V.
+Where ``x_i`` acts upon all other states by one function, ``x_j' = ... + a_ji h_i(x_i)``, the sum
+``V = sum_i c_i H_i(x_i)`` with ``H_i' = h_i`` changes by ``(c_i a_ij + c_j a_ji) h_i h_j`` for each pair of states, and
+by what each damps by itself: with ``c_i a_ij = -c_j a_ji`` damping alone is left.  Of ``x' = v, v' = -g(x)`` it is
+``G(x) + v^2/2``.  Where an h is a function of ``x_i + s x_j``, as under a saturated control, so may be its H.
+
+``V + c v h(x)`` with a small c, and ``h = x`` or ``h = g``, falls where v is zero, too: where g jumps, as that of a
+relay, terms of V' of lowest order must cancel exactly, and no linear program with a margin proposes such a V.
+
+These are proposals, read off the right-hand sides at a few points; whoever takes one proves what it says.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import TypeAlias
 
-from nonsmooth.analysis.cells.switched_cells import FieldCell
+from flint import fmpq, fmpq_poly
+
 from nonsmooth.proofs.systems.lyapunov_rows import BasisFunction, build_formula
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1, 4), Fraction(1, 16))  # of the cross term, tried in turn
-NEAR = Fraction(1, 1 << 20)  # of the half-width: where g is read off
-MOST_DEGREE = 5  # of g
+NEAR = fmpq(1, 1 << 20)  # of the least distance between ends: where pieces are read off
+MOST_DEGREE = 5  # of h
 
-Powers: TypeAlias = Mapping[int, Fraction]  # coefficients of powers of x
-LINEAR: Powers = {1: Fraction(1)}
+Term: TypeAlias = tuple[fmpq, BasisFunction]
 
 
-def energies(system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number) -> Iterator[PiecewiseExpression]:
-    """Candidates for V, where a system is one of second order, with a rational g.
+@dataclass(frozen=True)
+class Pieces:
+    """A function of one variable: polynomials between ends in ascending order, of which 0 is one."""
+
+    ends: tuple[fmpq, ...]
+    polynomials: tuple[fmpq_poly, ...]
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether it nowhere jumps."""
+        return all(left(end) == right(end) for end, left, right in self._sides())
+
+    def _sides(self) -> Iterator[tuple[fmpq, fmpq_poly, fmpq_poly]]:
+        """Each end with the polynomials on its left and on its right."""
+        return zip(self.ends, self.polynomials[:-1], self.polynomials[1:], strict=True)
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether it is one on all sides."""
+        return all(own == self.polynomials[0] for own in self.polynomials)
+
+    @property
+    def size(self) -> fmpq:
+        """The leading coefficient just beyond zero; zero for what vanishes there."""
+        beyond = self.polynomials[self.ends.index(fmpq(0)) + 1]
+        return next((c for c in beyond.coeffs() if c), fmpq(0))
+
+    def times(self, factor: fmpq) -> Pieces:
+        """The multiple."""
+        return Pieces(self.ends, tuple(own * factor for own in self.polynomials))
+
+    @property
+    def integral(self) -> Pieces:
+        """The continuous one that is zero at 0."""
+        found = [own.integral() for own in self.polynomials]
+        for k, end in enumerate(self.ends):
+            found[k + 1] += found[k](end) - found[k + 1](end)
+        at_zero = found[self.ends.index(fmpq(0))](fmpq(0))
+        return Pieces(self.ends, tuple(own - at_zero for own in found))
+
+    def terms(self) -> Iterator[tuple[fmpq, int, fmpq | None]]:
+        """A continuous function as a sum of ``c x^k``, and of ``c x^k |x - end|``: coefficient, power and end."""
+        mean = (self.polynomials[0] + self.polynomials[-1]) / 2
+        yield from ((c, k, None) for k, c in enumerate(mean.coeffs()))
+        for end, left, right in self._sides():
+            bend = (right - left) // fmpq_poly([-end, 1]) / 2
+            yield from ((c, k, end) for k, c in enumerate(bend.coeffs()))
+
+
+IDENTITY = Pieces((fmpq(0),), (fmpq_poly([0, 1]),) * 2)
+
+
+# ---- how states act upon each other --------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Actions:
+    """How each state of a system acts upon the others, near the axes.
+
+    Attributes:
+        system: whose right-hand sides were read.
+        shapes: h of each state; the state itself where it acts upon no other one.
+        rates: a by numbers of states, that which acts last; no zeros.
+    """
+
+    system: SwitchedSystem
+    shapes: tuple[Pieces, ...]
+    rates: Mapping[tuple[int, int], fmpq]
+
+    @property
+    def factors(self) -> list[fmpq]:
+        """The c of each state, from the last one on; 1 where nothing else is asked."""
+        count, found = len(self.shapes), dict[int, fmpq]()
+        for last in reversed(range(count)):
+            waiting = [] if last in found else [last]
+            found.setdefault(last, fmpq(1))
+            while waiting:
+                i = waiting.pop()
+                for j in set(range(count)) - set(found):
+                    there, back = self.rates.get((j, i), 0), self.rates.get((i, j), 0)
+                    if there * back < 0:
+                        found[j] = -found[i] * back / there
+                        waiting.append(j)
+        return [found[k] for k in range(count)]
+
+    def energy(self, slanted: int | None = None, line: Polynomial | None = None) -> list[Term]:
+        """V; the H of one state may be that of a linear form."""
+        found: list[Term] = []
+        for k, (factor, shape) in enumerate(zip(self.factors, self.shapes, strict=True)):
+            at = line if k == slanted and line is not None else self.states[k]
+            found += self.product(factor, shape.integral, at, self.states[k] * 0 + 1)
+        return found
+
+    def product(self, factor: fmpq, function: Pieces, at: Polynomial, times: Polynomial) -> list[Term]:
+        """A continuous function of a linear form, times a factor and a monomial."""
+        found = []
+        for c, k, end in function.terms():
+            line, power = None if end is None else at - self.system.field(end), times
+            for _ in range(k):
+                power = power * at
+            for exponents, own in power.terms.items():
+                known = own.as_rational()
+                if known is not None:
+                    monomial = Polynomial(power.field, power.variables, {exponents: power.field.one})
+                    found.append((c * factor * known, BasisFunction(monomial, line)))
+        return found
+
+    def formula(self, terms: Sequence[Term]) -> PiecewiseExpression:
+        """The sum as a formula of the states."""
+        total: dict[BasisFunction, fmpq] = {}
+        for c, own in terms:
+            total[own] = total.get(own, fmpq(0)) + c
+        return build_formula(list(total), list(map(as_fraction, total.values())), self.system.states)
+
+    @property
+    def states(self) -> tuple[Polynomial, ...]:
+        """The states as polynomials in the displacement."""
+        return self.system.coordinates()
+
+
+def actions(system: SwitchedSystem, radius: Number | None) -> Actions | None:
+    """How states act upon each other; None where a velocity near an axis is no rational polynomial of low degree.
 
     Args:
-        system: in two states.
-        cells: of a square.
-        radius: its half-width.
+        system: in two states or more; of several right-hand sides the first is read.
+        radius: half the side of the cube beyond which nothing is asked; None for the space.
     """
-    for place in (0, 1):
-        line = _monomial(system.field, place, 1, 0)
-        sides = _forces(cells, radius, place, _monomial(system.field, place, 0, 1))
-        if sides is None:
+    shapes: list[Pieces] = []
+    rates: dict[tuple[int, int], fmpq] = {}
+    for i in range(len(system.states)):
+        read = _along_axis(system, i, radius)
+        if read is None:
+            return None
+        acting = {j: own for j, own in enumerate(read) if j != i and own.size}
+        shape = next((own.times(1 / own.size) for own in acting.values()), IDENTITY)
+        shapes.append(shape)
+        rates.update({(j, i): own.size for j, own in acting.items() if own == shape.times(own.size)})
+    return Actions(system, tuple(shapes), rates)
+
+
+def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[Pieces] | None:
+    """Of each velocity what hangs on state i alone, the mean of both sides of its axis."""
+    states, count = system.displaced(system.states), len(system.states)
+    ends = _ends(system, i, radius)
+    near = NEAR * min((right - left for left, right in pairwise(ends)), default=fmpq(1))
+    pieces: list[list[fmpq_poly]] = [[] for _ in system.states]
+    for beside in [*(end - near for end in ends if end <= 0), *(end + near for end in ends if end >= 0)]:
+        total = [fmpq_poly() for _ in system.states]
+        for side in (1, -1):
+            aside = [side * near * near / (k + 1) for k in range(count)]
+            at = [system.field(beside if k == i else own) for k, own in enumerate(aside)]
+            velocity = system.members[0].velocity(lambda own, at=at: own(at).sign(), states)  # type: ignore[misc]
+            for j, part in enumerate(velocity):
+                alone = {e[i]: c.as_rational() for e, c in part.terms.items() if e[i] == sum(e)}
+                if None in alone.values() or max(alone, default=0) > MOST_DEGREE:
+                    return None
+                total[j] += fmpq_poly([alone.get(k) or fmpq(0) for k in range(MOST_DEGREE + 1)]) / 2
+        for own, value in zip(pieces, total, strict=True):
+            own.append(value)
+    return [Pieces(tuple(ends), tuple(own)) for own in pieces]
+
+
+def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:
+    """Where the axis of a state meets switching surfaces at rational places, and 0; in ascending order."""
+    found = {fmpq(0)}
+    for surface in system.surfaces(system.displaced(system.states)):
+        own = {e[i]: c for e, c in surface.terms.items() if e[i] == sum(e)}
+        if set(own) in ({0, 1}, {1}):
+            end = -own.get(0, system.field.zero) / own[1]
+            known = end.as_rational()
+            if known is not None and (radius is None or abs(end) < radius):
+                found.add(known)
+    return sorted(found)
+
+
+# ---- candidates ------------------------------------------------------------------------------------
+
+
+def energy_near(system: SwitchedSystem, radius: Number) -> PiecewiseExpression | None:
+    """The energy on a cube of some half-width; None where there is none."""
+    known = actions(system, radius)
+    return None if known is None else known.formula(known.energy())
+
+
+def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
+    """The energy in the whole space, then those with an H of a linear form that switches."""
+    known = actions(system, None)
+    if known is None:
+        return
+    yield known.formula(known.energy())
+    for surface in system.surfaces(system.displaced(system.states)):
+        slopes = {e.index(1): c for e, c in surface.terms.items() if sum(e) == 1}
+        for i in slopes if surface.degree == 1 and len(slopes) > 1 else ():
+            if not known.shapes[i].is_polynomial:
+                line = known.states[0] * 0
+                for k, slope in slopes.items():
+                    line = line + known.states[k] * (slope / slopes[i])
+                yield known.formula(known.energy(i, line))
+
+
+def crossed_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
+    """Energies with a cross term on a square of some half-width, where ``x' = a v`` in two states."""
+    known = actions(system, radius)
+    if known is None:
+        return
+    for place, other in ((0, 1), (1, 0)):
+        if not _is_multiple(system, place, other) or (other, place) not in known.rates:
             continue
-        right, left = sides
-        energy = [(Fraction(1, 2), BasisFunction(_monomial(system.field, place, 0, 2), None))]
-        energy += _times_speed(_integral(right), _integral(left), place, 0, line)
-        shapes = [(LINEAR, LINEAR)] if right.get(0) or left.get(0) else [(LINEAR, LINEAR), sides]
+        scale = 1 / known.factors[other]
+        energy = [(c * scale, own) for c, own in known.energy()]
+        force = known.shapes[place].times(-known.rates[other, place])
+        side = fmpq(1) if known.rates[place, other] > 0 else fmpq(-1)
+        shapes = [IDENTITY.times(side)]
+        if force.is_continuous and force != shapes[0]:
+            shapes.append(force)
         for share in SHARES:
             for shape in shapes:
-                crossed = [(share * c, own) for c, own in _times_speed(*shape, place, 1, line)]
-                coefficients, basis = zip(*energy, *crossed, strict=True)
-                yield build_formula(basis, coefficients, system.states)
+                crossed = known.product(as_fmpq(share), shape, known.states[place], known.states[other])
+                yield known.formula(energy + crossed)
 
 
-def _forces(cells: Sequence[FieldCell], radius: Number, place: int, speed: Polynomial) -> tuple[Powers, Powers] | None:
-    """The force g on the right and on the left, the mean of both signs of v; None where ``x' = v`` does not hold."""
-    if any(field[place] != speed for cell in cells for field in cell.velocities):
-        return None
-    sides = []
-    for turn in (1, -1):
-        found: dict[int, Fraction] = {}
-        for up in (1, -1):
-            at = [radius * (turn * NEAR), radius * (up * NEAR * NEAR)]
-            inside = next((cell for cell in cells if cell.region.contains((at[place], at[1 - place]))), None)
-            if inside is None:
-                return None
-            for exponents, c in inside.velocities[0][1 - place].terms.items():
-                known = c.as_rational()
-                if exponents[1 - place]:
-                    continue
-                if known is None or exponents[place] > MOST_DEGREE:
-                    return None
-                found[exponents[place]] = found.get(exponents[place], Fraction(0)) - as_fraction(known) / 2
-        sides.append(found)
-    right, left = sides
-    return right, left
-
-
-def _integral(powers: Powers) -> Powers:
-    return {k + 1: c / (k + 1) for k, c in powers.items()}
-
-
-def _times_speed(
-    right: Powers, left: Powers, place: int, power: int, line: Polynomial
-) -> Iterator[tuple[Fraction, BasisFunction]]:
-    """A function of x with powers on either side, times a power of v, by ``x^k`` and ``|x| x^(k - 1)``."""
-    for k in sorted({*right, *left}):
-        a, b = right.get(k, Fraction(0)), left.get(k, Fraction(0))
-        yield (a + b) / 2, BasisFunction(_monomial(line.field, place, k, power), None)
-        if a != b:
-            yield (a - b) / 2, BasisFunction(_monomial(line.field, place, k - 1, power), line)
-
-
-def _monomial(field: NumberField, place: int, k: int, power: int) -> Polynomial:
-    """``x^k v^power`` in the displacement."""
-    exponents = (k, power) if place == 0 else (power, k)
-    return Polynomial(field, PLANE, {exponents: field.one})
+def _is_multiple(system: SwitchedSystem, place: int, other: int) -> bool:
+    """Whether the velocity of one state is a multiple of another state."""
+    own = system.rhs[place]
+    if own.switching_parts:
+        return False
+    values = dict(zip(system.states, system.displaced(system.states), strict=True))
+    return set(own.polynomial(values, no_sign).terms) == {tuple(int(k == other) for k in range(len(system.states)))}

@@ -150,7 +150,8 @@ def portrait_figure(portrait: PhasePortrait) -> Figure:
     figure = new_figure(SIZE, SIZE * 1.12)
     draw_portrait(figure.add_subplot(), portrait)
     legend_below(figure, columns=3, fontsize="small")
-    title_figure(figure, f"{one_line(portrait.system.name)}: {portrait.stability.verdict}")
+    everywhere = ", from everywhere" if portrait.stability.reach.everywhere else ""
+    title_figure(figure, f"{one_line(portrait.system.name)}: {portrait.stability.verdict}{everywhere}")
     return figure
 
 

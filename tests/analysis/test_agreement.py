@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -11,9 +10,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.minimizers.agreement import compare_rules, comparison_grid, intersect, shared_area
 from nonsmooth.analysis.minimizers.point_location import OUTSIDE, PointLocator
 from nonsmooth.symbolic.files.scene_file import load_scene
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
+from tests.conftest import Arrays
 
 
 @pytest.mark.parametrize("side", [Fraction(1, 2), Fraction(1, 5), Fraction(1, 100)])

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -27,13 +27,9 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from tests.body_engine import inward_grid, with_random_body
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.outlined import Depths, Floats, Pair, disc_depths, on, polygon_depths, polygon_of, under
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
-
 
 TIME_ERROR = 1e-10  # the largest seen 4e-11
 POSE_ERROR = 1e-9

@@ -3,7 +3,6 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -23,12 +22,10 @@ from nonsmooth.symbolic.mechanics.constraints import Twist, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import regular_states
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.number import Number
+from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 # Relative to D: the linear program's own feasibility tolerance is 1e-7 absolute, its optimum is a vertex and so
 # accurate to rounding.

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -26,13 +25,10 @@ from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.oracles.small_steps import small_steps
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 STEPS_OFF = 6.0  # distance of small steps from the path, in units of a step at speed one
 POSE_ERROR = 1e-9

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -31,10 +31,8 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 GRAVITY = 9.81
 HALF, THICK = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -16,12 +15,10 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 
 def holds_zero(partition: Partition, point: Point) -> bool:

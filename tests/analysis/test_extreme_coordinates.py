@@ -6,26 +6,21 @@ contact states in the same number of cells, and cells add up to the whole square
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.symbolic.mechanics.scene import Scene
-    from tests.conftest import Arrays
 
 TEN = Fraction(10)
 BUILDERS: dict[str, Callable[[Scene], Partition]] = {"box": build_box_partition, "nearest": build_nearest_partition}

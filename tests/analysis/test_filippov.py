@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -29,13 +28,11 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import dot
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.cvxpy_programs import hull_upper_derivative_at, hull_upper_derivative_on
 from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 SEEDS = range(8)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -20,11 +19,9 @@ from nonsmooth.analysis.trajectories import hysteresis
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 START, UNTIL = (0.4, 0.15, 0.0), 0.5
 Method = Callable[[SwitchedField, float], Trajectory]

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -11,11 +10,9 @@ from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, 
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
+from tests.conftest import Arrays
 from tests.hulls import stands
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 SEEDS = range(40)
 MOST_CORNERS = 4, 12  # or some more, evenly over those of one array: some have a hundred, a tenth of a second each

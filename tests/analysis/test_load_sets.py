@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -15,12 +15,9 @@ from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadSet, SpringL
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.springs import pressed
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -20,11 +19,9 @@ from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.thorough import few, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 FORMULA = 1e-12
 SCALAR = 1e-9  # long chains of arcs: errors of 2^-53 per leg, amplified by grazing crossings

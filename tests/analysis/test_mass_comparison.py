@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,10 +17,8 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.analysis.test_body_path import pushed_back
+from tests.conftest import Arrays
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 UNTIL, SLIDING = 0.2, 0.5  # the plate begins to slide at 0.211
 SLOPE = 0.15  # of log distance against log mass, where 1 is expected

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,13 +17,10 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.oracles.small_steps import small_steps_of_mass
 from tests.outlined import Depths, Pair, on, polygon_depths, polygon_of
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 CREEP = 1e-3  # of the small steps: explicit steps take no less
 OFF = 3e-3  # lengths and radians: what that creep and the steps change

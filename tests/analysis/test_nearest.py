@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -19,13 +19,10 @@ from nonsmooth.symbolic.mechanics.constraints import Row, Twist, independent, ro
 from nonsmooth.symbolic.mechanics.contact_states import solve_rows
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
-from tests.conftest import Pair, WheelData
+from tests.conftest import Arrays, Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 

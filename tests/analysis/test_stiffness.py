@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -19,11 +18,9 @@ from nonsmooth.analysis.trajectories.smooth_path import EXPLICIT, IMPLICIT
 from nonsmooth.analysis.trajectories.steppers import comes_to_rest, decay_rate
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 ACCURACY = 1e-10  # a hundred steps of 1e-12 each
 FEW = 1_000  # samples: an explicit method would need a million

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -25,11 +24,9 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.symbolic.numbers.number import sign
+from tests.conftest import Arrays
 from tests.hulls import hull_holds_zero
 from tests.oracles.differences import smooth_surface
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 
 def complex_of(partition: Partition) -> CellComplex:

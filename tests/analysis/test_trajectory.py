@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -30,11 +29,9 @@ from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.differences import smooth_surface
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 ROUNDING = 1e-14
 ROOT_HALF = math.sqrt(0.5)

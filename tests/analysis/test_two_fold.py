@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -21,11 +21,8 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Floats: TypeAlias = NDArray[np.float64]
 

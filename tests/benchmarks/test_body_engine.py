@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
+from tests.benchmarks.conftest import Stopwatch
 from tests.body_engine import inward_grid, random_grid, run_beside_engine, with_random_body
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 RUNS = 3  # of each kind; the third random one reacts strongly to loads: poses come out 0.11 apart
 LATE = 0.08  # of changes, at wheels of speed one; the engine is late by some per cent

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
 
 from nonsmooth.analysis.bodies.many_paths import BodyEnd, ManyPaths
 from nonsmooth.analysis.bodies.path import BodyPath
@@ -17,11 +15,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.reports.simulations.body_maps import pose_starts
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 MOST_SECONDS = 60.0  # of this process
 STARTS = 20

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.loads import LoadError
@@ -18,12 +16,8 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
+from tests.conftest import Arrays
 
 POINTS = 1_000
 RELATIVE = 1e-9  # of the optimum: the linear program returns a vertex, accurate to rounding

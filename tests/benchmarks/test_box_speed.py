@@ -6,7 +6,6 @@ import time
 from dataclasses import replace
 from fractions import Fraction
 from math import comb
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,12 +17,8 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
+from tests.conftest import Arrays
 
 REQUIRED_OVER_PPOPT = 50
 REQUIRED_OVER_HIGHS = 1_000

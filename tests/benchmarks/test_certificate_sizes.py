@@ -6,20 +6,13 @@ import subprocess
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import pytest
 
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.symbolic.files.scene_file import builtin_scenes
 from tests.array_certificates import evidence, subject
+from tests.benchmarks.conftest import Stopwatch
 from tests.built_in import checked
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 
 def test_sizes_and_times(stopwatch: Stopwatch, tmp_path: Path) -> None:

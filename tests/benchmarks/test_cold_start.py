@@ -5,16 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
-import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 RUNS = 10
 COMMAND_LINE = ("-m", "nonsmooth.reports.cli")

@@ -7,14 +7,10 @@ import resource
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 WHEELS, SIDE = 100_000, 317
 ALLOWED_RATIO = 3.5  # of the whole check to reading the table alone

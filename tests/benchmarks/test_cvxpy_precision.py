@@ -7,8 +7,6 @@ that slope 1/2 is all that a tolerance buys there.  V* over hulls errs by the ga
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 
@@ -23,12 +21,8 @@ from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.benchmarks.conftest import Stopwatch
 from tests.oracles.cvxpy_programs import ConeSolver, CvxpyMinimizer, hull_upper_derivative_on
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))
 WITHIN = 0.2  # of the predicted slope

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -16,13 +16,9 @@ import nonsmooth as ns
 from nonsmooth.reports.engine.mjcf import export_scene
 from nonsmooth.symbolic.files.scene_file import build_scene, read_document
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.benchmarks.conftest import Stopwatch
 from tests.body_engine import run_beside_engine
 from tests.engine_export import error
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 STARTS = ((Fraction(1, 8), Fraction(1, 16)), (Fraction(-1, 10), Fraction(1, 8)))
 UNTIL = 0.5  # of wheels of speed about one

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
 
+from tests.benchmarks.conftest import Stopwatch
 from tests.evidence.engine import ARRAYS, engine_errors
 from tests.evidence.page import gather, page_tables
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "evidence.md").read_text(encoding="utf-8")
 SECONDS = 60  # for all 400 pushes, both ways and under every model

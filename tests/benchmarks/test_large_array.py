@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 ALLOWED_RATIO = 4
 SIDE = 100

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,11 +11,7 @@ from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.files.scene_file import load_scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 ALLOWED_RATIO = 25  # twice the square of the ratio of wheels: tables of pairs are what grows
 SCENE = """

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import combinations_with_replacement, product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import cvxpy as cp
 import pytest
@@ -18,11 +18,7 @@ import pytest
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 COUNT = 4
 STATES = ["a", "b", "c", "d"]

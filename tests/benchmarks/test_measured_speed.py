@@ -7,18 +7,13 @@ import statistics
 import time
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
+from tests.benchmarks.conftest import Stopwatch
 from tests.measured_arrays import Kind, measured_array
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 ARRAYS = 100
 MEDIAN, LONGEST = 1, 10  # seconds of processor time

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.benchmarks.conftest import Stopwatch
 from tests.oracles.cvxpy_programs import CvxpyMinimizer
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 REQUIRED_SPEEDUP = 300  # ellipse, four wheels, over CVXPY as one writes it down
 POINTS = 4000  # for the vectorized minimizer

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import pytest
 
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, random_tie
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 EQUILIBRIA, VERDICTS = 5_000, 300
 FIRST = 10_000  # seeds apart from those of the tests

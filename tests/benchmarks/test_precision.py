@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,11 +12,7 @@ from nonsmooth.analysis.measurements.studies import ELLIPSE_MINIMIZERS
 from nonsmooth.proofs.measurements import PRUNING, STUDIES
 from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 ALLOWED = 300  # seconds of processor time for one array, all of it on one core
 FEWEST_STUDIES, FEWEST_METHODS, FEWEST_SETTINGS = 4, 3, 5

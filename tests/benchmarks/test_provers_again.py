@@ -79,7 +79,6 @@ def _send_answers(file: Path, there: Connection) -> None:
             there.send(said)
 
 
-@pytest.mark.benchmark
 def test_thirty_verdicts_are_proved_again(tmp_path: Path) -> None:
     cases = decided()
     for solver, ask in (("Z3", z3_answers), ("cvc5", cvc5_answers)):

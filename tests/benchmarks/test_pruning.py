@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
+from tests.benchmarks.conftest import Stopwatch
 from tests.clauses import verdicts
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
+from tests.conftest import Arrays
 
 
 @pytest.mark.parametrize("name", builtin_scenes())

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.proofs.larger_region import find_larger_region
+from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.published_regions import PUBLISHED, Published, area, exact_level, system_of
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 
 @pytest.mark.parametrize("published", PUBLISHED, ids=lambda published: published.name)

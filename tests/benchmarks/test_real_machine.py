@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.benchmarks.conftest import Stopwatch
 from tests.body_engine import TIME_CONSTANT
 from tests.measured_arrays import Kind, measured_array
 from tests.real_machine import (
@@ -29,11 +29,6 @@ from tests.real_machine import (
     roller_errors,
     scattered_heading,
 )
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 POSES, HANGING = 200, 50  # poses on the grid, and of bodies that may hang over its border
 REACH, BEYOND = 1.7, 2.7  # of the centre of mass from the middle

@@ -13,8 +13,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.benchmark
-
 ROUNDS = 3  # the fastest of each counts
 MOST_BYTES = 2_000_000
 LIBRARIES = "import sympy, matplotlib.figure, scipy.optimize, scipy.spatial"

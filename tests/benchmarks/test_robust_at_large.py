@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -14,16 +13,12 @@ from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.robust.test_box_bounds import drawn, small_box, twists
 from tests.proofs.robust.test_smooth_bounds import drawn as smooth_array
 from tests.proofs.robust.test_smooth_discs import box_of
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.mechanics.scene import Scene
-    from nonsmooth.symbolic.mechanics.tolerances import Tolerance
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 ARRAYS, POINTS = 1_000, 5
 SLOPE_ARRAYS = 40

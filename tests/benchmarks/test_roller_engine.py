@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 
+from tests.benchmarks.conftest import Stopwatch
 from tests.roller_engine import creep_rates
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 CREEP = 2e-2  # relative, of the speed at which the body comes home near the point
 

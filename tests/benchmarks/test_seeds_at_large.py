@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 from tests.analysis import test_equilibria as equilibria
+from tests.benchmarks.conftest import Stopwatch
+from tests.conftest import Arrays
 from tests.proofs import test_driven_feedback as driven
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
 
 EQUILIBRIA = 200  # arrays
 

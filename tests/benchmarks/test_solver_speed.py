@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import pytest
 
@@ -22,14 +22,10 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.benchmarks.conftest import Stopwatch
 from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import Answer, Question, ask_apart, with_cvc5, with_z3
 from tests.proofs.system_families import families
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 PATIENCE = 20.0  # seconds of each solver for one V
 RUNS = 3

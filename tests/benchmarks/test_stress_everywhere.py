@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -11,15 +10,11 @@ from nonsmooth.analysis.measurements.harness import measure
 from nonsmooth.proofs.measurements import CASES
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.files.system_file import load_any
+from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.benchmarks.conftest import Stopwatch
 from tests.built_in import planar_systems
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.mechanics.scene import Scene
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
+from tests.conftest import Arrays
 
 LEAST_ROWS, MINUTES = 30, 5
 

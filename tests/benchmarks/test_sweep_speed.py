@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
-
-import pytest
 
 from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.sweep import Means, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from nonsmooth.reports.sweeps.workers import ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 SCENES = 40  # of each of the two that are compared
 RATIO = 1.5  # of a check in a warm worker to one in this process

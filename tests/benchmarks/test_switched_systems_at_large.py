@@ -6,20 +6,15 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
 from tests.proofs.system_families import families
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 COUNT = 1_000
 FIRST = 50_000  # seeds apart from those of the tests

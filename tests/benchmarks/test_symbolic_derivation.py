@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import pytest
 import sympy
 
 from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple
 from nonsmooth.symbolic.mechanics.contact_states import regular_states
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
+from tests.conftest import Arrays
 
 REQUIRED_SPEEDUP = 10
 ROUNDING = 1e-12  # entries are of order 1

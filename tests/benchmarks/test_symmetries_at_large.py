@@ -4,18 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import TYPE_CHECKING
-
-import pytest
 
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.benchmarks.conftest import Stopwatch
+from tests.conftest import Arrays
 from tests.proofs import test_symmetries as symmetries
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
 
 ARRAYS = 100  # of each kind: any wheels, and wheels on a circle
 MAPS = (symmetries.TURN_3_4_5, 1), (symmetries.MIRROR, -1)

@@ -10,12 +10,12 @@ from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from itertools import repeat
 from multiprocessing import get_context
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
+from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
 from tests.oracles.agreement import box_contradiction, contradiction
 from tests.oracles.box_paths import observe_box
@@ -24,11 +24,6 @@ from tests.oracles.nearest_paths import observe
 from tests.oracles.tied_arrays import tied_array, turning_pool, untied_array
 from tests.oracles.tied_box_arrays import tied_box
 from tests.oracles.tied_scenes import scene_of
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
 
 ARRAYS = int(os.environ.get("NONSMOOTH_TIED_ARRAYS", "100000"))
 BLOCK = 250

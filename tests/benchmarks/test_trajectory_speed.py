@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -22,11 +21,7 @@ from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-
-pytestmark = pytest.mark.benchmark
+from tests.benchmarks.conftest import Stopwatch
 
 START, UNTIL = (0.8, 0.3, 0.0), 1.0
 REQUIRED_ERROR = 1e-3  # of hysteresis; event-driven paths are exact to rounding

@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
 
-import pytest
-
+from tests.benchmarks.conftest import Stopwatch
+from tests.conftest import Arrays
 from tests.proofs.test_verdicts_against_trajectories import compare
-
-if TYPE_CHECKING:
-    from tests.benchmarks.conftest import Stopwatch
-    from tests.conftest import Arrays
-
-pytestmark = pytest.mark.benchmark
 
 ARRAYS, STARTS, LARGEST_SHARE_UNDECIDED = 500, 32, 0.02
 

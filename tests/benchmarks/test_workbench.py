@@ -14,8 +14,6 @@ import pytest
 from tests.random_edits import Hand
 from tests.workbench_server import Json, Workbench, resident
 
-pytestmark = pytest.mark.benchmark
-
 DRAGS, EDITS, FIRST = 200, 10_000, 500
 GROWTH = 50 << 20  # bytes
 MOST = {

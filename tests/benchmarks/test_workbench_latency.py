@@ -21,7 +21,7 @@ from tests.browser import chromium, needs_chromium
 from tests.reports.workbench.workbench_page import Opened, running, settled
 from tests.workbench_server import Workbench
 
-pytestmark = [pytest.mark.benchmark, needs_chromium]
+pytestmark = needs_chromium
 
 MOVES = 200
 SCENES = {"four-wheel": (60, 120), "grid-4x4": (250, 250)}  # milliseconds: median, 95 %

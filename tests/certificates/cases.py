@@ -139,6 +139,23 @@ def slow_rates() -> Iterator[Case]:
             yield Case(f"slow-{count}-{'space' if where is None else 'cube'}", subject(rhs), "lyapunov", about)
 
 
+def slow_growth() -> Iterator[Case]:
+    """Functions of the whole plane that grow like the distance, or like its logarithm: every start comes."""
+    saturated = "-1/2 + Abs(x + 1)*(x + 1)/4 - Abs(x - 1)*(x - 1)/4 + y**2/2"
+    for name, side, function, surfaces in (
+        ("relay", "-sign(x) - y", "Abs(x) + y**2/2", ["x"]),
+        ("saturated", "-sat(x, -1, 1) - y", saturated, ["x - 1", "x + 1"]),
+    ):
+        about, where = subject(["y", side]), cells(*surfaces, within=None)
+        if name == "saturated":
+            where["empty"] = ["+-"]
+        second = find_second(read_subject(about), where, function)
+        hypotheses = {**lyapunov(function, where, everywhere=True), "second": second, "growth": "1/4"}
+        yield Case(f"growth-{name}", about, "lyapunov", hypotheses)
+    hypotheses = {**lyapunov("y**2", cells(within=None), everywhere=True), "logarithm": "x**2", "proper": "1/4"}
+    yield Case("growth-logarithm", subject(["-x + x*y", "-y"]), "lyapunov", hypotheses)
+
+
 def linear_systems() -> Iterator[Case]:
     """Chains of states, each fed by the one before: sums of squares, or simplices in the plane."""
     for count in range(2, 9):
@@ -634,6 +651,7 @@ def slides() -> Iterator[Case]:
 GROUPS = (
     in_one_state,
     slow_rates,
+    slow_growth,
     linear_systems,
     relays,
     nonlinear_systems,

@@ -168,6 +168,14 @@ def of_proper() -> Iterator[Forgery]:
     yield of_one_state(words, "-x", claims, {**proofs, "proper ": ON_PARTS}, {"proper": "-1", **bounded})
     within = {"cells": cube("1/2"), "everywhere": True, "proper": "1"}
     yield of_one_state(words, "x**3 - x", claims, {**FALLS, "proper ": ON_PARTS}, within)
+    yield of_one_state("a proper V for all starts", "-x", [ATTRACTS], FALLS, {"growth": "1"})
+    yield of_one_state("a proof of proper  +0", "-x", claims, proofs, {"growth": "1", **bounded})
+    # V = x**2 + ln(1 - x), which is negative; and one with a rate, of which nothing is known
+    words = "a mixture that is not negative, for logarithm"
+    yield of_one_state(words, "-x", [ATTRACTS], {**FALLS, "logarithm": PLAIN}, {"logarithm": "-x"})
+    slow = {"logarithm": "x**2", "rate": {"kind": "exponential", "kappa": "1"}}
+    yield of_one_state("a logarithm with a verdict alone", "-x", [ATTRACTS], FALLS, slow)
+    yield of_one_state("a P that is zero at the point", "-x", [ATTRACTS], FALLS, {"logarithm": "1 + x**2"})
 
 
 def of_instability() -> Iterator[Forgery]:
@@ -343,7 +351,7 @@ def of_documents() -> Iterator[Forgery]:
     yield of_one_state("a claim", "-x", [], FALLS, {})
     words = 'evidence of the claim {"attracts": "everywhere"}'
     yield of_one_state(words, "-x", [ATTRACTS, EVERYWHERE], FALLS, {})
-    keys = "cells function second verdict everywhere level below rate gain proper denominator"
+    keys = "cells function second verdict everywhere level below rate gain proper growth denominator logarithm"
     yield of_one_state(f"an object with the keys {keys}", "-x", [ATTRACTS], FALLS, {"trust": True})
     other: Path = ["version"]
     words = "the version nonsmooth-certificate/2"

@@ -189,7 +189,9 @@ def _of_searched(before: Mapping[str, Any], after: Mapping[str, Any], path: str)
         a, b = (record.get(key) for record in (before, after))
         if (a is None) != (b is None):
             yield Difference(f"{path}.{key}", a, b, a is None)
-        elif a is not None and b is not None and a.get("kind") == b.get("kind"):
+        elif not isinstance(a, Mapping) or not isinstance(b, Mapping):
+            yield from differences(a, b, f"{path}.{key}")
+        elif a.get("kind") == b.get("kind"):
             yield from differences(a[number], b[number], f"{path}.{key}.{number}")
 
 

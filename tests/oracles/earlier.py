@@ -8,6 +8,7 @@ functions in three states and more; those certificates have no translation.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -58,6 +59,8 @@ def translated(certificate: Record) -> Record:
         raise NoWordError("sines and cosines")
     if any("denominator" in entry["hypotheses"] for entry in certificate["evidence"]):
         raise NoWordError("a V with a denominator")
+    if any(_is_about_space(entry["hypotheses"]) for entry in certificate["evidence"]):
+        raise NoWordError("the whole space as the domain")
     rates = [entry["hypotheses"].get("rate") or {} for entry in certificate["evidence"]]
     if any(own.get("kind") == "algebraic" for own in rates):
         raise NoWordError("algebraic rates")
@@ -97,6 +100,13 @@ def _theorem(certificate: Record) -> tuple[str, Record, Record]:
     if entry["hypotheses"].get("below") is True:
         raise NoWordError("claims below a level alone")
     return entry["theorem"], entry["hypotheses"], entry["proofs"]
+
+
+def _is_about_space(hypotheses: Record) -> bool:
+    """Whether a V on the whole space is one of those that version 1 did not know."""
+    if "proper" in hypotheses:  # a surface with a constant term does not pass the point
+        return any(re.search(r"[+-] [0-9/]+$", surface) for surface in hypotheses["cells"]["surfaces"])
+    return bool({"growth", "logarithm"} & set(hypotheses))
 
 
 def _subject(certificate: Record) -> Record:

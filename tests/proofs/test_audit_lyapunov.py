@@ -6,7 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,16 +20,14 @@ from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Refutation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.conftest import Arrays
+from tests.plain import built
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 DIFFERENCE = 1e-6  # step of the numerical gradients below (length)
 DECREASING = [11, 13, 17, 19, 28, 29, 33, 43]  # random arrays on which the random V of the same seed never grows
@@ -227,8 +225,7 @@ def test_plain_systems(name: str, lyapunov: str, verdict: AuditVerdict, proves: 
 @pytest.mark.parametrize("guard", ["(y - x**2)*(y + x**2)", "(y - x**2)*(y + 2*x**2)"])
 def test_a_line_of_rest_between_curves_does_not_attract(drift: str, guard: str) -> None:
     """All points of ``y = 0`` rest, inside cells whose guards are negative or positive there."""
-    document = {"system": {"states": ["x", "y"], "rhs": [drift, f"-y*(2 + sign({guard}))"]}}
-    system = build_system(document, "rest", Path("rest.toml"))
+    system = built([drift, f"-y*(2 + sign({guard}))"])
     result = audited(system, "x**2 + y**2")
     assert (result.verdict, result.proves) == (AuditVerdict.VALID, Translation.STABLE)
     assert decide_system(system).verdict is Translation.STABLE
@@ -237,8 +234,7 @@ def test_a_line_of_rest_between_curves_does_not_attract(drift: str, guard: str) 
 def test_a_rise_at_a_corner_of_the_cube_is_met() -> None:
     """``V' = -2 (x^2 + y^2 + z^2) (2999/1000 - x - y - z)`` is positive near (1, 1, 1) only, where samples miss it."""
     rhs = [f"-{name}*(2999/1000 - x - y - z)" for name in "xyz"]
-    document = {"system": {"states": ["x", "y", "z"], "rhs": rhs}, "check": {"radius": "1"}}
-    result = audited(build_system(document, "corner", Path("corner.toml")), "x**2 + y**2 + z**2")
+    result = audited(built(rhs, radius="1"), "x**2 + y**2 + z**2")
     assert result.verdict is AuditVerdict.INVALID
     assert result.witness is not None
     assert sum(result.witness.point) > Fraction(2999, 1000)
@@ -274,8 +270,7 @@ def test_angles_of_the_scene_are_allowed() -> None:
 def test_squares_show_high_degrees_in_the_plane() -> None:
     """A function of degree ten along its gradient, times squares: V' has no sign on small parts beside the axes."""
     rhs = ["-30*x**11 - 30*x**6*y**2", "-40*x**2*y**3 - 12*x**7*y"]
-    document = {"system": {"states": ["x", "y"], "rhs": rhs}, "check": {"radius": 0.5}}
-    system = build_system(document, "steep", Path("steep.toml"))
+    system = built(rhs)
     lyapunov = "3*x**10 + 10*y**4 + 6*x**5*y**2"
     found = audited(system, lyapunov)
     assert found.verdict is AuditVerdict.VALID

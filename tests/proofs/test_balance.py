@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -14,12 +13,10 @@ from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.proofs.forces_oracle import solves
 from tests.ruled import ruled
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Pair = tuple[Fraction | int, Fraction | int]
 

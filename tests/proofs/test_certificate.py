@@ -8,7 +8,8 @@ import time
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING, Any, TypeAlias
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import pytest
 
@@ -25,14 +26,10 @@ from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from tests.array_certificates import check_certificate, claim_disc, evidence, proofs, said, subject
 from tests.built_in import checked
+from tests.conftest import Arrays, Pair, WheelData
 from tests.four_wheel import CORNERS
 from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.conftest import Arrays, Pair, WheelData
 
 Record: TypeAlias = dict[str, Any]
 

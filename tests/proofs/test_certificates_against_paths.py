@@ -9,19 +9,17 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import pytest
 
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.theorem4 import check_cells
 from tests.array_certificates import check_certificate, said, subject
+from tests.conftest import Arrays
 from tests.oracles.nearest_paths import End, Wheel, observe
 from tests.oracles.tied_arrays import tied_array
 from tests.oracles.tied_scenes import scene_of
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Record: TypeAlias = dict[str, Any]
 

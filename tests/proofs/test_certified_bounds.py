@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import copy
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import pytest
 
@@ -16,11 +16,9 @@ from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.theorem4 import check_cells
 from tests.array_certificates import check_certificate, evidence, said
 from tests.built_in import checked
+from tests.conftest import Arrays
 from tests.oracles.array_bounds import assert_bounds_hold
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Record: TypeAlias = dict[str, Any]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -16,13 +16,10 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import TurnRegion
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.conftest import WheelData
+from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.mechanics.scene import Scene
-    from tests.conftest import Arrays
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -12,9 +11,7 @@ from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array, failed_hypotheses
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
+from tests.conftest import Arrays
 
 
 def inward_array(arrays: Arrays, seed: int) -> Scene:

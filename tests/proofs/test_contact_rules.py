@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -25,12 +24,10 @@ from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
 from tests.ruled import ruled
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 SLACK = 1e-9  # of D, about the accuracy of CLARABEL; D is of order 0.1
 RATE_ERROR = 1e-6  # of V'/V

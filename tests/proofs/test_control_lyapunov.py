@@ -6,13 +6,14 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import islice
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Polygon
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
@@ -31,9 +32,6 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import certified_rate
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.cells.partition import Partition
 
 Shape: TypeAlias = tuple[Fraction, Fraction]
 

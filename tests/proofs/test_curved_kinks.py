@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -17,11 +16,9 @@ from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.proofs.conftest import Load
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.proofs.conftest import Load
 
 NAMES = {"sign": np.sign, "Abs": np.abs}
 STEP, STEPS = 1e-3, 4000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -23,10 +23,8 @@ from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.proofs.conftest import Load
 from tests.thorough import examples, few
-
-if TYPE_CHECKING:
-    from tests.proofs.conftest import Load
 
 RANDOM = examples(150)
 SOLVER_ERROR = 1e-7  # HiGHS, on numbers of size 10

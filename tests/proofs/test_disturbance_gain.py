@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import gain_words, rate_words
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.symbolic.files.system_builder import build_system
+from tests.plain import built
 from tests.proofs.forged import with_reach
 from tests.thorough import few, keep
 
@@ -42,8 +41,7 @@ FAR = np.random.default_rng(2).normal(size=(400, 2)) * 10.0 ** np.linspace(-3, 4
 
 
 def checked(rhs: tuple[str, str], lyapunov: str) -> StabilityResult:
-    document: dict[str, Any] = {"system": {"states": ["x", "y"], "rhs": list(rhs)}, "check": {"lyapunov": lyapunov}}
-    return decide_system(build_system(document, "t", Path("t.toml")))
+    return decide_system(built(rhs, lyapunov=lyapunov))
 
 
 def value(text: str, x: Any, y: Any) -> Any:
@@ -169,8 +167,7 @@ def test_a_quadratic_v_of_relays_has_a_rate_on_the_square() -> None:
 
 def test_three_states() -> None:
     """``|grad V|`` stays below the gain on the cube and comes near it; the certificate states rate and gain."""
-    document = {"system": {"states": ["x", "y", "z"], "rhs": ["-x + y - x**3", "-x - y", "-z - sign(z)"]}}
-    result = decide_system(build_system(document, "t", Path("t.toml")))
+    result = decide_system(built(["-x + y - x**3", "-x - y", "-z - sign(z)"]))
     gain, half = result.reach.gain, float(result.scene.check.radius)
     assert gain is not None
     assert result.reach.gain_domain == result.reach.rate_domain
@@ -206,7 +203,7 @@ ONE_STATE = {  # right-hand side: kind, whether everywhere, the largest kappa th
 def test_one_state(rhs: str) -> None:
     """The distance falls at least as fast as is said, which is nearly as fast as can be; the certificate states it."""
     decay, everywhere, largest = ONE_STATE[rhs]
-    result = decide_system(build_system({"system": {"states": ["x"], "rhs": [rhs]}}, "t", Path("t.toml")))
+    result = decide_system(built([rhs]))
     reach = result.reach
     assert reach.everywhere is everywhere
     assert reach.rate is not None
@@ -234,10 +231,10 @@ PACES = [  # right-hand sides of every kind of rate; those of two states with a 
 @pytest.mark.parametrize("rhs", PACES)
 def test_a_slower_system_has_a_slower_rate(rhs: tuple[str, ...]) -> None:
     """The unit of time decides nothing; the certificate states the rate."""
-    names, rates = ["x", "y", "z"][: len(rhs)], []
+    rates = []
     for speed in (Fraction(1), Fraction(1, 100_000)):
         slower = [f"({speed})*({text})" for text in rhs]
-        result = decide_system(build_system({"system": {"states": names, "rhs": slower}}, "t", Path("t.toml")))
+        result = decide_system(built(slower))
         assert result.reach.rate is not None
         rates.append((result.reach.rate.decay, float(result.reach.rate.kappa / speed)))
         claims = certificate_of(result)["statement"]["claims"]
@@ -249,9 +246,7 @@ def test_a_slower_system_has_a_slower_rate(rhs: tuple[str, ...]) -> None:
 
 def test_a_v_of_pieces_has_a_rate_on_the_plane() -> None:
     """Along solutions of a spring that is stiffer on one side V falls at least as fast as is said."""
-    result = decide_system(
-        build_system({"system": {"states": ["x", "y"], "rhs": ["y", "-x - 4*Max(x, 0) - y/5"]}}, "t", Path("t.toml"))
-    )
+    result = decide_system(built(["y", "-x - 4*Max(x, 0) - y/5"]))
     reach = result.reach
     assert result.function is not None
     assert len(result.function.pieces) > 1
@@ -282,7 +277,7 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     """Where linear terms are missing, or turn only, V is the square of the distance, and no gain is known."""
     largest, everywhere = SLOW[rhs]
     names = ["x", "y", "z"][: len(rhs)]
-    result = decide_system(build_system({"system": {"states": names, "rhs": list(rhs)}}, "t", Path("t.toml")))
+    result = decide_system(built(rhs))
     reach = result.reach
     assert reach.rate is not None
     assert reach.rate.decay is DecayKind.ALGEBRAIC
@@ -298,5 +293,5 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
 def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
     """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``."""
     rhs = ["-x + 3/2*y - sign(z)", "-3*sign(y) + 3*x", "-2*z - Abs(x) + 2*sign(y)"]
-    decided = decide_system(build_system({"system": {"states": ["x", "y", "z"], "rhs": rhs}}, "t", Path("t.toml")))
+    decided = decide_system(built(rhs))
     assert decided.reach.rate is None or decided.reach.rate.decay is not DecayKind.ALGEBRAIC

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations, product
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -46,13 +45,10 @@ from nonsmooth.symbolic.mechanics.constraints import cross_product, independent,
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds
 from tests.ruled import centred
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 # Relative: HiGHS and the interior solver end with a gap of about 1e-9, and the twist is right to its square root.
 BOX_ERROR, ELLIPSE_ERROR = 1e-7, 1e-4

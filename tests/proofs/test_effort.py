@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
@@ -12,9 +10,9 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.systems.derivatives import EFFORT
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from tests.plain import built
 
 FIELD = NumberField()
 X, Y = (Polynomial.variable(FIELD, ("x", "y"), name) for name in ("x", "y"))
@@ -25,7 +23,7 @@ HARD = (X**2 * 7 - Y**3 + X * 3 - Y) ** 2 * 10**12 + 1
 @pytest.mark.parametrize("frequency", [1_000_000])
 def test_an_audit_ends_after_the_work_of_all_its_inequalities(frequency: int) -> None:
     rhs = [f"-sign(x) - sin({frequency}*y)", f"-sign(y) - sin({frequency}*x)"]
-    system = build_system({"system": {"states": ["x", "y"], "rhs": rhs}, "check": {"radius": 1}}, "t", Path("t.toml"))
+    system = built(rhs, radius=1)
     with shared_effort(10**9):
         found = audit(system, "x**2 + y**2")
         spent = 10**9 - effort_left()

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -15,14 +14,12 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, c
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import solves, verifies
 from tests.ruled import ruled
 from tests.thorough import few, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 # Of 30 random arrays those that do not tip and whose minimizer is found exactly; the latter fails for two.
 DECIDED = [0, 1, 2, 3, 5, 6, 7, 8, 11, 12, 13, 14, 17, 18, 19, 21, 24, 25, 26, 27, 28, 29]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,17 +10,10 @@ import pytest
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.systems.energies import energies
-from nonsmooth.proofs.systems.lyapunov_search import square_cells
-from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.proofs.systems.energies import crossed_energies, energies
 from nonsmooth.symbolic.formulas.float_formulas import float_value
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-
-def system_of(*rhs: str) -> SwitchedSystem:
-    return build_system({"system": {"states": ["x", "y"], "rhs": list(rhs)}}, "t", Path("t.toml"))
-
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from tests.plain import built
 
 # Right-hand sides, the place of the position, and its force; at rest that of friction is the mean of both directions.
 SECOND_ORDER = [
@@ -42,9 +34,10 @@ def energy_of(formula: PiecewiseExpression, place: int, x: float, v: float) -> f
 def test_the_energy_has_the_slope_of_the_force(
     rhs: tuple[str, str], place: int, force: Callable[[float], float]
 ) -> None:
-    system, step = system_of(*rhs), 1e-6
-    found = list(energies(system, square_cells(system, system.check.radius), system.check.radius))
-    assert len(found) in (2, 4)
+    system, step = built(rhs), 1e-6
+    crossed = list(crossed_energies(system, system.check.radius))
+    found = [*crossed, *energies(system)]
+    assert len(crossed) in (2, 4)
     for formula in found:
         for x, v in np.random.default_rng(3).uniform(-0.4, 0.4, (20, 2)).tolist():
             high, low = (energy_of(formula, place, x + move, v) for move in (step, -step))
@@ -53,13 +46,33 @@ def test_the_energy_has_the_slope_of_the_force(
 
 
 def test_what_is_of_no_second_order_has_none() -> None:
-    for rhs in (("y - x", "-x"), ("y", "-sqrt(2)*x - y"), ("2*y", "-x - y")):
-        system = system_of(*rhs)
-        assert not list(energies(system, square_cells(system, system.check.radius), system.check.radius))
+    for rhs in (("y - x", "-2*x - 3*y"), ("y", "-sqrt(2)*x - y"), ("y*Abs(y)", "-x - y")):
+        system = built(rhs)
+        assert not list(crossed_energies(system, system.check.radius))
+
+
+@pytest.mark.parametrize(
+    ("rhs", "energy"),
+    [
+        (("y", "-x**3 - y + 2*z", "-y/3 - z**3"), "z**2/2 + y**2/12 + x**4/24"),  # a chain of three
+        (("2*y", "-sign(x) - y"), "Abs(x) + y**2"),
+        (("y", "-3*sat(x, -1, 2)"), "3*(x*sat(x, -1, 2) - sat(x, -1, 2)**2/2) + y**2/2"),
+        (("-x + y**3", "-x/2 - y"), "x**2/2 + y**4/2"),
+    ],
+)
+def test_energies_of_chains(rhs: tuple[str, ...], energy: str) -> None:
+    system, states = built(rhs), "xyz"[: len(rhs)]
+    found, *_ = energies(system)
+    expected = parse_piecewise(energy, tuple(states))
+    ratios = []
+    for place in np.random.default_rng(3).uniform(-4, 4, (20, len(rhs))).tolist():
+        values = dict(zip(states, place, strict=True))
+        ratios.append(float_value(found.tree, values, found.text) / float_value(expected.tree, values, energy))
+    assert ratios == pytest.approx([ratios[0]] * len(ratios))
 
 
 def test_a_relay_with_viscous_friction_has_a_short_function() -> None:
-    result = decide_system(system_of("y", "-2*sign(x) - y"))
+    result = decide_system(built(["y", "-2*sign(x) - y"]))
     assert result.function is not None
     assert result.function.text == "2*Abs(x) + y**2/2 + x*y/4"
     assert result.reach.region is not None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,13 +17,11 @@ from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import Vector, dot, separating_direction
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 HALF = Fraction(1, 2)
 

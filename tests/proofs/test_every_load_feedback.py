@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -29,9 +30,6 @@ from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.measured_arrays import Kind, measured_array
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -16,11 +16,9 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Vector: TypeAlias = tuple[int | Fraction, int | Fraction]
 FIELD = NumberField()

@@ -7,7 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -27,9 +27,6 @@ from nonsmooth.symbolic.numbers.plane import dot, turned
 from tests.conftest import HALF, Arrays, WheelData
 from tests.four_wheel import CORNERS, ROLL, SIDE
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 Rational: TypeAlias = int | Fraction
 

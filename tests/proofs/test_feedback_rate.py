@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -16,11 +15,9 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import ConeRate, certified_r
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 
 def sampled_kappa(cone: ConeRate, samples: int = 40_000) -> float:

@@ -10,15 +10,12 @@ import json
 import time
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from nonsmooth.proofs.certificate import build_certificate
-from nonsmooth.proofs.checker import files
-from nonsmooth.proofs.checker.statements import VERSION
 from tests.array_certificates import check_certificate, evidence, subject
 from tests.built_in import checked
 
@@ -37,9 +34,6 @@ def digits(count: int) -> str:
 def ratio(count: int) -> str:
     """A rational number; its denominator shares no factor with others, as good as always."""
     return f"{digits(count)}/{digits(count)}"
-
-
-# ---- arrays --------------------------------------------------------------------------------------
 
 
 def root(radicand: str, degree: int = 2) -> Record:
@@ -106,29 +100,3 @@ def test_forged_arrays_end(name: str) -> None:
     start = time.process_time()
     assert check_certificate(data) == claim
     assert time.process_time() - start < AT_ONCE
-
-
-# ---- files ---------------------------------------------------------------------------------------
-
-FILES = {
-    "no UTF-8": b'{"schema": "\xff\xfe\x80"}',
-    "deep": b"[" * 1_000_000,
-    "deep keys": b'{"a":' * 200_000,
-    "a long number": b"9" * 1_000_000,
-    "empty": b"",
-    "a number": b"NaN",
-    "two keys": b'{"schema": 1, "schema": 2}',
-    "cut off": json.dumps({"version": VERSION, "statement": {}}).encode()[:-4],
-}
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_files_that_are_no_certificates_end_in_one_line(tmp_path: Path, name: str) -> None:
-    file = tmp_path / "certificate.json"
-    file.write_bytes(FILES[name])
-    start = time.process_time()
-    status, line = files.check_file(str(file))
-    assert time.process_time() - start < AT_ONCE
-    assert status == (1 if name == "a number" else 2)
-    assert "\n" not in line
-    assert len(line) < 300

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,10 +17,7 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Theorem4
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.array_certificates import check_certificate, evidence, said
-from tests.conftest import Pair, WheelData
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
+from tests.conftest import Arrays, Pair, WheelData
 
 POSITIONS: list[Pair] = [(1, 0), (-1, 1), (-1, -1)]
 RIMS: list[Pair] = [(0, 1), (Fraction(3, 5), Fraction(4, 5)), (1, 0)]

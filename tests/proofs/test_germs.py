@@ -5,7 +5,6 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import pairwise
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -22,10 +21,8 @@ from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE
+from tests.proofs.conftest import Load
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from tests.proofs.conftest import Load
 
 FIELD = NumberField()
 X, Y = (Polynomial.variable(FIELD, PLANE, name) for name in PLANE)

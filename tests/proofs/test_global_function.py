@@ -27,7 +27,6 @@ LOCAL = {
     "a limit cycle": ("-y", "x - y + x**2*y"),
     "other places of rest": ("y", "-x + x**3 - y"),
     "all but a line": ("-x + x**2*y", "-y"),
-    "no polynomial V (Ahmadi, Krstic and Parrilo 2011)": ("-x + x*y", "-y"),
 }
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 
@@ -11,10 +9,8 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.feedback.control_fields import input_ranks
 from nonsmooth.proofs.findings.verdicts import Feedback
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 
 def test_four_wheel_ranks(arrays: Arrays) -> None:

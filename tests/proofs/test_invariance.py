@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,11 +17,9 @@ from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.findings import KEPT, Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.proofs.conftest import Load
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.proofs.conftest import Load
 
 ENERGIES = {  # force: potential
     "x": "x**2/2",

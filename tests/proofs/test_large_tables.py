@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import pytest
 
@@ -15,11 +15,7 @@ from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 from nonsmooth.symbolic.mechanics.constraints import Triple, independent
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from tests.conftest import Arrays
+from tests.conftest import Arrays
 
 
 def test_plain_directions_never_reach_the_formula_parser(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -19,11 +18,9 @@ from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE
+from tests.proofs.conftest import Load
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.proofs.conftest import Load
 
 COUNT = 40
 PATHS = 6

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -25,12 +24,10 @@ from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.proofs.conftest import Load
 from tests.proofs.forged import with_reach
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-    from tests.proofs.conftest import Load
 
 STEP, STEPS, STARTS = 1e-3, 1500, 12
 

@@ -6,7 +6,6 @@ The large version with counts is ``tests/benchmarks/test_plain_ties_at_large.py`
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -14,12 +13,10 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
+from tests.proofs.conftest import Load
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, Tie, holds_zero, random_tie
 from tests.thorough import few, thorough
-
-if TYPE_CHECKING:
-    from tests.proofs.conftest import Load
 
 ZERO = ("0", "0")
 

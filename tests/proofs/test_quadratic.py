@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,11 +17,9 @@ from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation, rotation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation
+from tests.conftest import Arrays
 from tests.four_wheel import SIDE
 from tests.oracles.clause_evidence import evidence_holds
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 ARRIVED = 1e-9  # a distance; coordinates are of order 1
 LOOSE = 9  # the largest bound of the time of arrival against the longest path, over these arrays

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -34,13 +33,11 @@ from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
+from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import verifies
 from tests.ruled import centred
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 NEAR = 1e-3  # length: where a linearization is compared
 IMPOSED = 1e-7

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pytest
@@ -19,13 +19,10 @@ from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 # HiGHS solves to 1e-7 feasibility; rotation rates here are below 100.
 SOLVER_TOLERANCE = 1e-5

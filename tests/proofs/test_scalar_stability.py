@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +12,8 @@ import pytest
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.checks.check import check_system
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 from tests.proofs.forged import with_deciding
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
@@ -25,11 +22,6 @@ NAMES = {
     "sgn": lambda a: float(np.sign(a)),
     "relu": lambda a: max(a, 0.0),
 }
-
-
-def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any) -> SwitchedSystem:
-    system: dict[str, Any] = {"states": ["x"], "rhs": rhs, **({"parameters": parameters} if parameters else {})}
-    return build_system({"system": system, "check": check}, "t", Path("t.toml"))
 
 
 @pytest.mark.parametrize(

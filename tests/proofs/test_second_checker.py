@@ -27,6 +27,7 @@ from tests.proofs.system_families import families
 from tests.proofs.test_system_families import system_of
 from tests.thorough import keep
 
+NEWER = ("second", "proper", "growth", "denominator", "logarithm")  # hypotheses that the second checker does not know
 PLANAR = {known.name: known for known in families()}
 FIRST = [
     *("crossed relays, contracting", "twisting 2, 1", "Coulomb friction", "parabola far away", "node and focus"),
@@ -57,7 +58,17 @@ def text_of(name: str) -> str:
         record = certificate_of(decide_system(system))
     except NoCertificateError:
         return ""
-    return json.dumps(record) if is_by_v(record) else ""
+    known = without_newer(record)
+    return json.dumps(known) if is_by_v(known) else ""
+
+
+def without_newer(record: Record) -> Record:
+    """A certificate without the entries of hypotheses that the second checker does not know, and what these show."""
+    older = [own for own in record["evidence"] if not any(own["hypotheses"].get(key) for key in NEWER)]
+    if len(older) == len(record["evidence"]):
+        return record
+    claims = [own for own in record["statement"]["claims"] if own != {"attracts": "everywhere"}]
+    return {**record, "statement": {**record["statement"], "claims": claims}, "evidence": older}
 
 
 def is_by_v(record: Record) -> bool:
@@ -65,13 +76,7 @@ def is_by_v(record: Record) -> bool:
     entries = record["evidence"]
     by_v = all(own["theorem"] in ("lyapunov", "instability") for own in entries)
     about = record["statement"]["subject"]
-    return (
-        by_v
-        and len(about["states"]) == 2
-        and "roots" not in about
-        and "numbers" not in about
-        and not any(own["hypotheses"].get(key) for own in entries for key in ("second", "proper", "denominator"))
-    )
+    return bool(entries) and by_v and len(about["states"]) == 2 and "roots" not in about and "numbers" not in about
 
 
 def both(record: Record) -> tuple[str, str]:
@@ -146,7 +151,7 @@ def test_both_checkers_reject(name: str) -> None:
 
 def test_the_corpus_is_accepted() -> None:
     """All good ones by a V alone, but those that ask what the second checker does not know."""
-    known = {name: own for name, own in good_certificates().items() if is_by_v(own)}
+    known = {name: own for name, own in good_certificates().items() if is_by_v(own) and without_newer(own) is own}
     refused = {name: second_checker.refusal(own) for name, own in known.items()}
     assert {why for why in refused.values() if why} <= {"a V that bends on lines"}
     assert len(known) >= 50

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,20 +15,14 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_stated
+from nonsmooth.symbolic.systems.switched_system import require_stated
+from tests.plain import built
 from tests.thorough import few, keep, thorough
 
 ATTRACTS, LEAVES, OPEN = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE, Translation.UNDECIDED
 ROOT = "sqrt(Abs(x))*sgn(x)"
 NAMES = {"sqrt": np.sqrt, "Abs": np.abs, "sgn": np.sign}
-
-
-def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any) -> SwitchedSystem:
-    system: dict[str, Any] = {"states": ["x", "y"][: len(rhs)] if not isinstance(rhs[0], list) else ["x", "y"]}
-    system |= {"rhs": rhs, **({"parameters": parameters} if parameters else {})}
-    return build_system({"system": system, "check": check}, "t", Path("t.toml"))
 
 
 def largest_end(rhs: list[str], size: float, until: float, step: float = 5e-4) -> float:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,12 +48,10 @@ from nonsmooth.symbolic.mechanics.similar_scenes import scaled, with_wheels
 from nonsmooth.symbolic.numbers import enclosures
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
+from tests.proofs.conftest import Load
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
-    from tests.proofs.conftest import Load
 
 LEAST_ROWS = 30
 

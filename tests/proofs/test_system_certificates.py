@@ -26,10 +26,9 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.oracles.mutants import Record
+from tests.plain import built
 from tests.proofs.forged import with_reach
-from tests.proofs.many_states.test_attacks import built
-from tests.proofs.many_states.test_random_systems import built as built_of_many
-from tests.proofs.many_states.test_random_systems import linear, random_matrix
+from tests.proofs.many_states.test_random_systems import NAMES, linear, random_matrix
 from tests.proofs.switched_oracle import random_relay
 from tests.thorough import keep
 
@@ -107,7 +106,7 @@ def test_random_relays_that_a_v_decides_are_certified(seed: int, load: Any) -> N
 def test_random_linear_systems_that_a_v_decides_are_certified(seed: int) -> None:
     rng = np.random.default_rng(500 + seed)
     count = int(rng.integers(3, 7))
-    result = decide_system(built_of_many([linear(row) for row in random_matrix(rng, count)], count))
+    result = decide_system(built([linear(row) for row in random_matrix(rng, count)], states=NAMES))
     if result.function is not None or result.deciding.entry is not None:
         assert claims(certificate_of(result), "stability") == [str(result.verdict)]
 

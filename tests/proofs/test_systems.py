@@ -7,7 +7,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,10 +50,8 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 from tests.built_in import planar_systems
+from tests.proofs.conftest import Load
 from tests.thorough import examples, few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.proofs.conftest import Load
 
 RANDOM = examples(60)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import pytest
 
@@ -22,13 +22,10 @@ from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.clauses import drift, verdicts
-from tests.conftest import WheelData
+from tests.conftest import Arrays, Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays, Pair
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -15,15 +14,13 @@ from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
+from tests.conftest import Arrays
 from tests.oracles.agreement import contradiction
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.nearest_paths import End, Wheel, observe
 from tests.oracles.tied_arrays import FOUND, found_by_search, tied_array, untied_array
 from tests.oracles.tied_scenes import CENTRE, LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 TIED, UNTIED = 300, 100
 BLOCKS, UNTIED_BLOCKS = 30, 10

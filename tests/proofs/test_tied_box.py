@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Translation
+from tests.conftest import Arrays
 from tests.oracles.agreement import box_contradiction
 from tests.oracles.box_paths import observe_box
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.tied_box_arrays import tied_box
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 TIED, BLOCKS = 50, 25
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -21,13 +20,11 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import dot
+from tests.conftest import Arrays
 from tests.four_wheel import CORNERS, ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 RINGS = range(3, 13)
 SEEDS = range(30)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -19,11 +18,9 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, 
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 # Distance of the starts: an array can be stable and first move away a hundredfold, so only starts this close stay in
 # the cells at the equilibrium, where linear terms no longer count.

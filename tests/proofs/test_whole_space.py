@@ -26,6 +26,12 @@ GLOBAL = [
     ["-x*(1 + y**2)", "-y*(1 + x**2)"],
     ["-y - x*(x**2 + y**2)", "x - y*(x**2 + y**2)", "-z + x*y/2"],
     ["y - x**3 - sign(x)", "-x - y"],
+    ["y", "-Max(-1, Min(1, x)) - y"],
+    ["y", "-sign(x) - y"],
+    ["-y - x**3", "2*x*Abs(x)"],
+    ["y", "-x - y/(1 + Abs(y))"],
+    ["-x + x*y", "-y"],
+    ["y", "-x**3 - y + z", "-y - z**3"],
 ]
 
 
@@ -58,7 +64,7 @@ def test_every_start_arrives(rhs: list[str]) -> None:
     [
         ["-x + x**3", "-y"],  # other points of rest
         ["-x + x**2*y", "-y"],  # solutions that go to infinity
-        ["-x/(1 + x**2)", "-y"],  # stated with a denominator: a scaled field
+        ["-x/(1 - x**3/10)", "-y"],  # a denominator that is not positive beyond
         ["-sin(x) - x/8", "-y"],  # enclosed on the square alone
         ["-x*(1 - relu(x - 3))", "-y"],  # rests at x = 4, beyond the square
     ],
@@ -74,6 +80,7 @@ def test_what_holds_on_the_square_need_not_hold_beyond(rhs: list[str]) -> None:
         ("proper", "0"),
         ("proper", "-1"),
         ("proper", "1000"),
+        ("growth", "1000"),
         ("proper", None),
         ("everywhere", False),
         ("function", "x**2"),

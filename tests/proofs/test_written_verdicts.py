@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,22 +13,12 @@ from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 from tests.thorough import few, keep
 
 ATTRACTS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE
 NAMES = {"sin": np.sin, "cos": np.cos, "pi": math.pi, "Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
-
-
-def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any) -> SwitchedSystem:
-    system: dict[str, Any] = {
-        "states": ["x", "y", "z"][: len(rhs)],
-        "rhs": rhs,
-        **({"parameters": parameters} if parameters else {}),
-    }
-    return build_system({"system": system, "check": check}, "t", Path("t.toml"))
 
 
 def ends(rhs: tuple[str, str], radius: float, until: float = 60.0, step: float = 2e-3) -> float:

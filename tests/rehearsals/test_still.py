@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,8 +15,7 @@ from nonsmooth.proofs.system_certificates import certificate_of, certificate_tex
 from nonsmooth.proofs.system_decision import STRATEGIES, decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.checks.check import check_system
-from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 from tests.rehearsals.still import CONSTANTS, NO_MOTION, STILL, show_by_constants, show_still
 
 
@@ -27,11 +25,6 @@ def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(theorem_searches, "THEOREM_SEARCHES", (STILL, *theorem_searches.THEOREM_SEARCHES))
     monkeypatch.setitem(SHOWN_KINDS, "constant", show_by_constants)
     monkeypatch.setattr("nonsmooth.proofs.kernel.search.KINDS", [CONSTANTS, *KINDS])
-
-
-def built(rhs: list[str], **check: str) -> SwitchedSystem:
-    document = {"system": {"states": ["x", "y", "z"][: len(rhs)], "rhs": rhs}, "check": check}
-    return build_system(document, "t", Path("t.toml"))
 
 
 def test_a_theorem_and_its_evidence_stand_in_certificates() -> None:

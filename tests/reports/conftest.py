@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 Record: TypeAlias = dict[str, Any]
-DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
-OTHERS = "nonsmooth.proofs.answers.answers.other_rules"
 
 
 class Outcome(NamedTuple):
@@ -49,18 +47,6 @@ def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyte
         return Outcome(status, *capsys.readouterr())
 
     return call
-
-
-@pytest.fixture
-def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Checks without the paths that count where bodies go: they are sampled, and take seconds."""
-    monkeypatch.setattr(DESTINATIONS, lambda check: None)
-
-
-@pytest.fixture
-def without_other_rules(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Checks without what the other rules say, which takes seconds where bodies leave the checked point."""
-    monkeypatch.setattr(OTHERS, lambda scene: ())
 
 
 @pytest.fixture(scope="package")

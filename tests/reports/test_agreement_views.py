@@ -5,13 +5,10 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from nonsmooth.reports.checks.agreement import compare_scene
 from nonsmooth.symbolic.files.scene_file import load_scene
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 
 def test_record_holds_exact_shares() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -14,9 +13,7 @@ from nonsmooth.proofs.systems.basin import BasinEffort
 from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.measured_tables import MeasuredTable
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 COARSE = BasinEffort(Pace(0.2, 0.05, 0.04), 15, way=12.0, triangles=40_000)
 

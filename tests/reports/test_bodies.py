@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,10 +11,8 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 CARTON = """name = "carton"
 [friction]

@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -16,9 +15,7 @@ from nonsmooth.reports.derivations.derivation import ReportResult, render_report
 from nonsmooth.reports.output.document import Bullets, Document, Paragraph, Section, Table, plain_text
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.symbolic.files.scene_file import load_scene
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 PAGES = 2
 
@@ -52,6 +49,7 @@ def test_the_answers_are_those_of_the_whole_report(four_wheel: ArraySubject) -> 
     assert [section.title for section in short.sections] == titles
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: ArraySubject) -> None:
     document = brief_document(four_wheel)
     assert "tolerances: none are stated" in words(document, "What binds").lower()

@@ -15,6 +15,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4_result import Contradiction
 from tests.reports.conftest import Invoke
 
+OPEN = ["-x - sign(x + sqrt(2)*y)", "-y + z/9", "-z + x/9"]  # a system of which nothing is decided, and that soon
 AGAINST = Contradiction("a path and the check", ("one end", "another"), ("equilibrium",))
 
 
@@ -37,7 +38,7 @@ def test_what_has_none_is_refused_in_a_line() -> None:
         "the stand-alone checker follows cells, and this rule has none": array.check(rule="ellipse"),
         "required a check of one scene, received RulesResult": array.check(rule="all"),
         "required a check of one scene, received SettleMapResult": array.map(3),
-        "needs a verdict": ns.System(["x", "y"], ["y*sin(y)", "-x**3"]).check(),
+        "needs a verdict": ns.System(["x", "y", "z"], OPEN).check(),
         "required a check that does not contradict itself, received one": replace(array.check(), elsewhere=(AGAINST,)),
     }
     for words, result in refusals.items():
@@ -49,7 +50,7 @@ def test_what_has_none_is_refused_in_a_line() -> None:
 
 def test_the_command_shows_the_answers_without_one(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "open.toml").write_text(
-        'name = "open"\n[system]\nstates = ["x", "y"]\nrhs = ["y + y**2", "-x**3 + x**2*y**2"]\n', encoding="utf-8"
+        f'name = "open"\n[system]\nstates = ["x", "y", "z"]\nrhs = {json.dumps(OPEN)}\n', encoding="utf-8"
     )
     done = invoke("check", "open.toml", "--certificate", "c.json")
     assert (done.status, done.err) == (2, "nonsmooth: open.toml: a certificate needs a verdict, received undecided\n")

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -28,12 +28,10 @@ from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import derive_report
 from nonsmooth.reports.output.document import Figure, Math, Paragraph, Section, Text
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.conftest import Arrays
+from tests.reports.conftest import Invoke
 from tests.reports.derived import derived
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
-    from tests.reports.conftest import Invoke
 
 Floats: TypeAlias = NDArray[np.float64]
 Rate: TypeAlias = Callable[[Floats], Floats]

@@ -12,7 +12,7 @@ import xml.etree.ElementTree as ET
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -28,11 +28,9 @@ from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems,
 from nonsmooth.symbolic.formulas.expression import parse
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.reports.conftest import DESTINATIONS, OTHERS
+from tests.conftest import DESTINATIONS, OTHERS
+from tests.reports.conftest import Invoke
 from tests.thorough import examples, few
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 COLUMNS = 80  # width of the output where there is no terminal
 CHECK_KEYS = [
@@ -51,6 +49,7 @@ def command(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]
 # ---- check: the contract -------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_drift_weights_add_up(invoke: Invoke) -> None:
     """Independent check of the rotation clause from its own record: weights one, velocity zero, rate attained."""
     rotation = invoke("check", "four-wheel", "--json").record["rotation"]
@@ -75,6 +74,7 @@ def test_what_cannot_be_required_is_refused_before_anything_is_checked(invoke: I
     assert (outcome.status, outcome.out, outcome.err.count("\n")) == (BAD_INPUT, "", 1)
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("name", ["outward", "saddle"])
 def test_witness_against_translation(invoke: Invoke, name: str) -> None:
     """At the witness some cell's velocity has the claimed positive product: 2 c . v from the cell list alone."""
@@ -106,6 +106,7 @@ def test_every_scene_has_a_verdict(invoke: Invoke, name: str) -> None:
     assert outcome.status == expected[outcome.record["theorem4"]["verdict"]]
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "grid-4x4", "off-center"])
 def test_pruning_changes_no_verdict(invoke: Invoke, name: str) -> None:

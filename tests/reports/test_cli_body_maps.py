@@ -8,7 +8,6 @@ import re
 from collections import Counter
 from math import degrees, hypot
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,10 +17,8 @@ from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.simulations.body_maps import BodyMapResult, destinations_figure
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from tests.reports.conftest import Invoke
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 SCENE = """
 [grid]
@@ -163,6 +160,7 @@ def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
         array.map(3, kinematics="leading")
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_ends_say_by_when_and_how_fast_bodies_turn_on(invoke: Invoke) -> None:
     """The rate is that of a check; a body that still moves has a heading and no end, one that stands still no rate."""
     spiral = ("spiral-30", "--rule", "ellipse")

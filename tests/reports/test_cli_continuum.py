@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from tests.reports.conftest import Invoke
 from tests.reports.derived import derived
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 HEADING = 1e-12
 
@@ -52,6 +49,7 @@ def test_an_object_of_the_scene(tmp_path: Path, invoke: Invoke) -> None:
     assert stable == pytest.approx(math.pi / 2 - axis, abs=HEADING)
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("extent", keep(1, ["short", "all"]))
 def test_the_derivation_has_a_section(extent: str) -> None:
     """That it is in a report of all sections, tests/reports/test_derivation.py shows for another scene."""

@@ -10,7 +10,7 @@ import sys
 import xml.etree.ElementTree as ET
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,9 +30,6 @@ KEYS = [
     "schema", "scene", "rule", "kinematics", "grid", "theta_0", "until", "summary", "starts", "theta", "arrival",
     "points", "basin", "ends", "unique", "accuracy", "home", "parts",
 ]  # fmt: skip
-
-if TYPE_CHECKING:
-    pass
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:

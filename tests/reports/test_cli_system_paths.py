@@ -9,7 +9,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -35,9 +35,6 @@ EQ_4 = (
         "sqrt(2)/2*sign(x)*sign(y)*sign(y**2 - x**2)",
     ],
 )
-
-if TYPE_CHECKING:
-    pass
 
 
 def write_system(folder: Path, states: list[str], rhs: list[str]) -> str:

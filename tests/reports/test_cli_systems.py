@@ -6,20 +6,20 @@ import json
 import math
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from matplotlib.text import Text
 from rich.console import Console
 
 import nonsmooth as ns
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.checks.system_results import SystemCheckResult
 from nonsmooth.reports.output.console import BAD_INPUT
+from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, portrait_figure
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 
 @pytest.mark.parametrize(
@@ -228,6 +228,8 @@ def test_a_phase_portrait_is_drawn(tmp_path: Path, invoke: Invoke) -> None:
     assert outcome.status == 0
     assert "6 cells (cut along the axes, too), asymptotically stable" in outcome.out
     assert (tmp_path / "portrait.svg").read_text(encoding="utf-8").startswith("<?xml")
+    whole = portrait_figure(PhasePortrait(ns.System(["x", "y"], ["-x", "-y"]).system))
+    assert "from everywhere" in " ".join(text.get_text() for text in whole.findobj(Text))
 
 
 # ---- certificates --------------------------------------------------------------------------------

@@ -5,17 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from tests.array_certificates import subject
+from tests.reports.conftest import Invoke
 from tests.thorough import few
 
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
-
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @few(2)
 @pytest.mark.parametrize(
     ("name", "options"),
@@ -28,6 +27,7 @@ def test_a_certificate_is_about_its_scene(invoke: Invoke, name: str, options: li
     assert text.splitlines()[-1] == f"about {name}: the same wheels, rule, point and square"
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @few(3)
 @pytest.mark.parametrize(
     ("arguments", "difference"),
@@ -51,6 +51,7 @@ def test_a_certificate_of_another_scene_is_rejected(invoke: Invoke, arguments: l
 Change = Callable[[dict[str, Any]], object]
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize(
     "change",
     [
@@ -76,6 +77,7 @@ def test_a_certificate_without_any_claim_is_rejected(invoke: Invoke) -> None:
     assert invoke("verify", "c.json")[:2] == (1, "rejected: required a claim\n")
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("option", [["--rule", "box"], ["--radius", "1"], ["--at", "0,0"]])
 def test_options_of_a_scene_need_a_scene(invoke: Invoke, option: list[str]) -> None:
     invoke("check", "four-wheel", "--certificate", "c.json")

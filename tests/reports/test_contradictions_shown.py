@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -14,12 +14,8 @@ from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks import subject
 from nonsmooth.reports.sweeps import outcome as outcomes
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
 
 BOTH_SIDES = ("translation unstable: V* < 0 at every nonzero vertex", "sampled starts near the point")
 

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -26,11 +26,9 @@ from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.reports.sections.rules import MOST_WHEELS
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.conftest import Arrays
 from tests.reports.derived import derived
 from tests.thorough import examples, few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 SCENES = ("four-wheel", "four-wheel-side", "off-center", "ring-5", "conveyor-3", "saddle")
 COMMAND = Invocation("test")

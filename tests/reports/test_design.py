@@ -9,7 +9,7 @@ from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -22,10 +22,8 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from tests.oracles.measured_tables import MeasuredTable
+from tests.reports.conftest import Invoke
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 
 @pytest.mark.parametrize("checks", keep(1, [4, 40]))

@@ -6,7 +6,7 @@ import runpy
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -25,10 +25,8 @@ from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 Speeds: TypeAlias = Callable[..., Mapping[int, float]]
 

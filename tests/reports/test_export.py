@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,11 +12,7 @@ from nonsmooth.reports.engine.mjcf import CONFORMS, Motion, export_scene
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from tests.engine_export import engine_twist, error, predicted_twist
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 RING = "[friction]\nmu_roll = 1\nmu_side = 0.5\n[ring]\ncount = 6\n[contact]\n"
 SHARP = 5e-4  # relative, of twists: a quarter of what conforms; 42 contacts at low loads come to 4e-4, others to 4e-5

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -19,12 +19,8 @@ from nonsmooth.symbolic.mechanics.body import Body
 from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Friction, Scene
 from tests.conftest import Arrays, WheelData
+from tests.reports.conftest import Invoke
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
 
 CLOSE = 0.01  # of the way, where motions hardly react to loads
 # Slip lifts the engine's springs by half a per cent of the weight, and the plate sinks and tilts: 4 % of the way.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,12 +18,8 @@ from nonsmooth.reports.simulations.failed_paths import follow_failures
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
+from tests.reports.conftest import Invoke
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
 
 PLACES = ((1.0, 0.9), (-1.1, 1.0), (-0.9, -1.0), (1.0, -1.1), (0.0, 1.4))
 START = "0.1,-0.05,0.2"

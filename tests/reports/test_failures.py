@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
+from tests.reports.conftest import Invoke
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")

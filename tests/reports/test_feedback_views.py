@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_text import lower_text
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
 
 START = ("--from", "0.1,0.05,0.3")
 
@@ -60,6 +56,7 @@ def test_the_cascade_is_followed(invoke: Invoke) -> None:
 # ---- reports -------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @few(1)
 @pytest.mark.parametrize(
     ("name", "rule", "words"),

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,13 +29,10 @@ from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.conftest import WheelData
+from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds
 from tests.ruled import ruled
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 POSES = 12
 UNTIL = 1.0

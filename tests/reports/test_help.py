@@ -5,14 +5,11 @@ from __future__ import annotations
 import inspect
 import subprocess
 import sys
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.reports.commands.registry import COMMANDS, command_function
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -6,7 +6,7 @@ import math
 import runpy
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,10 +18,8 @@ from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 TEXT = """name = "late"
 [friction]

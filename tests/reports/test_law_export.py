@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,11 +31,9 @@ from nonsmooth.reports.output.choices import LawName
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.mechanics.units import Units
+from tests.conftest import Arrays
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
-    from tests.reports.conftest import Invoke
 
 POSES = 60
 ENOUGH = 3  # arrays whose law is of another V: each is exported, and many are tried to find them

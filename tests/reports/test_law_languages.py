@@ -12,8 +12,9 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -37,12 +38,11 @@ from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
+from tests.built_in import checked
+from tests.conftest import Arrays
+from tests.reports.conftest import Invoke
 from tests.structured_text import FunctionBlock, StructuredTextError
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
-    from tests.reports.conftest import Invoke
 
 Speeds: TypeAlias = Mapping[int, float]
 Law: TypeAlias = Callable[[float, float, float, float], Speeds]
@@ -160,6 +160,7 @@ def turned_wheels(arrays: Arrays, sine: int, cosine: int, radius: int) -> Check:
     return check_theorem4(arrays.four_wheel((1, Fraction(1, 2)), (Fraction(sine, radius), Fraction(cosine, radius))))
 
 
+@cache
 def case(arrays: Arrays, name: str) -> tuple[Check, LawName, LawKind]:
     """A check, which of its laws, and of which kind that is."""
     match name.split():
@@ -183,6 +184,7 @@ def case(arrays: Arrays, name: str) -> tuple[Check, LawName, LawKind]:
     raise AssertionError(name)
 
 
+@cache
 def shaped(arrays: Arrays) -> Scene:
     """An array whose law is of another V than a sum of squares."""
     for seed in range(60):
@@ -226,7 +228,7 @@ def test_every_language_is_the_law_of_the_simulation(arrays: Arrays, name: str, 
 
 
 def test_c_compiles(tmp_path: Path) -> None:
-    c_law(law_of(check_theorem4(load_scene("four-wheel"))).program("c"), tmp_path)(0.1, 0.0, 0.1, 1.0)
+    c_law(law_of(checked("four-wheel", "nearest")).program("c"), tmp_path)(0.1, 0.0, 0.1, 1.0)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -234,7 +236,7 @@ def test_the_closed_loop_ends_where_the_simulation_does(language: Language, tmp_
     """Euler steps with the program's speeds end where they do with the law of the simulation, and near its own path."""
     if language is Language.C and COMPILER is None:
         pytest.skip("no C compiler (cc, gcc, clang) on this machine")
-    check = check_theorem4(load_scene("four-wheel"))
+    check = checked("four-wheel", "nearest")
     start, until, step = (0.2, 0.1, 0.3), 2.0, 4e-3
     law = law_of(check)
     if language is Language.PYTHON:
@@ -349,7 +351,7 @@ def test_a_hostile_name_stays_a_comment(language: Language, tmp_path: Path) -> N
 
 
 def test_outside_of_all_regions_nothing_runs(tmp_path: Path) -> None:
-    law = law_of(check_theorem4(load_scene("four-wheel")))
+    law = law_of(checked("four-wheel", "nearest"))
     with pytest.raises(ValueError, match="required a place in a region"):
         law(9.0, 0.0, 0.0)
     block = FunctionBlock(law.program("st"))
@@ -361,7 +363,7 @@ def test_outside_of_all_regions_nothing_runs(tmp_path: Path) -> None:
 
 def test_limits_can_be_set_in_the_program() -> None:
     """All speeds by one factor, so that the body takes the same way."""
-    block = FunctionBlock(law_of(check_theorem4(load_scene("four-wheel"))).program("st"))
+    block = FunctionBlock(law_of(checked("four-wheel", "nearest")).program("st"))
     block(x=0.1, y=0.02, theta=0.3)
     free = block["speeds"]
     block(limits=[0.05, 0.0, 0.0, 0.1])
@@ -373,6 +375,7 @@ def test_limits_can_be_set_in_the_program() -> None:
 # ---- the command, Python, and the interpreter itself ---------------------------------------------
 
 
+@cache
 def python_check(name: str) -> Any:
     """As a user of Python has it."""
     return ns.load(name).check()
@@ -415,6 +418,7 @@ def test_no_line_ends_within_the_name_of_a_wheel() -> None:
     assert len(named) == 16
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_answers_are_shown_beside_a_law_that_there_is_not(invoke: Invoke) -> None:
     done = invoke("check", "four-wheel-side", "--law", "a.c", "--json")
     assert (done.status, done.record["answers"]["position"]["verdict"]) == (2, "stays near")

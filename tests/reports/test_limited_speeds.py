@@ -333,6 +333,7 @@ def test_speeds_are_drawn_alike_twice(tmp_path: Path) -> None:
     assert first.read_bytes() == again.read_bytes()
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_what_is_said_of_limited_speeds(tmp_path: Path) -> None:
     name = "five in millimetres"
     array = ARRAYS[name]

@@ -19,6 +19,7 @@ from tests.thorough import few, keep
 LONGEST = 10  # seconds of processor time
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @few(3)
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 @pytest.mark.parametrize("kind", keep(2, Kind))
@@ -38,6 +39,7 @@ def test_a_check_of_a_measured_array_ends_soon(
         assert record["equilibrium"]["verdict"] == "holds"
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @few(3)
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 @pytest.mark.parametrize("field", ['kind = "spiral"\nangle = "pi/180"', 'kind = "radial"\nspeed = "cos(pi/180)"',

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -12,10 +11,7 @@ from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.output.choices import LawName
 from nonsmooth.reports.simulations.paths import follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from tests.conftest import WheelData
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
+from tests.conftest import Arrays, WheelData
 
 FRICTION = (1, Fraction(1, 2))
 # Theta first goes away from zero; the square leaves the support polygon, so no region is certified.

@@ -5,14 +5,11 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 INWARD = """
 friction = { mu_roll = 1, mu_side = 0 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,12 +16,8 @@ from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from tests.outlined import polygon_depths
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
 
 LEAVES = (-0.189, 0.088, -0.242)  # from here wheel 14 comes under the carton
 STAYS = (0.05, 0.03, 0.05)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.reports.output.console import BAD_INPUT
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 SCENE = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[wheels]\nfile = "../table.csv"\n[check]\nradius = "1/10"\n'
 COMMANDS = {

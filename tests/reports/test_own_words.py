@@ -8,7 +8,6 @@ import re
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -21,9 +20,7 @@ from nonsmooth.symbolic.formulas.linear_formulas import constant
 from nonsmooth.symbolic.mechanics.scene import WheelNumber
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_text import brief_text, numbers_text, short_text
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 TABLE = "wheel,x,y\nA1,100,100\nA2,-100,100\nB1,-100,-100\nB2,100,-100.4\n"
 SCENE = """

@@ -6,7 +6,6 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -16,9 +15,7 @@ from nonsmooth.analysis.bodies.mass_study import body_of, body_path
 from nonsmooth.reports.simulations.heading_maps import HeadingsResult
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.units import Units
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 TABLE = """
 name = "table"

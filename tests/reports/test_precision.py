@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,10 +35,8 @@ from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.precision_page import page_text
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 ROW_KEYS = [
     "study", "method", "parameter", "setting", "error", "seconds", "outcome", "reference", "note", "details", "work",

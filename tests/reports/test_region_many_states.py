@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -19,10 +19,8 @@ from nonsmooth.proofs.systems.basin_shells import EFFORTS as SHELLS
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence.published_systems import astray, in_simplices
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 Floats: TypeAlias = NDArray[np.float64]
 

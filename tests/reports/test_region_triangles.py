@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -19,10 +19,8 @@ from nonsmooth.proofs.system_certificates import find_region_of_simplices
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin
 from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.reports.checks.check import check_system
+from tests.reports.conftest import Invoke
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,11 +17,9 @@ from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.reports.simulations.sampled_tables import SampledTablesResult, draw_tables
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.mechanics.scene import Scene
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 TABLE = """
 name = "table"

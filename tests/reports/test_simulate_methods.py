@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 WIDTH = 1e-3
 ERROR_PER_WIDTH = 4  # as in tests/analysis/test_hysteresis.py

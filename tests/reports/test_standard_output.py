@@ -9,15 +9,13 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import pytest
 
 from nonsmooth.symbolic.numbers.plane import Vector
+from tests.conftest import Arrays
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 ROOT = Path(__file__).resolve().parents[2]
 # Every package that a solver interface of CVXPY 1.9 imports and that CVXPY does not require.

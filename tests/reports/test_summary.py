@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 TIPPING = """
 [check]

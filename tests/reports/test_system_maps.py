@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,12 +18,8 @@ from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped, ratios_figure
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.forged import with_deciding, with_reach
+from tests.reports.conftest import Invoke
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
 
 # An unstable plant under a saturated gain: a strip of starts comes home, the others run away.
 SATURATED = ns.System(["x", "v"], ["v", "x - sat(3*x + v, -1/2, 1/2)"], radius=1, at=[0, 0])

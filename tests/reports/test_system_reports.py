@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,11 +16,7 @@ from nonsmooth.reports.output.console import BAD_INPUT
 from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 RELAYS = ns.System(["x_1", "omega"], ["-sign(x_1) + omega/4", "-sign(omega) - x_1/4"], radius="1/2")
 SEVERAL = ns.System(["x", "y"], [["-x", "-y"], ["-x + y/4", "-y"]])

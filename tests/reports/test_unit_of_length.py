@@ -6,7 +6,8 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -29,12 +30,8 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.characteristic_length import default_length
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.array_certificates import check_certificate, proofs, said
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from tests.reports.conftest import Invoke
 
 Floats: TypeAlias = NDArray[np.float64]
 

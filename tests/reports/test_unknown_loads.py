@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\nrule = "{}"\nloads = {}\n'
 

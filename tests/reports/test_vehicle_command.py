@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 import nonsmooth as ns
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 
 @pytest.mark.parametrize("arguments", [("husky-a200",), ("tracked-base", "--rule", "nearest"), ("swerve-base",)])

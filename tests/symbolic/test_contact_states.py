@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import combinations, product
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -33,12 +32,10 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 )
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 RINGS = range(3, 13)
 SEEDS = range(8)

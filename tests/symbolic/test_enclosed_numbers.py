@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,9 +15,9 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 
 FORMULAS = [
     ["-sqrt(2)*x + y", "-x/sqrt(3) - sign(y)*sqrt(5)"],
@@ -27,12 +26,6 @@ FORMULAS = [
     ["-x + sqrt(2)*sin(x)", "-y", "-sqrt(3)/10**12*z"],
     [["-sqrt(2)*x", "-y"], ["-x", "-2*y"]],
 ]
-
-
-def built(rhs: list[Any]) -> SwitchedSystem:
-    count = len(rhs[0]) if isinstance(rhs[0], list) else len(rhs)
-    document = {"system": {"states": ["x", "y", "z"][:count], "rhs": rhs}}
-    return build_system(document, "t", Path("t.toml"))
 
 
 def fields(system: SwitchedSystem, place: Sequence[sympy.Rational]) -> list[list[sympy.Expr]]:

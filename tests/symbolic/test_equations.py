@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import sympy
@@ -29,10 +29,8 @@ from nonsmooth.symbolic.mechanics.equations import (
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.conftest import Arrays
 from tests.thorough import examples, few
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 RADICAL = ("four-wheel", "rectangle", "off-center")  # SymPy decides sums of square roots by expanding
 SEEDS = range(6)

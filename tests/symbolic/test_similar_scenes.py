@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,9 +11,7 @@ from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.mechanics.scene import LoadTable
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
+from tests.conftest import Arrays
 
 FACTOR = Fraction(10) ** -9
 

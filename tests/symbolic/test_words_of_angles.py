@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -11,9 +11,6 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.start_values import read_start_angle
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.mechanics.units import AngleUnit
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 WORDS = ["-45deg", "-45 deg", "-45 degrees", "-45degree", "-45\N{DEGREE SIGN}", "-45 \N{DEGREE SIGN}", "-pi/4 rad"]
 HEAD = "[friction]\nmu_roll = 1\nmu_side = 0.5\n"

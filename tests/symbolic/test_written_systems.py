@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,10 +14,10 @@ from hypothesis import strategies as st
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field, wave_weight
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 from tests.thorough import examples, few
 
 NAMES = {
@@ -38,13 +37,6 @@ WRITTEN = [
     "sgn(x/(y - 2)) - 3*relu(y/(1 + x**2))**2",
     "sin(x)/(1 + y**2) - 1/(2 + x) + 1/2",
 ]
-
-
-def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any) -> SwitchedSystem:
-    system: dict[str, Any] = {"states": ["x", "y"], "rhs": rhs}
-    if parameters:
-        system["parameters"] = parameters
-    return build_system({"system": system, "check": check}, "t", Path("t.toml"))
 
 
 def velocity(system: SwitchedSystem, x: np.ndarray) -> np.ndarray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -12,10 +11,8 @@ from nonsmooth.analysis.bodies.mass_study import MASS, MASSES, mass_study
 from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.measurements.harness import Clock, LeftOut, StudyPlan, log_slope
+from tests.conftest import Arrays
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 WITHIN = 0.2  # of the slope 1
 SCALED = 1e-6  # relative: integrators take other steps in other units

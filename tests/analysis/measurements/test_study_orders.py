@@ -10,7 +10,6 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -25,11 +24,9 @@ from nonsmooth.analysis.measurements.studies import DERIVATION, UPPER_DERIVATIVE
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.thorough import few, keep
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.mechanics.scene import Scene
-    from tests.conftest import Arrays
 
 WITHIN = 0.2  # of the predicted slope
 SECONDS = 120  # of one setting: none comes near

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from nonsmooth.analysis.measurements.harness import Limits, StudyPlan, fitted_slopes, measure
 from nonsmooth.analysis.measurements.path_studies import SYSTEM_PATHS, Followed, build_system_paths
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 
 QUICK = Limits(runs=1, seconds=2.0)
-
-
-def built(rhs: list[str]) -> SwitchedSystem:
-    return build_system({"system": {"states": ["x", "y"], "rhs": rhs}}, "t", Path("t.toml"))
 
 
 def measured(scene: SwitchedSystem, *methods: str) -> Any:

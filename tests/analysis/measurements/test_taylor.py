@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -24,10 +23,8 @@ from nonsmooth.analysis.measurements.reference_paths import (
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 LAST_DIGIT = 2.0**-52
 

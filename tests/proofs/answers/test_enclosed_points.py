@@ -27,6 +27,7 @@ def file_of(folder: Path, table: MeasuredTable) -> str:
     return str(file)
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("rule", keep(1, ["ellipse", "roller"]))
 def test_a_measured_table_is_checked_where_bodies_come_to_rest(
     rule: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -6,7 +6,6 @@ import json
 import math
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -19,12 +18,10 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.conftest import Arrays
 from tests.oracles.small_steps import Contacts
+from tests.outlined import Floats
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
-    from tests.outlined import Floats
 
 STARTS = 6  # around the point
 INSIDE = 0.98  # of the radius of the disc

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +13,7 @@ import pytest
 from nonsmooth.proofs.answers.inertia import inertia_answer, near_rest, settled_from
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene
 
 ROWS = [(99, 1, 60), (201, 0, 118), (100, 99, 2), (200, 101, 179), (101, 200, -62), (199, 199, -117)]
 OTHERS = [(0, 0, 33), (300, 0, 146), (0, 200, -33), (300, 200, -147)]

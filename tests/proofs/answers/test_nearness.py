@@ -417,6 +417,7 @@ def record(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[s
     return status, json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("rule", keep(1, ["ellipse", "nearest"]))
 def test_a_measured_table_passes_what_is_required(
     rule: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -133,7 +133,7 @@ def test_the_command_says_the_same(start: int, tmp_path: Path) -> None:
     for name in list(good)[start::40]:
         status, said = alone(GOOD / f"{name}.json")
         assert (status, said.splitlines()[0].split(":")[0]) == (0, "valid"), name
-    for own in (*bad_certificates(), *bad_arrays())[start::200]:
+    for own in (*bad_certificates(), *bad_arrays())[start::800]:
         path = tmp_path / "forged.json"
         path.write_text(forged_text(own, good), encoding="utf-8")
         status, said = alone(path)

@@ -18,7 +18,8 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import decide_system
 from tests.oracles.mutants import Record, is_one_line
-from tests.proofs.test_square_roots import NAMES, ROOT, built
+from tests.plain import built
+from tests.proofs.test_square_roots import NAMES, ROOT
 from tests.thorough import keep
 
 ATTRACTS = "asymptotically stable"

@@ -23,8 +23,9 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from tests.oracles.mutants import Record
+from tests.plain import built
 from tests.proofs.forged import with_deciding
-from tests.proofs.test_scalar_stability import ATTRACTS, LEAVES, NAMES, STAYS, built, random_formula
+from tests.proofs.test_scalar_stability import ATTRACTS, LEAVES, NAMES, STAYS, random_formula
 from tests.thorough import keep
 
 LITERAL = {**NAMES, "sign": NAMES["sgn"], "sqrt": np.sqrt, "sat": lambda a, low, high: min(max(a, low), high)}

@@ -6,8 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,10 +16,10 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, find_slide
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
-from nonsmooth.symbolic.files.system_builder import build_system, parse_lyapunov
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import with_z3
+from tests.plain import built
 from tests.thorough import few, keep
 
 ON_A_FACE = [
@@ -30,11 +28,6 @@ ON_A_FACE = [
     (["-sgn(x)", "-sgn(y) + 8*z", "-sgn(z) + x"], (6, 1, 1)),
 ]
 GREEK = {"sgn": np.sign, "Abs": np.abs}
-
-
-def built(rhs: Any) -> SwitchedSystem:
-    data = {"system": {"states": ["x", "y", "z"], "rhs": list(rhs)}, "check": {"radius": "1/2"}}
-    return build_system(data, "t", Path("t.toml"))
 
 
 def bent(weights: Sequence[int]) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,18 +14,12 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.dissipative_systems import dissipative_systems
+from tests.plain import built
 from tests.thorough import keep
 
 ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
 SQUARES = "x**2 + y**2 + z**2"
-
-
-def built(rhs: Any, states: str = "x y z", **check: str) -> SwitchedSystem:
-    data = {"system": {"states": states.split(), "rhs": list(rhs)}, "check": {"radius": "1/2", **check}}
-    return build_system(data, "t", Path("t.toml"))
 
 
 @pytest.mark.parametrize(
@@ -87,7 +79,7 @@ def test_the_check_decides_by_the_principle() -> None:
 def test_random_dissipative_systems_against_observability(count: int) -> None:
     known: Counter[tuple[bool, bool]] = Counter()
     for system in dissipative_systems(count):
-        audited = audit(built(system.rhs, " ".join(system.states)), system.energy)
+        audited = audit(built(system.rhs, states=system.states), system.energy)
         if audited.proves is None:
             continue
         known[audited.proves is ATTRACTS, system.attracts] += 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -15,17 +14,12 @@ from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.reports.interface.system import System
-from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 from tests.thorough import few
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 NAMES = "abcdef"
 Matrix = NDArray[Any]
-
-
-def built(rhs: list[Any], count: int) -> SwitchedSystem:
-    return build_system({"system": {"states": list(NAMES[:count]), "rhs": rhs}}, "t", Path("t.toml"))
 
 
 def linear(row: Matrix, names: str = NAMES) -> str:
@@ -50,7 +44,7 @@ def test_linear_systems_against_eigenvalues(seed: int) -> None:
     for _ in range(5):
         count = int(rng.integers(3, 7))
         matrix = random_matrix(rng, count)
-        result = decide_system(built([linear(row) for row in matrix], count))
+        result = decide_system(built([linear(row) for row in matrix], states=NAMES))
         truth = largest_real_part(matrix)
         assert result.check()
         if abs(truth) > 1e-9:
@@ -81,8 +75,8 @@ def test_relays_against_their_sliding_motion(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
     decided = 0
     for _ in range(2):
-        count, rhs, slide = relay(rng)
-        result = decide_system(built(rhs, count))
+        _, rhs, slide = relay(rng)
+        result = decide_system(built(rhs, states=NAMES))
         assert result.check()
         if slide is None or abs(slide) < 1e-6 or result.verdict is Translation.UNDECIDED:
             continue
@@ -134,7 +128,7 @@ def test_crossed_relays_against_small_steps(seed: int) -> None:
         linear(4 * row) + "".join(f" - ({int(push)})*sgn({linear(4 * c[j])})" for j, push in enumerate(pushes) if push)
         for row, pushes in zip(a, b, strict=True)
     ]
-    result = decide_system(built(rhs, 3))
+    result = decide_system(built(rhs, states=NAMES))
     assert result.check()
     x = rng.normal(size=(16, 3))
     x *= 0.02 / np.linalg.norm(x, axis=1)[:, None]
@@ -176,7 +170,7 @@ def test_cones_against_exponents(seed: int) -> None:
         linear(row) + "".join(f" + ({int(c)})*Abs({NAMES[j]})/4" for j, c in enumerate(bent) if c)
         for row, bent in zip(a, b, strict=True)
     ]
-    result = decide_system(built(rhs, count))
+    result = decide_system(built(rhs, states=NAMES))
     low, high = growth_of_cones(a / 4, b / 4, rng)
     assert result.check()
     if result.verdict is ATTRACTS:
@@ -195,7 +189,7 @@ def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
         count = int(rng.integers(3, 6))
         a, b, c = random_matrix(rng, count), rng.integers(-3, 4, count), rng.integers(-2, 3, count)
         ends = [a, a + 4 * np.outer(b, c)]
-        result = decide_system(built([[linear(row) for row in end] for end in ends], count))
+        result = decide_system(built([[linear(row) for row in end] for end in ends], states=NAMES))
         assert result.check()
         gains = [largest_real_part(a + 4 * g * np.outer(b, c)) for g in np.linspace(0, 1, 6)]
         if result.verdict is ATTRACTS:
@@ -215,7 +209,7 @@ def test_mutated_functions_are_refused_or_still_true(seed: int) -> None:
     rng = np.random.default_rng(400 + seed)
     for _ in range(2):
         count, rhs, _ = relay(rng)
-        system = built(rhs, count)
+        system = built(rhs, states=NAMES)
         result = decide_system(system)
         if result.verdict is not ATTRACTS or result.function is None:
             continue

@@ -9,7 +9,7 @@ import runpy
 import shutil
 import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,11 +17,9 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.reports.exchange.obligations import obligations_of
 from nonsmooth.reports.exchange.smtlib import smtlib_text
+from tests.reports.conftest import Invoke
 from tests.reports.exchange.exchanged import NAMES, points, system, values
 from tests.reports.exchange.provers import Kyx, kyx_problems, random_point, z3_answers
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 PROVED_AGAIN = ("relay-oscillator-damped", "eq-4", "stick-slip", "moved", "three states")
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.checks.check_results import RulesResult, TippedResult
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 TIPPING = """
 name = "tipping"

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.proofs.robust.test_nearest_bounds import drawn, velocities
+from tests.reports.conftest import Invoke
 from tests.thorough import few
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 SCENE = """
 friction = {{ mu_roll = 1, mu_side = {mu_side} }}

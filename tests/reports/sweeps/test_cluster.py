@@ -11,15 +11,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.reports.sweeps import cluster
 from nonsmooth.reports.sweeps.store import Store
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is optional")
 SWEEP = ("sweep", "four-wheel", "--vary", "mu_side=1/10:2:40", "--store", "r.sqlite", "-o", "t.csv")

@@ -15,7 +15,7 @@ from multiprocessing import active_children, get_context
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -33,10 +33,8 @@ from nonsmooth.reports.sweeps.sweep_study import SweepResult
 from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.reports.sweeps.workers import DEATHS, DIED, InProcess, ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
+from tests.reports.conftest import Invoke
 from tests.thorough import keep
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 COUNT = 16
 VARY = {"mu_side": f"1/10:2:{COUNT}"}

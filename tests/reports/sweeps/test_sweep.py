@@ -5,11 +5,12 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -27,12 +28,8 @@ from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
 from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.oracles.measured_tables import MeasuredTable
+from tests.reports.conftest import Invoke
 from tests.thorough import few, thorough
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from tests.reports.conftest import Invoke
 
 WITHIN = Fraction(1, 10**9)
 

@@ -6,7 +6,7 @@ import csv
 import json
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,10 +15,8 @@ import nonsmooth as ns
 from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import read_plan
+from tests.reports.conftest import Invoke
 from tests.thorough import thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 RELAY: dict[str, Any] = {"states": ["x", "y"], "rhs": ["y", "-a*x - k*y - sgn(x)"], "parameters": {"k": 1, "a": 0}}
 INTERVAL: dict[str, Any] = {"states": ["x"], "rhs": ["-sgn(x)*(1 - k*x)"], "parameters": {"k": 4}}

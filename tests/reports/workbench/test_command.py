@@ -5,14 +5,11 @@ from __future__ import annotations
 import socket
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from nonsmooth.reports.workbench import app
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+from tests.reports.conftest import Invoke
 
 
 @pytest.fixture(autouse=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -48,10 +47,8 @@ from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     THEOREM_4_RATE,
 )
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from tests.conftest import Arrays
 from tests.hulls import hull_holds_zero
-
-if TYPE_CHECKING:
-    from tests.conftest import Arrays
 
 SAMPLES = 4000
 ROUNDING = 1e-9  # V' and V are of order 1 here; sums of a dozen floats

@@ -1,4 +1,8 @@
-"""Denominators of a plain system are proved positive on the checked cube before anything is decided there."""
+"""Denominators of a plain system are proved positive on the checked cube before anything is decided there.
+
+Then the field times them has the same paths, at other speeds.  For what is said of the whole space they must be
+positive there.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,7 @@ from nonsmooth.proofs.sums_of_squares.prove import prove_positive
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, signs_by_factors
 
@@ -24,12 +29,17 @@ def require_denominators(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for such a denominator.
     """
-    in_plane = len(system.states) == len(PLANE)
-    is_positive, where = (_is_positive_on_square, "square") if in_plane else (_is_positive_on_cube, "cube")
+    in_plane, radius = len(system.states) == len(PLANE), system.check.radius
+    where = "square" if in_plane else "cube"
     for formula in system.denominators:
-        if not is_positive(system, formula):
+        if not (_is_positive_on_square(system, formula) if in_plane else _is_positive(system, formula, radius)):
             expected = f"a denominator that is proved not to vanish on the checked {where} (a smaller check.radius?)"
             raise SceneError(system.origin, "system.rhs", expected, formula.text)
+
+
+def are_positive_everywhere(system: SwitchedSystem) -> bool:
+    """Whether the denominators are proved positive in the whole space."""
+    return all(_is_positive(system, formula, None) for formula in system.denominators)
 
 
 def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
@@ -45,14 +55,15 @@ def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression)
     return all(isinstance(prove(Sense.POSITIVE, piece, region), Proof) for region, piece in pieces)
 
 
-def _is_positive_on_cube(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
+def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression, radius: Number | None) -> bool:
+    """On the cube of a half-width, or in the whole space."""
     states, count = system.displaced(system.states), len(system.states)
     asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)
     surfaces = tuple(s for s in asked.surfaces(states) if s.degree)
-    bounds = tuple({unit(count, k): fmpq(1)} for k in range(count))
+    bounds = () if radius is None else tuple({unit(count, k): fmpq(1)} for k in range(count))
     try:
-        rho = rational(system.check.radius)
-        for signs in patterns(surfaces, system.check.radius):
+        rho = fmpq(1) if radius is None else rational(radius)
+        for signs in patterns(surfaces, radius):
             (piece,) = asked.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))), states)
             guards = tuple(scaled(rational_terms(s * e), rho) for s, e in zip(surfaces, signs, strict=True))
             condition = Condition(scaled(rational_terms(piece), rho), {}, guards, bounds, count, at_origin=True)
