@@ -338,7 +338,7 @@ def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate
     system, reach, verdict = result.scene, result.reach, str(result.verdict)
     known = function.known_entry(reach)
     if known is None:
-        stated, cells = stated_function(system, function.domain.radius, function)
+        stated, cells = stated_function(system, function.stated_on.radius, function)
         hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), {}
     else:
         own, proofs = known["hypotheses"], known["proofs"]
@@ -379,7 +379,7 @@ def _by_stated_function(result: DecidedSystem) -> Iterator[Candidate]:
     if len(system.states) != len(PLANE) or given is None or result.function.formula == given.formula:
         return
     if given.decrease is Decrease.WEAK:
-        function, cells = stated_function(system, given.domain.radius, given)
+        function, cells = stated_function(system, given.stated_on.radius, given)
         yield Candidate(
             "lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), needs_second=True
         )

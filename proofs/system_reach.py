@@ -19,7 +19,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, partial
-from itertools import count
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -47,12 +46,14 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.decay_rate import (
     GAIN_SHARES,
     SLACK,
+    WIDTH,
     DecayKind,
     DecayRate,
     DisturbanceGain,
     RegionRate,
     gain_above,
     rates_below,
+    short_below,
     slowest_ratio,
 )
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -71,7 +72,6 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 Floats: TypeAlias = NDArray[np.float64]
 
 WORK = 4_000  # coefficients looked at for one claim, beside sums of squares
-WIDTH = Fraction(1, 1 << 14)  # of a level: by how much a short fraction may be less
 LEVEL_SHARES = (Fraction(4095, 4096), *(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4)))  # of the least value
 FINE = ((1 << 14, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that refutes a level; moved outward by a share
 MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
@@ -124,7 +124,7 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
     holds in the space where it is one of forms.
     """
     is_whole, checked = function.domain.radius is None, system.check.radius
-    cube = Domain(function.stated_on.radius or checked)
+    cube = Domain(function.stated_on.radius or checked).rational
     found = _falling(system, function, cube.radius or checked)
     near = None if found is None else found.largest_sublevel()
     beyond = _beyond(system, function) if isinstance(function, PlaneFunction) else None
@@ -159,7 +159,7 @@ def _beyond(system: SwitchedSystem, function: PlaneFunction) -> FallingFunction 
         return None
     if not function.is_given and (system.waves or function.formula is None):  # of pieces, known on the smaller one
         return None
-    found = _falling(system, function, checked)
+    found = _falling(system, function, Domain(checked).rational.radius or checked)
     is_short = function.is_given or (found is not None and found.degree <= MOST_DEGREE)
     return found if is_short else None
 
@@ -210,7 +210,7 @@ class FallingFunction:
         found = [(_least(own), own, side) for own, side in sought]
         (value, place), own, side = min(found, key=lambda entry: entry[0][0])
         for share in (*([1 + SLACK] if side else []), *LEVEL_SHARES) if 0 < value < np.inf else ():
-            level = _short_below(Fraction(value) * share)
+            level = short_below(Fraction(value) * share)
             if not falls:
                 self.conditions.require_below(level)
             claims = [*([] if falls else self.conditions.claims()), *self._claims(Functions.show_border, level)]
@@ -359,14 +359,8 @@ class FallingFunction:
                 value = Fraction(float(value_at(terms_of(own.value), exact)))
                 if side:
                     exact.insert(int(side[1:]), fmpq(1 if side[0] == "+" else -1))
-                return _short_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
+                return short_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
         return None, None
-
-
-def _short_below(value: Fraction) -> Fraction:
-    """A short fraction below a positive number, or at it, and nearly as large."""
-    powers = ((value * (1 - WIDTH / 2)).limit_denominator(1 << k) for k in count())
-    return next(own for own in powers if value * (1 - WIDTH) <= own <= value)
 
 
 def _kept(inequality: Inequality, points: Floats) -> Floats:

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from fractions import Fraction
+from itertools import count
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -25,6 +26,7 @@ Floats: TypeAlias = NDArray[np.float64]
 # Of what samples allow, tried in turn.
 SHARES = (Fraction(255, 256), *(Fraction(k, 32) for k in (31, 30, 28, 24, 16, 8)))
 SLACK = Fraction(1, 1 << 30)  # by which floats may miss it
+WIDTH = Fraction(1, 1 << 14)  # of a number: by how much a short fraction may be less
 DENOMINATOR = 64  # of kappa and gamma; of slow rates twice as large until it holds FEWEST of them
 FEWEST = 8
 NEAR, FARTHER = 4.0, (32.0, 256.0)  # of the least distance of samples: up to the first, and between the others
@@ -179,6 +181,12 @@ class DisturbanceGain:
         below = "" if self.largest is None else f" < {self.largest}"
         starts = "every start" if self.everywhere else f"every start with V < {self.level} there"
         return f"where abs(d) <= delta{below} {starts} {ends}"
+
+
+def short_below(value: Fraction) -> Fraction:
+    """A short fraction below a positive number, or at it, and nearly as large."""
+    powers = ((value * (1 - WIDTH / 2)).limit_denominator(1 << k) for k in count())
+    return next(own for own in powers if value * (1 - WIDTH) <= own <= value)
 
 
 def gain_above(needed: Fraction | float) -> Fraction:

@@ -95,7 +95,7 @@ class ExaminedFunction(ABC):
     @property
     def stated_on(self) -> Domain:
         """Where a certificate states them, which may be less: forms on a cube say as much as in the whole space."""
-        return self.domain
+        return self.domain.rational
 
     @property
     @abstractmethod
