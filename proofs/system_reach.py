@@ -66,12 +66,13 @@ from nonsmooth.proofs.systems.system_stability import has_rooted_axis
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.polynomial import float_values
+from nonsmooth.symbolic.numbers.polynomial import Exponents, float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
 
 WORK = 4_000  # coefficients looked at for one claim, beside sums of squares
+WORK_ALONE = 20_000  # where there are none, in numbers with roots
 LEVEL_SHARES = (Fraction(4095, 4096), *(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4)))  # of the least value
 FINE = ((1 << 14, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that refutes a level; moved outward by a share
 MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
@@ -209,15 +210,19 @@ class FallingFunction:
         sought = self._on_border() if falls else [*self._on_border(), *self._where_it_rises()]
         found = [(_least(own), own, side) for own, side in sought]
         (value, place), own, side = min(found, key=lambda entry: entry[0][0])
-        for share in (*([1 + SLACK] if side else []), *LEVEL_SHARES) if 0 < value < np.inf else ():
-            level = short_below(Fraction(value) * share)
-            if not falls:
-                self.conditions.require_below(level)
-            claims = [*([] if falls else self.conditions.claims()), *self._claims(Functions.show_border, level)]
-            proofs = self._proofs(claims)
-            if proofs is not None:
-                return SublevelRegion(level, *self._refuted(own, place, side), self.radius, falls, proofs)
-        return None
+        if not 0 < value < np.inf:
+            return None
+        shares = (*([1 + SLACK] if side else []), *LEVEL_SHARES)
+        levels = [short_below(Fraction(value) * share) for share in shares]
+        shown = first_shown(levels, lambda level: self._level_proofs(level, falls=falls))
+        if shown is None:
+            return None
+        return SublevelRegion(shown[0], *self._refuted(own, place, side), self.radius, falls, shown[1])
+
+    def _level_proofs(self, level: Fraction, *, falls: bool) -> dict[str, Any] | None:
+        if not falls:
+            self.conditions.require_below(level)
+        return self._proofs([*([] if falls else self.conditions.claims()), *self._claims(Functions.show_border, level)])
 
     def first_rise(self) -> tuple[float, Floats]:
         """The least value of V where it does not fall, as floats see it, and where, in the displacement."""
@@ -240,22 +245,31 @@ class FallingFunction:
     def decay_rate(self, kinds: Iterable[DecayKind] = DecayKind) -> DecayRate | None:
         """A rate of the first kind that is proved; None where none is."""
         for decay in kinds:
-            for kappa in rates_below(self._slowest(decay)):
-                proofs = self._proofs(self.rate_claims(decay, kappa))
-                if proofs is not None:
-                    return DecayRate(decay, kappa, proofs=proofs)
+            rates = list(dict.fromkeys(rates_below(self._slowest(decay))))
+            shown = first_shown(rates, partial(self._rate_proofs, decay))
+            if shown is not None:
+                return DecayRate(decay, shown[0], proofs=shown[1])
         return None
+
+    def _rate_proofs(self, decay: DecayKind, kappa: Fraction) -> dict[str, Any] | None:
+        return self._proofs(self.rate_claims(decay, kappa))
 
     def region_rate(self, region: SublevelRegion) -> RegionRate | None:
         """A rate on a region of the cube, or where V is below half its level; None where none is proved.
 
-        The level may be that at which V' first vanishes, where no rate is positive.
+        The level may be that at which V' first vanishes, where no rate is positive.  That comes first which bears the
+        larger disturbances, the product of rate and level.
         """
-        for share in REGION_SHARES:
-            self.conditions.require_below(region.level * share)
+        levels = [region.level * share for share in REGION_SHARES]
+        borne = {}
+        for level in levels:
+            self.conditions.require_below(level)
+            borne[level] = self._slowest(DecayKind.EXPONENTIAL) * level
+        for level in sorted(levels, key=borne.__getitem__, reverse=True):
+            self.conditions.require_below(level)
             rate = self.decay_rate([DecayKind.EXPONENTIAL])
             if rate is not None:
-                return RegionRate(rate.kappa, region.level * share)
+                return RegionRate(rate.kappa, level)
         return None
 
     def rate_claims(self, decay: DecayKind, kappa: Fraction) -> list[Claim]:
@@ -279,12 +293,11 @@ class FallingFunction:
             return None
         radius = as_fraction(rational(self.radius))
         needed = math.sqrt(max(-_least(own.inequalities[0])[0] for own in squares)) / radius
-        for share in GAIN_SHARES:
-            gamma = gain_above(needed * float(share))
-            proofs = self._proofs(self._claims(Functions.show_gradient, gamma * radius))
-            if proofs is not None:
-                return DisturbanceGain(gamma, rate, None if region is None else region.level, proofs)
-        return None
+        gains = [gain_above(needed * float(share)) for share in GAIN_SHARES]
+        shown = first_shown(gains, lambda gamma: self._proofs(self._claims(Functions.show_gradient, gamma * radius)))
+        if shown is None:
+            return None
+        return DisturbanceGain(shown[0], rate, None if region is None else region.level, shown[1])
 
     @property
     def degree(self) -> int:
@@ -312,7 +325,7 @@ class FallingFunction:
         """Of a claim, with the functions mu that are known of the one without a rate."""
         known = self.known.get(claim.name.removeprefix("rate "))
         if known is None or known.mu is None:
-            outcome = decide_claim(claim, WORK)
+            outcome = decide_claim(claim, WORK if claim.field is None else WORK_ALONE)
             return outcome.evidence if isinstance(outcome, Proof) else None
         if len(known.mu) != len(mu_shapes([claim])):  # of an algebraic rate, whose claims have a higher degree
             return None
@@ -332,18 +345,18 @@ class FallingFunction:
 
     def _slowest(self, decay: DecayKind) -> Fraction:
         """The largest rate that many points allow; faces count where mu is known."""
-        samples = [np.zeros((2, 0))]
+        samples, least = [np.zeros((2, 0))], np.inf
         for claim, own, size in self._with_sizes(decay):
             known, shapes = self.known.get(claim.name.removeprefix("rate ")), mu_shapes([claim])
             mu = () if known is None or known.mu is None else known.mu
             if claim.count and len(mu) >= len(shapes):
-                points = _kept(own, _points_near(claim.count))
-                sizes = float_values(terms_of(size), points)
                 value = with_values(condition_of(claim, own, shapes), dict(enumerate(mu))).constant
-                ratios = float_values(value, points) / sizes
-                usable = np.isfinite(ratios) & (sizes > 0)
-                samples.append(np.array([ratios, np.linalg.norm(points, axis=1)])[:, usable])
-        return slowest_ratio(*np.hstack(samples))
+                points, ratio = _kept(own, _points_near(claim.count)), partial(_ratios, value, terms_of(size))
+                ratios = ratio(points)
+                samples.append(np.array([ratios, np.linalg.norm(points, axis=1)])[:, np.isfinite(ratios)])
+                least = min(least, _least_near(own, points, ratio)[0])
+        found = slowest_ratio(*np.hstack(samples))
+        return min(found, Fraction(max(least, 0))) if found else found
 
     def _refuted(self, own: Inequality, place: Sequence[float], side: str) -> tuple[Fraction | None, Any]:
         """A level that a point refutes, and this point; None where floats miss the cell.
@@ -361,6 +374,27 @@ class FallingFunction:
                     exact.insert(int(side[1:]), fmpq(1 if side[0] == "+" else -1))
                 return short_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
         return None, None
+
+
+def first_shown(
+    numbers: Sequence[Fraction], prove: Callable[[Fraction], dict[str, Any] | None]
+) -> tuple[Fraction, dict[str, Any]] | None:
+    """The first number that is proved, with its evidence, of some that ask for less and less; None where none is.
+
+    A proof that is not found takes the most time: after the first number the last one is tried, then those between.
+    """
+    found, low, high = None, -1, len(numbers)  # what is not proved, and what is
+    k = 0
+    while low + 1 < high:
+        proofs = prove(numbers[k])
+        if proofs is not None:
+            found, high = (numbers[k], proofs), k
+        elif k == len(numbers) - 1:
+            return None
+        else:
+            low = k
+        k = (low + high) // 2 if found else len(numbers) - 1
+    return found
 
 
 def _kept(inequality: Inequality, points: Floats) -> Floats:
@@ -384,15 +418,30 @@ def _points_near(count: int) -> Floats:
 
 def _least(inequality: Inequality) -> tuple[float, tuple[float, ...]]:
     """The least value that is met in a search by samples, and where; infinite where no point is kept."""
-    value, source = inequality.value, np.random.default_rng(0)
-    points, found = source.uniform(-1, 1, (POINTS, value.count)), (float("inf"), ())
+    value = inequality.value
+    points = np.random.default_rng(0).uniform(-1, 1, (POINTS, value.count))
+    return _least_near(inequality, _kept(inequality, points), partial(float_values, terms_of(value)))
+
+
+def _least_near(
+    inequality: Inequality, points: Floats, values_at: Callable[[Floats], Floats]
+) -> tuple[float, tuple[float, ...]]:
+    """The same of any values, at some points that are kept and closer and closer to the best of them."""
+    source, found = np.random.default_rng(0), (float("inf"), ())
     for k in range(ROUNDS):
-        points = _kept(inequality, points)
         if not len(points):
             break
-        values = float_values(terms_of(value), points)
+        values = values_at(points)
         best = points[np.argsort(values)[:BEST]]
         found = float(values.min()), tuple(best[0])
         steps = source.normal(scale=SPREAD ** (k + 1), size=(BEST, *best.shape))
-        points = np.vstack([best, np.clip((best + steps).reshape(-1, value.count), -1, 1)])
+        points = _kept(inequality, np.vstack([best, np.clip((best + steps).reshape(-1, best.shape[1]), -1, 1)]))
     return found
+
+
+def _ratios(value: Mapping[Exponents, Any], size: Mapping[Exponents, Any], points: Floats) -> Floats:
+    """Of two polynomials; infinite where the second one is not positive."""
+    sizes = float_values(size, points)
+    with np.errstate(all="ignore"):
+        ratios = float_values(value, points) / sizes
+    return np.where(np.isfinite(ratios) & (sizes > 0), ratios, np.inf)
