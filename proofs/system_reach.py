@@ -78,9 +78,10 @@ FINE = ((1 << 14, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that ref
 MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
 REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for its rate
 
-RAYS, SHRINKING, DISTANCES = 200, 0.75, 20  # of points at which ratios are looked at
+RAYS, SHRINKING, DISTANCES = 100, 0.5625, 10  # of points at which ratios are looked at
 GRID = {1: 3, 2: 13, 3: 5, 4: 3}  # points of a side of the cube that they pass, besides
-POINTS, BEST, ROUNDS, SPREAD = 4_000, 32, 7, 0.35  # of the search for a least value
+POINTS, FEWER = 4_000, 500  # of the search for a least value; fewer of one variable
+BEST, ROUNDS, SPREAD = 20, 5, 0.2
 
 
 def reach_of(point: CheckedPoint, found: Finding) -> Reach:
@@ -345,7 +346,7 @@ class FallingFunction:
 
     def _slowest(self, decay: DecayKind) -> Fraction:
         """The largest rate that many points allow; faces count where mu is known."""
-        samples, least = [np.zeros((2, 0))], np.inf
+        samples, searched = [np.zeros((2, 0))], []
         for claim, own, size in self._with_sizes(decay):
             known, shapes = self.known.get(claim.name.removeprefix("rate ")), mu_shapes([claim])
             mu = () if known is None or known.mu is None else known.mu
@@ -354,9 +355,12 @@ class FallingFunction:
                 points, ratio = _kept(own, _points_near(claim.count)), partial(_ratios, value, terms_of(size))
                 ratios = ratio(points)
                 samples.append(np.array([ratios, np.linalg.norm(points, axis=1)])[:, np.isfinite(ratios)])
-                least = min(least, _least_near(own, points, ratio)[0])
+                searched.append((float(ratios.min(initial=np.inf)), own, points, ratio))
         found = slowest_ratio(*np.hstack(samples))
-        return min(found, Fraction(max(least, 0))) if found else found
+        if not found:
+            return found
+        _, own, points, ratio = min(searched, key=lambda entry: entry[0])
+        return Fraction(max(_least_near(own, points, ratio)[0], 0))
 
     def _refuted(self, own: Inequality, place: Sequence[float], side: str) -> tuple[Fraction | None, Any]:
         """A level that a point refutes, and this point; None where floats miss the cell.
@@ -419,7 +423,7 @@ def _points_near(count: int) -> Floats:
 def _least(inequality: Inequality) -> tuple[float, tuple[float, ...]]:
     """The least value that is met in a search by samples, and where; infinite where no point is kept."""
     value = inequality.value
-    points = np.random.default_rng(0).uniform(-1, 1, (POINTS, value.count))
+    points = np.random.default_rng(0).uniform(-1, 1, (POINTS if value.count > 1 else FEWER, value.count))
     return _least_near(inequality, _kept(inequality, points), partial(float_values, terms_of(value)))
 
 

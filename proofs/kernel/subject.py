@@ -73,12 +73,15 @@ def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
 
     In three states and more verdicts are about such an enclosure, which is tried first.
     """
+    comes_first = len(system.states) <= len(PLANE)
+    if comes_first:
+        yield system
     try:
         enclosure = enclose_numbers(system)
     except NoEnclosureError:
-        yield system
-        return
-    yield from [system, enclosure] if len(system.states) <= len(PLANE) and enclosure is not system else [enclosure]
+        enclosure = system
+    if enclosure is not system or not comes_first:
+        yield enclosure
 
 
 def _without_fractions(system: SwitchedSystem) -> list[list[str]]:
