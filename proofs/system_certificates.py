@@ -414,7 +414,7 @@ def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
     radius = result.scene.field(region.radius) if isinstance(region.radius, Fraction) else region.radius
     own = _stated_on(result, Domain(radius))
-    return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
+    return {**own, "below": not region.falls, "level": exact_text(region.level)}
 
 
 def _stated_on(result: DecidedSystem, domain: Domain) -> Record:

@@ -17,7 +17,7 @@ Floats sort ratios and decide clear signs; every doubtful sign and every tie is 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.polygon import Point, Polygon
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     Triple,
@@ -68,10 +68,19 @@ class SlopeOfD:
 
 @dataclass(frozen=True, eq=False)
 class Vertex:
-    """A vertex of the arrangement: the twist xi, and the signs of the residuals of all rows there."""
+    """A vertex of the arrangement: the twist xi, and the signs of the residuals of all rows there.
+
+    Attributes:
+        twist: xi.
+        signs: of all rows, exactly.
+        floats: xi, rounded.
+        residuals: those that floats know to some seven digits, and nan for the others.
+    """
 
     twist: Twist
     signs: NDArray[np.int_]
+    floats: NDArray[np.float64]
+    residuals: NDArray[np.float64]
 
     @cached_property
     def tight(self) -> tuple[int, ...]:
@@ -110,16 +119,34 @@ class Arrangement:
         self.normals = np.array([normal_floats(row.normal) for row in self.rows])
         self.rhs = np.array(normal_floats([row.rhs for row in self.rows]))
         self.float_weights = np.array([normal_floats(weight) for weight in self.weights])
-        self.corners = float_corners(region.polygon)
+        self.sizes = np.abs(self.normals)
+        self.moment_sizes = self.sizes.T @ np.abs(self.float_weights)
+        self.corners = float_corners(region.polygon.vertices)
         self._vertices: dict[Twist, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
 
-    def vertex(self, twist: Twist) -> Vertex:
-        """The vertex at a twist that solves three independent rows (cached)."""
+    def vertex(self, twist: Twist, holding: Collection[int] = ()) -> Vertex:
+        """The vertex at a twist that solves three independent rows (cached).
+
+        Args:
+            twist: xi.
+            holding: numbers of rows that are known to hold there.
+        """
         if twist not in self._vertices:
-            self._vertices[twist] = Vertex(twist, self._residual_signs(twist))
+            self._vertices[twist] = self._vertex(twist, holding)
         return self._vertices[twist]
+
+    @beyond_floats
+    def _vertex(self, twist: Twist, holding: Collection[int]) -> Vertex:
+        """Floats decide the clear signs."""
+        floats = np.array(normal_floats(twist))
+        residuals = self.normals @ floats - self.rhs
+        clear = np.abs(residuals) > (self.sizes @ np.abs(floats) + np.abs(self.rhs)) * FLOAT_DOUBT + SMALLEST_NORMAL
+        signs = np.where(clear, np.sign(residuals), 0).astype(int)
+        for k in (~clear).nonzero()[0].tolist():
+            signs[k] = 0 if k in holding else self.rows[k].residual(twist).sign()
+        return Vertex(twist, signs, floats, np.where(clear, residuals, np.nan))
 
     def edge(self, pair: tuple[int, int]) -> Triple:
         """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
@@ -134,23 +161,12 @@ class Arrangement:
         weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
         return float(weights @ np.abs(residuals))
 
-    @beyond_floats
-    def _residual_signs(self, twist: Twist) -> NDArray[np.int_]:
-        """Exact signs of all residuals; floats decide the clear ones."""
-        values = np.array(normal_floats(twist))
-        residuals = self.normals @ values - self.rhs
-        doubt = (np.abs(self.normals) @ np.abs(values) + np.abs(self.rhs)) * FLOAT_DOUBT + SMALLEST_NORMAL
-        signs = np.sign(residuals).astype(int)
-        for k in np.flatnonzero(~(np.abs(residuals) > doubt)):
-            signs[k] = self.rows[k].residual(twist).sign()
-        return signs
-
     def slopes_along(self, pair: tuple[int, int], signs: NDArray[np.int_]) -> tuple[SlopeOfD, SlopeOfD]:
         """The slopes along the edge of a pair and back, exactly, where the residuals of the rows have these signs."""
         direction = self.edge(pair)
         kept = along = _zero_form(self.scene)
         for k in tight_rows(signs):
-            reach = abs(inner(self.rows[k].normal, direction))
+            reach = None if k in pair else abs(inner(self.rows[k].normal, direction))
             if reach:
                 kept = added(kept, scaled(self.weights[k], reach))
         for entry, part in zip(direction, self._pull(signs), strict=True):
@@ -161,46 +177,46 @@ class Arrangement:
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
         last, pull = self._last_pull
-        if np.count_nonzero(signs - last) > np.count_nonzero(signs):
+        if np.count_nonzero(signs != last) > np.count_nonzero(signs):
             last, pull = np.zeros_like(signs), [_zero_form(self.scene) for _ in range(3)]
-        for k in np.flatnonzero(signs - last):
-            change = added if signs[k] > last[k] else subtracted
-            for _ in range(abs(int(signs[k] - last[k]))):  # once, or twice where the sign turns
+        changes = signs - last
+        for k in changes.nonzero()[0].tolist():
+            change = added if changes[k] > 0 else subtracted
+            for _ in range(abs(int(changes[k]))):  # once, or twice where the sign turns
                 pull = [change(form, part) for form, part in zip(pull, self.moments[k], strict=True)]
         self._last_pull = signs, pull
         return pull
 
-    def line_search(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> tuple[Twist, SlopeOfD]:
+    def line_search(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> tuple[Vertex, SlopeOfD]:
         """First vertex along the direction beyond which D no longer falls, and the slope back from there."""
         form = before = slope.form
-        twist = vertex.twist
-        for step, crossed in self.breakpoints(vertex, slope.direction):
+        for reached in self.breakpoints(vertex, slope.direction):
+            _, crossed = reached
             before = form
-            twist = Twist(*(x + step * m for x, m in zip(vertex.twist, slope.direction, strict=True)))
             for k in crossed:
                 turn = 2 * abs(inner(self.rows[k].normal, slope.direction))
                 form = added(form, scaled(self.weights[k], turn))
             if order(form, place) >= (0, 0):
                 break
-        return twist, SlopeOfD(slope.pair, minus(slope.direction), minus(before))
+        back = SlopeOfD(slope.pair, minus(slope.direction), minus(before))
+        return self._reached(vertex, slope, *reached), back
+
+    def next_vertex(self, vertex: Vertex, slope: SlopeOfD) -> Vertex:
+        """The first vertex along the direction of a slope."""
+        return self._reached(vertex, slope, *next(self.breakpoints(vertex, slope.direction)))
+
+    def _reached(self, vertex: Vertex, slope: SlopeOfD, step: Number, crossed: Collection[int]) -> Vertex:
+        """The vertex so many steps along the direction of a slope, where those rows hold beside the slope's own."""
+        twist = Twist(*(x + step * m for x, m in zip(vertex.twist, slope.direction, strict=True)))
+        return self.vertex(twist, (*slope.pair, *crossed))
 
     def breakpoints(self, vertex: Vertex, direction: Triple) -> Iterator[tuple[Number, list[int]]]:
         """Steps t > 0 at which rows change sign along ``xi + t direction``, ascending, with those rows."""
-        m, xi = np.array(normal_floats(direction)), np.array(normal_floats(vertex.twist))
-        rates, residuals = self.normals @ m, self.normals @ xi - self.rhs
-        clear = np.abs(rates) > np.abs(self.normals) @ np.abs(m) * FLOAT_DOUBT + SMALLEST_NORMAL
-        sizes = np.abs(self.normals) @ np.abs(xi) + np.abs(self.rhs)
-        clear &= np.abs(residuals) > sizes * FLOAT_DOUBT + SMALLEST_NORMAL
-        steps = np.full(len(rates), -1.0)
-        np.divide(-residuals, rates, out=steps, where=clear)
-        clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
-        for k in np.flatnonzero(~clear & (vertex.signs != 0)):  # rows that hold are not crossed
-            step = self._step(vertex, direction, int(k))
-            steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
-        candidates = [int(k) for k in np.argsort(steps) if steps[k] > 0]
+        steps = self._float_steps(vertex, direction)
+        candidates = sorted((k for k, step in enumerate(steps) if step > 0), key=steps.__getitem__)
         while candidates:
-            best = steps[candidates[0]]
-            near = [k for k in candidates if steps[k] <= best * (1 + STEP_DOUBT)]
+            limit = steps[candidates[0]] * (1 + STEP_DOUBT)
+            near = [k for k in candidates if steps[k] <= limit]
             exact = {k: self._step(vertex, direction, k) for k in near}
             valid = {k: t for k, t in exact.items() if t is not None}
             if valid:
@@ -210,6 +226,20 @@ class Arrangement:
                 candidates = [k for k in candidates if k not in crossed and (k in valid or k not in near)]
             else:
                 candidates = [k for k in candidates if k not in near]
+
+    def _float_steps(self, vertex: Vertex, direction: Triple) -> list[float]:
+        """The steps to all rows, rounded, and minus one to those that are not reached; clear ones by floats."""
+        m = np.array(normal_floats(direction))
+        rates = self.normals @ m
+        clear = np.abs(rates) > self.sizes @ np.abs(m) * FLOAT_DOUBT + SMALLEST_NORMAL
+        clear &= ~np.isnan(vertex.residuals)
+        steps = np.divide(-vertex.residuals, rates, out=np.full(len(rates), -1.0), where=clear)
+        clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
+        for k in (~clear & (vertex.signs != 0)).nonzero()[0].tolist():  # rows that hold are not crossed
+            step = self._step(vertex, direction, k)
+            steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
+        found: list[float] = steps.tolist()
+        return found
 
     def _step(self, vertex: Vertex, direction: Triple, k: int) -> Number | None:
         """Exact positive step to row k, or None where the direction leads away from it."""
@@ -236,14 +266,14 @@ def is_multiple(form: Affine, line: Affine) -> bool:
 
     Products of long numbers are many: where floats show that a minor does not vanish, there are none.
     """
-    minors = [(form[i], form[j], line[i], line[j]) for i, j in ((1, 2), (0, 1), (0, 2))]
-    floats = [map(sure_float, minor) for minor in minors]
-    if any(clear_sign(a * d, -b * c) for a, b, c, d in floats):
+    minors = (1, 2), (0, 1), (0, 2)
+    a, b = [sure_float(x) for x in form], [sure_float(x) for x in line]
+    if any(clear_sign(a[i] * b[j], -a[j] * b[i]) for i, j in minors):
         return False
     factor = next(rational_quotient(a.terms, b.terms) for a, b in zip(form, line, strict=True) if b)
     if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
         return True
-    return not any(a * d - b * c for a, b, c, d in minors)
+    return not any(form[i] * line[j] - form[j] * line[i] for i, j in minors)
 
 
 def normal_floats(numbers: Collection[Number]) -> list[float]:
@@ -251,21 +281,18 @@ def normal_floats(numbers: Collection[Number]) -> list[float]:
 
     Nothing that is made of nan is ever sure, so that what lies beyond the range of floats is left to exact arithmetic.
     """
-    found = [float(number) for number in numbers]
-    if all(SMALLEST_NORMAL <= abs(value) < math.inf for value in found):
-        return found
-    kept = zip(numbers, found, strict=True)
-    return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in kept]
+    found = ((number, float(number)) for number in numbers)
+    return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in found]
 
 
-def float_corners(polygon: Polygon) -> NDArray[np.float64]:
-    """Vertices as rows ``(1, x, y)``."""
-    return np.array([[1.0, *normal_floats(vertex)] for vertex in polygon.vertices])
+def float_corners(points: Sequence[Point]) -> NDArray[np.float64]:
+    """Points as rows ``(1, x, y)``."""
+    return np.array([[1.0, *normal_floats(point)] for point in points]).reshape(-1, 3)
 
 
 def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:
     """Numbers of the rows without residual."""
-    return tuple(int(k) for k in np.flatnonzero(signs == 0))
+    return tuple((signs == 0).nonzero()[0].tolist())
 
 
 def _weight(row: Row, force: Affine) -> Affine:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -86,6 +87,13 @@ def _surrounds(polygon: Polygon, point: Point) -> bool:
     return all(side.slack(point).sign() > 0 for side in polygon.sides if side.label.startswith("slope"))
 
 
+class Crossing(NamedTuple):
+    """A side across which the walk came to a cell: its line and its ends."""
+
+    line: Affine
+    ends: tuple[Point, Point]
+
+
 class _Walk:
     """The cells of one load region.
 
@@ -102,13 +110,14 @@ class _Walk:
         self.region = region
         self.known = known
         self.arrangement = Arrangement(scene, region)
-        self._slopes: dict[Twist, Slopes] = {}
+        self._slopes: dict[Vertex, Slopes] = {}
+        self._crossed: defaultdict[Vertex, list[Crossing]] = defaultdict(list)
 
     def slopes(self, vertex: Vertex) -> Slopes:
         """The slopes of D at a vertex (cached)."""
-        if vertex.twist not in self._slopes:
-            self._slopes[vertex.twist] = Slopes(self.arrangement, vertex.signs)
-        return self._slopes[vertex.twist]
+        if vertex not in self._slopes:
+            self._slopes[vertex] = Slopes(self.arrangement, vertex.signs)
+        return self._slopes[vertex]
 
     def cell_of(self, twist: Twist) -> tuple[tuple[ContactState, ...], Polygon] | None:
         """States and polygon of one twist that solves three independent rows; None where it owns no cell."""
@@ -126,27 +135,26 @@ class _Walk:
         The least value of D is the least of affine functions of c, one for each vertex, so cells meet in whole sides:
         beyond a side on a line across which the walk came lies the cell from which it came.
         """
-        done: set[Twist] = set()
-        crossed: defaultdict[Twist, list[Affine]] = defaultdict(list)
+        done: set[Vertex] = set()
         waiting = [self._first()]
         while waiting:
             vertex = waiting.pop()
-            if vertex.twist in done:
+            if vertex in done:
                 continue
             face = self._face(vertex)
-            done.update(v.twist for v in face)
+            done.update(face)
             polygon, origins = self._polygon(vertex)
             if polygon is None:
                 continue
             yield tuple(self._state(v) for v in face), polygon
-            explored = [line for v in face for line in crossed[v.twist]]
+            explored = [crossing.line for v in face for crossing in self._crossed[v]]
             for k, side in enumerate(polygon.sides):
                 slope = origins.get(side.label)
                 if slope is None or any(is_multiple(slope.form, line) for line in explored):
                     continue
                 place = Beside(_midpoint(polygon, k), side.normal, slope.form)
                 neighbour = self._descend(vertex, place, slope)
-                crossed[neighbour.twist].append(slope.form)
+                self._crossed[neighbour].append(Crossing(slope.form, _ends(polygon, k)))
                 waiting.append(neighbour)
 
     def _first(self) -> Vertex:
@@ -169,8 +177,7 @@ class _Walk:
         """
         falling = falling or self._falling(vertex, place, None)
         while falling is not None:
-            twist, back = self.arrangement.line_search(vertex, falling, place)
-            vertex = self.arrangement.vertex(twist)
+            vertex, back = self.arrangement.line_search(vertex, falling, place)
             falling = self._falling(vertex, place, self.slopes(vertex).learn(back))
         return vertex
 
@@ -179,29 +186,34 @@ class _Walk:
 
         A slope that floats show to fall is taken at once; only where there is none, those in doubt are built.
         """
-        slopes, point = self.slopes(vertex), np.array([[1.0, *normal_floats(place.point)]])
-        falling = slopes.falling(point)
-        if falling is not None:
-            return falling
-        doubtful = (slopes[k] for k in slopes.doubtful(point) if k != back)
-        return next((slope for slope in doubtful if order(slope.form, place) < (0, 0)), None)
+        slopes = self.slopes(vertex)
+        steepest, doubtful = slopes.at(np.array([1.0, *normal_floats(place.point)]))
+        if steepest is not None:
+            return slopes[steepest]
+        inexact = (slopes[k] for k in doubtful if k != back)
+        return next((slope for slope in inexact if order(slope.form, place) < (0, 0)), None)
 
     def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
-        """The vertex's cell, and the slope behind each of its inner sides, by label."""
+        """The vertex's cell, and the slope behind each of its inner sides, by label.
+
+        No slope falls at the ends of a side across which the walk came: there both twists minimize D.
+        """
         polygon: Polygon | None = self.region.polygon
         origins: dict[str, SlopeOfD] = {}
-        slopes = self.slopes(vertex)
-        waiting = slopes.doubtful(self.arrangement.corners)
-        likely = slopes.sides_of(self.arrangement.corners, waiting)
-        waiting = [*likely, *(k for k in waiting if k not in set(likely))]
+        slopes, crossed = self.slopes(vertex), self._crossed[vertex]
+        likely = slopes.sides_of(self.arrangement.corners)
+        waiting = [*likely, *(k for k in slopes.possible if k not in likely)]
         while waiting and polygon is not None:
             k = waiting.pop(0)
             if not any(slopes[k].form):
                 continue
             origins[f"slope {k}"] = slopes[k]
             clipped = polygon.clipped(self._half_plane(slopes[k].form, f"slope {k}"))
-            if clipped is not None and clipped is not polygon:
-                waiting = slopes.doubtful(float_corners(clipped), waiting)
+            is_cut, is_last = clipped is not polygon and k not in likely, k in likely[-1:]
+            if clipped is not None and (is_cut or is_last):
+                waiting = slopes.doubtful(float_corners(clipped.vertices), waiting)
+                if waiting and crossed:
+                    waiting = slopes.doubtful(float_corners(_not_among(crossed, clipped)), waiting)
             polygon = clipped
         return polygon, origins
 
@@ -216,20 +228,36 @@ class _Walk:
         while waiting:
             here = waiting.pop()
             for slope in self.slopes(here).flat:
-                step, _ = next(self.arrangement.breakpoints(here, slope.direction))
-                twist = Twist(*(x + step * m for x, m in zip(here.twist, slope.direction, strict=True)))
-                if all(twist != known.twist for known in face):
-                    face.append(self.arrangement.vertex(twist))
-                    waiting.append(face[-1])
+                beyond = self.arrangement.next_vertex(here, slope)
+                if beyond not in face:
+                    face.append(beyond)
+                    waiting.append(beyond)
         return face
 
     def _state(self, vertex: Vertex) -> ContactState:
         return ContactState(tuple(self.arrangement.rows[k] for k in vertex.tight), vertex.twist)
 
 
+def _ends(polygon: Polygon, k: int) -> tuple[Point, Point]:
+    return polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]
+
+
 def _midpoint(polygon: Polygon, k: int) -> Point:
-    (x1, y1), (x2, y2) = polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]
+    (x1, y1), (x2, y2) = _ends(polygon, k)
     return (x1 + x2) / 2, (y1 + y2) / 2
+
+
+def _not_among(crossed: Sequence[Crossing], polygon: Polygon) -> list[Point]:
+    """The vertices of a polygon but those known to be ends of sides across which the walk came.
+
+    Lazy quotients are not compared: to find that they are equal is long work.
+    """
+    ends = [end for crossing in crossed for end in crossing.ends if not _is_lazy(end)]
+    return [vertex for vertex in polygon.vertices if _is_lazy(vertex) or vertex not in ends]
+
+
+def _is_lazy(point: Point) -> bool:
+    return any(isinstance(x, Lazy) for x in point)
 
 
 def rest_cells(partition: Partition) -> Sequence[Cell]:

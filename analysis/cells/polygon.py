@@ -7,7 +7,7 @@ and intersects two lines per cut; with exact numbers every result is exact, and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -33,9 +33,14 @@ class HalfPlane:
 
     def side(self, point: Point) -> int:
         """Sign of the slack: 1 inside, 0 on the line; floats decide where they are sure."""
+        return self.sides([point])[0]
+
+    def sides(self, points: Iterable[Point]) -> list[int]:
+        """The same of several points."""
         offset, a, b = self._floats
-        clear = clear_sign(offset, -a * sure_float(point[0]), -b * sure_float(point[1]))
-        return clear or sign(self.slack(point))
+        return [
+            clear_sign(offset, -a * sure_float(x), -b * sure_float(y)) or sign(self.slack((x, y))) for x, y in points
+        ]
 
     @cached_property
     def _floats(self) -> tuple[float, float, float]:
@@ -78,7 +83,7 @@ class Polygon(ShortRepr):
 
     def clipped(self, half_plane: HalfPlane) -> Polygon | None:
         """Intersection with a closed half-plane; None when no area is left."""
-        signs = [half_plane.side(vertex) for vertex in self.vertices]
+        signs = half_plane.sides(self.vertices)
         if min(signs) >= 0:
             return self
         if max(signs) <= 0:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -20,7 +21,6 @@ from nonsmooth.analysis.cells.arrangement import (
     SlopeOfD,
     beyond_floats,
     normal_floats,
-    tight_rows,
 )
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -30,6 +30,7 @@ from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
+NEXT, AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])  # the other coordinates, in turn
 LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
 
 Floats = NDArray[np.float64]
@@ -44,14 +45,10 @@ class FloatForms:
     bounds: Floats
 
     @beyond_floats
-    def at(self, points: Floats) -> tuple[Floats, Floats]:
-        """Values at points ``(1, x, y)``, one column each, and the doubt about them."""
-        return self.values @ points.T, self.bounds @ np.abs(points).T * FLOAT_DOUBT + SMALLEST_NORMAL
-
-    def positive(self, points: Floats) -> NDArray[np.bool_]:
-        """Whether a form is certainly positive at all points."""
-        values, doubt = self.at(points)
-        return np.asarray((values > doubt).all(axis=1))
+    def certainty(self, points: Floats) -> Floats:
+        """Values at points ``(1, x, y)``, one column each, in units of the doubt: beyond one they are sure."""
+        doubt = self.bounds @ np.abs(points).T * FLOAT_DOUBT + SMALLEST_NORMAL
+        return np.asarray(self.values @ points.T / doubt)
 
     def chosen(self, numbers: NDArray[np.int_]) -> FloatForms:
         """Some of them."""
@@ -63,6 +60,9 @@ class Slopes:
 
     Nothing else of the twist and of the speeds counts.  Slopes 2k and 2k + 1 are those along direction k and back.
 
+    Attributes:
+        possible: numbers of the slopes that are not certainly positive all over the load region.
+
     Raises:
         RefusalError: for so many tight rows that the table would not fit into memory.
     """
@@ -70,16 +70,12 @@ class Slopes:
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
-        doubtful = np.flatnonzero(
-            ~(table.ahead.positive(arrangement.corners) & table.back.positive(arrangement.corners))
-        )
-        kept = np.array(table.distinct(doubtful), dtype=int)
+        possible = ~(table.forms.certainty(arrangement.corners) > 1).all(axis=2)
+        kept = table.distinct(possible.any(axis=1).nonzero()[0])
         self._pairs = table.pairs[kept]
-        ahead, back = table.ahead.chosen(kept), table.back.chosen(kept)
-        self._forms = FloatForms(
-            np.stack([ahead.values, back.values], axis=1).reshape(-1, 3),
-            np.stack([ahead.bounds, back.bounds], axis=1).reshape(-1, 3),
-        )
+        forms = table.forms.chosen(kept)
+        self._forms = FloatForms(forms.values.reshape(-1, 3), forms.bounds.repeat(2, axis=1).reshape(-1, 3))
+        self.possible: list[int] = possible[kept].ravel().nonzero()[0].tolist()
         self._exact: dict[int, SlopeOfD] = {}
 
     def __len__(self) -> int:
@@ -111,75 +107,79 @@ class Slopes:
         self._forms.values[number] = normal_floats(slope.form)
         self._forms.bounds[number] = np.abs(self._forms.values[number])
 
-    def doubtful(self, points: Floats, among: Sequence[int] | None = None) -> list[int]:
-        """Numbers of the slopes (of those given) that are not certainly positive at all points ``(1, x, y)``."""
-        numbers = np.arange(len(self)) if among is None else np.array(among, dtype=int)
-        return numbers[~self._forms.chosen(numbers).positive(points)].tolist()
+    def doubtful(self, points: Floats, among: Sequence[int]) -> list[int]:
+        """Of these numbers those of the slopes that are not certainly positive at all points ``(1, x, y)``."""
+        numbers = np.array(among, dtype=int)
+        return numbers[~(self._forms.chosen(numbers).certainty(points) > 1).all(axis=1)].tolist()
 
-    def depths(self, points: Floats, numbers: NDArray[np.int_]) -> Floats:
-        """The least value of each of these slopes at some points, in units of the doubt about it."""
-        values, doubt = self._forms.chosen(numbers).at(points)
-        return np.asarray((values / np.where(doubt, doubt, 1)).min(axis=1))
-
-    def sides_of(self, corners: Floats, among: Sequence[int]) -> list[int]:
-        """Of these slopes the numbers of those that seem to bound the cell in a polygon, found by the deepest cuts.
+    def sides_of(self, corners: Floats) -> list[int]:
+        """Numbers of the slopes that seem to bound the cell in a polygon, found by the deepest cuts.
 
         What cuts nothing off cuts nothing off a part either, so that fewer and fewer are looked at.
         """
         outline: list[Corner] = [(x, y, -1) for _, x, y in corners.tolist()]
-        waiting = np.array(among, dtype=int)
+        numbers = np.array(self.possible, dtype=int)
+        forms = self._forms.chosen(numbers)
         while len(outline) > 2:
-            places = np.array([[1.0, x, y] for x, y, _ in outline])
-            depths = self.depths(places, waiting)
-            waiting, depths = waiting[depths < 0], depths[depths < 0]
-            if not waiting.size:
+            places = np.array([(1.0, x, y) for x, y, _ in outline])
+            depths = forms.certainty(places).min(axis=1)
+            (cutting,) = (depths < 0).nonzero()
+            if not cutting.size:
                 break
-            k = int(waiting[np.argmin(depths)])
-            outline = _clipped(outline, (self._forms.values[k] @ places.T).tolist(), k)
-            waiting = waiting[waiting != k]
+            deepest = cutting[depths[cutting].argmin()]
+            outline = _clipped(outline, (places @ forms.values[deepest]).tolist(), int(numbers[deepest]))
+            cutting = cutting[cutting != deepest]
+            numbers, forms = numbers[cutting], forms.chosen(cutting)
         return sorted({k for *_, k in outline if k >= 0})
 
-    def falling(self, points: Floats) -> SlopeOfD | None:
-        """A slope that is certainly negative at all points, the one that is so most of all."""
-        values, doubt = self._forms.at(points)
-        clear = np.flatnonzero((values < -doubt).all(axis=1))
-        return self[int(clear[np.argmin(self.depths(points, clear))])] if clear.size else None
+    def at(self, point: Floats) -> tuple[int | None, list[int]]:
+        """At a point ``(1, x, y)``: the number of the slope that most certainly falls, and those that may vanish."""
+        certainty = self._forms.certainty(point)
+        (falling,) = (certainty < -1).nonzero()
+        steepest = int(falling[certainty[falling].argmin()]) if falling.size else None
+        return steepest, (~(np.abs(certainty) > 1)).nonzero()[0].tolist()
 
     @cached_property
     def flat(self) -> tuple[SlopeOfD, ...]:
         """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
-        small = ~(np.abs(self._forms.values) > self._forms.bounds * FLOAT_DOUBT + SMALLEST_NORMAL).any(axis=1)
-        return tuple(self[k] for k in np.flatnonzero(small).tolist() if not any(self[k].form))
+        clear = np.abs(self._forms.values) > self._forms.bounds * FLOAT_DOUBT + SMALLEST_NORMAL
+        return tuple(self[k] for k in np.flatnonzero(~clear.any(axis=1)).tolist() if not any(self[k].form))
 
 
 class _PairTable:
-    """All pairs of tight rows in floats: directions of edges, and the slopes along them and back."""
+    """All pairs of tight rows in floats: directions of edges, and the slopes along them and back, shape (m, 2, 3)."""
 
     @beyond_floats
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
         self.arrangement = arrangement
-        tight = np.array(tight_rows(signs), dtype=int)
+        (tight,) = (signs == 0).nonzero()
         self.tight = len(tight)
-        self.pairs = _pairs(tight)
-        a, b = (arrangement.normals[self.pairs[:, k]] for k in (0, 1))
-        self.directions, self.sizes = np.cross(a, b), _permanents(np.abs(a), np.abs(b))
+        self.pairs = tight[_pairs(self.tight)]
         normals, weights = arrangement.normals, arrangement.float_weights
+        first, second = normals[self.pairs.T]
+        left, right = first[:, NEXT] * second[:, AFTER], first[:, AFTER] * second[:, NEXT]
+        self.directions, self.sizes = left - right, np.abs(left) + np.abs(right)  # of the cross products
         rows = np.ascontiguousarray(normals[tight].T)
         kept = np.concatenate([np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)])
         along = self.directions @ ((normals.T * signs) @ weights)
-        bounds = self.sizes @ (np.abs(normals.T) @ np.abs(weights))
-        self.ahead, self.back = FloatForms(kept + along, bounds), FloatForms(kept - along, bounds)
+        bounds = self.sizes @ arrangement.moment_sizes
+        self.forms = FloatForms(np.stack([kept + along, kept - along], axis=1), bounds[:, None])
 
-    def distinct(self, numbers: NDArray[np.int_]) -> list[int]:
+    def distinct(self, numbers: NDArray[np.int_]) -> NDArray[np.int_]:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
         if self.tight <= 3:
-            return [k for k in numbers.tolist() if any(self._direction(k))]
-        if not numbers.size:
-            return []
+            return np.array([k for k in numbers.tolist() if self._has_direction(k)], dtype=int)
         keys = self._keys(numbers)
         order = np.argsort(keys, kind="stable")
-        buckets = np.split(numbers[order], np.flatnonzero(np.diff(keys[order])) + 1)
-        return sorted(k for bucket in buckets for k in self._distinct_in(bucket))
+        ends = [0, *(np.flatnonzero(np.diff(keys[order])) + 1).tolist(), len(order)]
+        found = [k for ends in pairwise(ends) for k in self._distinct_in(numbers[order[slice(*ends)]])]
+        return np.array(sorted(found), dtype=int)
+
+    def _has_direction(self, pair: int) -> bool:
+        """Whether the rows of a pair are not parallel."""
+        m, sizes = self.directions[pair].tolist(), self.sizes[pair].tolist()
+        clear = (abs(x) > size * FLOAT_DOUBT + SMALLEST_NORMAL for x, size in zip(m, sizes, strict=True))
+        return any(clear) or any(self._direction(pair))
 
     def _keys(self, numbers: NDArray[np.int_]) -> NDArray[np.int_]:
         """Whole numbers, equal for directions that differ in length alone; zero where a direction may vanish.
@@ -198,10 +198,11 @@ class _PairTable:
         orthogonal = np.zeros(len(self.arrangement.rows), dtype=bool)
         while bucket.size:
             first, bucket = int(bucket[0]), bucket[1:]
-            direction = self._direction(first)
-            if any(direction):
+            if self._has_direction(first):
                 yield first
-                rows = self.pairs[bucket]
+                if not bucket.size:
+                    return
+                direction, rows = self._direction(first), self.pairs[bucket]
                 for k in np.flatnonzero(np.bincount(rows.ravel())).tolist():
                     orthogonal[k] = not inner(self.arrangement.rows[k].normal, direction)
                 bucket = bucket[~orthogonal[rows].all(axis=1)]
@@ -227,23 +228,19 @@ def _clipped(outline: Sequence[Corner], values: Sequence[float], number: int) ->
 
 def blocks(vectors: Floats) -> list[Floats]:
     """Parts of a table (m, 3) that are small enough for products with the rows of all wheels to stay in the cache."""
-    return np.split(vectors, range(BLOCK, len(vectors), BLOCK))
+    return [vectors[k : k + BLOCK] for k in range(0, max(len(vectors), 1), BLOCK)]
 
 
-def _permanents(a: Floats, b: Floats) -> Floats:
-    """Sums of absolute terms of cross products."""
-    return np.stack([a[:, i] * b[:, j] + a[:, j] * b[:, i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=1)
-
-
-def _pairs(tight: NDArray[np.int_]) -> NDArray[np.int_]:
-    """All pairs of rows that a twist satisfies: they span the directions of edges there.
+@lru_cache(16)
+def _pairs(count: int) -> NDArray[np.int_]:
+    """All pairs of so many rows, which span the directions of edges where they hold, shape (m, 2).
 
     Raises:
         RefusalError: for so many rows that the table of slopes would not fit into memory.
     """
-    if len(tight) > MOST_TIGHT:
+    if count > MOST_TIGHT:
         raise RefusalError(
             f"wheels: required at most {MOST_TIGHT} rows that hold at one motion (at rest all side rows do), "
-            f"received {len(tight)}"
+            f"received {count}"
         )
-    return np.stack([tight[k] for k in np.triu_indices(len(tight), 1)], axis=1)
+    return np.stack(np.triu_indices(count, 1), axis=1)

@@ -39,7 +39,7 @@ def find_global_attraction(
     """The entry of a certificate that shows that every solution comes to the point; None where none is found.
 
     A V that falls is looked for first, then one that does not rise with functions that show that nothing else stays on
-    one level of it.
+    one level of it, and quotients last: these take longest.
 
     Args:
         system: in one state or more.  Right-hand sides that enclose sines are those of the checked square: of these
@@ -66,12 +66,12 @@ def _attempts(
     space = WholeSpace(system, subject)
     for potential in chain(given, global_functions(system)):
         yield space.by_fall(potential)
-    quotient = find_quotient(system, everywhere=True)
-    yield None if quotient is None else quotient[0]
     for potential, inside in logarithmic_functions(system):
         yield space.by_fall(potential, inside.text)
     for potential in chain(given, energies):
         yield space.by_rest(potential)
+    quotient = find_quotient(system, everywhere=True)  # takes longest
+    yield None if quotient is None else quotient[0]
 
 
 def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | None:

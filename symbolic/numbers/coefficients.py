@@ -12,7 +12,7 @@ Coefficient: TypeAlias = Any  # fmpq over Q, fmpq_poly reduced by the base modul
 Rational: TypeAlias = int | Fraction | fmpq
 Terms: TypeAlias = dict[int, Coefficient]  # by the mask of the roots that they multiply
 
-_UNIT_BITS = 512  # products of longer rationals count more
+UNIT_BITS = 512  # products of longer rationals count more
 
 
 def as_fmpq(value: Rational) -> fmpq:
@@ -63,12 +63,7 @@ def height(coefficient: Coefficient) -> int:
 def product_units(a: Terms, b: Terms, base_degree: int) -> int:
     """What a product costs, in products of short rationals: by the number of its terms and the length of the first."""
     length = height(next(iter(a.values()))) + height(next(iter(b.values())))
-    return len(a) * len(b) * base_degree * (1 + length // _UNIT_BITS)
-
-
-def single_units(a: fmpq, b: fmpq) -> int:
-    """What :func:`product_units` says of two numbers of one term over the rationals, by far the most."""
-    return 1 + (a.height_bits() + b.height_bits()) // _UNIT_BITS
+    return len(a) * len(b) * base_degree * (1 + length // UNIT_BITS)
 
 
 def base_inverse(coefficient: Coefficient, modulus: fmpq_poly | None) -> Coefficient:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz, fmpz_poly
 
 from nonsmooth.symbolic.numbers.coefficients import (
+    UNIT_BITS,
     Coefficient,
     Rational,
     as_fmpq,
@@ -27,7 +28,6 @@ from nonsmooth.symbolic.numbers.coefficients import (
     height,
     is_rational,
     product_units,
-    single_units,
 )
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
 from nonsmooth.symbolic.numbers.printing import latex_sum, number_summands, number_to_sympy, plain_sum
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     import sympy
 
 _FLOAT_BITS = 53
+_ONE = {0: fmpq(1)}
 _FILTER_BITS = 40  # float filter: sums of < 2^10 terms lose < 13 bits of 53, so 40 bits are safe
 TINY, HUGE = 2.0**-900, 2.0**900  # outside this range floats may under- or overflow: use balls
 _FIRST_PRECISION = 128
@@ -118,10 +119,11 @@ class Number(ExactReal):
             return field.zero
         if modulus is None and len(self.terms) == 1 == len(other.terms):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
-            if not s & t:  # a rational factor, or two different roots: nothing to collect
+            factor = field.radicand_product(s & t).terms if s & t else _ONE
+            if len(factor) == 1 and 0 in factor:  # a rational number times different roots: nothing to collect
                 if field.meter is not None:
-                    field.meter.spend(single_units(a, b))
-                return Number(field, {s ^ t: a * b})
+                    field.meter.spend(1 + (a.height_bits() + b.height_bits()) // UNIT_BITS)
+                return Number(field, {s ^ t: a * b * factor[0] if s & t else a * b})
         elif modulus is None and (is_rational(self.terms) or is_rational(other.terms)):
             return self._multiple(other)
         if field.meter is not None:
@@ -182,12 +184,13 @@ class Number(ExactReal):
         if other is None:
             return NotImplemented
         field = self.field
-        if field.modulus is not None or len(other.terms) != 1 or 0 not in other.terms or len(self.terms) != 1:
-            return self * other.inverse()
-        ((mask, a),), b = self.terms.items(), other.terms[0]
-        if field.meter is not None:  # what the inverse and the product would cost
-            field.meter.spend(single_units(b, b) + single_units(a, b))
-        return Number(field, {mask: a / b})
+        if field.modulus is None and len(self.terms) == 1 == len(other.terms):
+            ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
+            if not t or s == t:
+                if field.meter is not None:  # what the inverse and the product would cost
+                    field.meter.spend(2 + (a.height_bits() + 3 * b.height_bits()) // UNIT_BITS)
+                return Number(field, {s ^ t: a / b})
+        return self * other.inverse()
 
     def __rtruediv__(self, value: Any) -> Number:
         return self.inverse() * value
@@ -273,11 +276,10 @@ class Number(ExactReal):
         """The nearest float, or one next to it."""
         if not self.terms:
             return 0.0
-        if self.field.modulus is None and len(self.terms) == 1 and 0 in self.terms:
-            return fmpq_to_float(self.terms[0])
-        if len(self.terms) == 1:
-            value, magnitude = self._float_filter()
-            if TINY < magnitude < HUGE and self.field.modulus is None:
+        if self.field.modulus is None and len(self.terms) == 1:
+            ((mask, c),) = self.terms.items()
+            value = fmpq_to_float(c) * (self.field.float_product(mask) if mask else 1.0)
+            if not mask or TINY < abs(value) < HUGE:
                 return value  # one product of correctly rounded factors: no cancellation
         return float(self.accurate_ball(_FLOAT_BITS).mid())
 

@@ -9,7 +9,7 @@ import pytest
 from flint import arb
 from scipy.optimize import linprog
 
-from nonsmooth.analysis.cells.arrangement import SlopeOfD
+from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD
 from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
 from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
@@ -180,6 +180,24 @@ def test_slopes_that_are_handed_on_are_those_that_are_built(monkeypatch: pytest.
     monkeypatch.setattr(Slopes, "_keep", kept)
     cells = build_box_partition(load_scene(name, rule="box")).cells
     assert len(numbers) > len(cells)
+
+
+@pytest.mark.parametrize(("side", "cells", "most"), [(2, 13, 26), (6, 157, 300)])
+def test_ties_are_left_out_where_floats_or_the_walk_decide(
+    arrays: Arrays, monkeypatch: pytest.MonkeyPatch, side: int, cells: int, most: int
+) -> None:
+    """Of symmetric arrays hundreds of lines touch a cell at its corners; few of them are built exactly."""
+    build, pairs = Arrangement.slopes_along, list[tuple[int, int]]()
+
+    def built(self: Arrangement, pair: tuple[int, int], signs: np.ndarray) -> tuple[SlopeOfD, SlopeOfD]:
+        pairs.append(pair)
+        return build(self, pair, signs)
+
+    monkeypatch.setattr(Arrangement, "slopes_along", built)
+    friction = (1, Fraction(1, 5))
+    scene = arrays.four_wheel(friction) if side == 2 else arrays.grid(side, side, friction)
+    assert len(build_box_partition(scene).cells) == cells
+    assert len(pairs) <= most
 
 
 def test_twists_tie_only_on_shared_sides(arrays: Arrays) -> None:

@@ -143,6 +143,7 @@ def test_a_region_up_to_its_exact_limit(load: Load) -> None:
     assert x**2 + y**2 <= float(region.refuted)
     assert result.check()
     assert not with_reach(result, region=replace(region, level=Fraction(51, 1000))).check()
+    assert not with_reach(result, region=replace(region, falls=True)).check()
 
 
 def test_units_do_not_hide_a_region(load: Load) -> None:

@@ -117,8 +117,8 @@ class Drives:
         signs = np.fromiter(slips, dtype=int, count=len(rows))
         tight = [row.normal for row, slip in zip(rows, signs, strict=True) if not slip]
         table = Slopes(self._arrangement, signs)
-        falling = table.falling(np.array([[1.0, 0.0, 0.0]]))
-        slopes = table if falling is None else (falling,)
+        falling, _ = table.at(np.array([1.0, 0.0, 0.0]))
+        slopes = table if falling is None else (table[falling],)
         return BoxTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
