@@ -53,7 +53,7 @@ from nonsmooth.proofs.systems.decay_rate import (
     RegionRate,
     gain_above,
     rates_below,
-    short_below,
+    simple_below,
     slowest_ratio,
 )
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -214,7 +214,7 @@ class FallingFunction:
         if not 0 < value < np.inf:
             return None
         shares = (*([1 + SLACK] if side else []), *LEVEL_SHARES)
-        levels = [short_below(Fraction(value) * share) for share in shares]
+        levels = [simple_below(Fraction(value) * share) for share in shares]
         shown = first_shown(levels, lambda level: self._level_proofs(level, falls=falls))
         if shown is None:
             return None
@@ -376,7 +376,7 @@ class FallingFunction:
                 value = Fraction(float(value_at(terms_of(own.value), exact)))
                 if side:
                     exact.insert(int(side[1:]), fmpq(1 if side[0] == "+" else -1))
-                return short_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
+                return simple_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
         return None, None
 
 

@@ -183,8 +183,8 @@ class DisturbanceGain:
         return f"where abs(d) <= delta{below} {starts} {ends}"
 
 
-def short_below(value: Fraction) -> Fraction:
-    """A short fraction below a positive number, or at it, and nearly as large."""
+def simple_below(value: Fraction) -> Fraction:
+    """A simple fraction below a positive number, or at it, and nearly as large."""
     powers = ((value * (1 - WIDTH / 2)).limit_denominator(1 << k) for k in count())
     return next(own for own in powers if value * (1 - WIDTH) <= own <= value)
 
