@@ -73,7 +73,7 @@ Floats: TypeAlias = NDArray[np.float64]
 
 WORK = 4_000  # coefficients looked at for one claim, beside sums of squares
 WORK_ALONE = 20_000  # where there are none, in numbers with roots
-LEVEL_SHARES = (Fraction(4095, 4096), *(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4)))  # of the least value
+LEVEL_SHARES = tuple(Fraction(k, 4096) for k in (4095, 4092, 4080, 4032, 3840, 3072, 2048, 1024, 256))  # of the least
 FINE = ((1 << 14, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that refutes a level; moved outward by a share
 MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
 REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for its rate
@@ -81,7 +81,7 @@ REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for i
 RAYS, SHRINKING, DISTANCES = 100, 0.5625, 10  # of points at which ratios are looked at
 GRID = {1: 3, 2: 13, 3: 5, 4: 3}  # points of a side of the cube that they pass, besides
 POINTS, FEWER = 4_000, 500  # of the search for a least value; fewer of one variable
-BEST, ROUNDS, SPREAD = 20, 5, 0.2
+BEST, ROUNDS, SPREAD = 32, 7, 0.35
 
 
 def reach_of(point: CheckedPoint, found: Finding) -> Reach:
@@ -161,7 +161,7 @@ def _beyond(system: SwitchedSystem, function: PlaneFunction) -> FallingFunction 
         return None
     if not function.is_given and (system.waves or function.formula is None):  # of pieces, known on the smaller one
         return None
-    found = _falling(system, function, Domain(checked).rational.radius or checked)
+    found = _falling(system, function, checked)
     is_short = function.is_given or (found is not None and found.degree <= MOST_DEGREE)
     return found if is_short else None
 
@@ -177,11 +177,12 @@ def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number)
 def claims_about(
     system: SwitchedSystem, function: ExaminedFunction | PiecewiseExpression, radius: Number
 ) -> FallingFunction | None:
-    """The same of a V of which nothing is known."""
+    """The same of a V of which nothing is known; a cube with an irrational half-width is a little smaller."""
+    half = Domain(radius).rational.radius or radius
     for subject in subjects_of(system):
         try:
-            stated, cells = stated_function(subject, radius, function)
-            return FallingFunction(radius, functions_on(subject, cells, [stated]))
+            stated, cells = stated_function(subject, half, function)
+            return FallingFunction(half, functions_on(subject, cells, [stated]))
         except (NoCertificateError, BeyondReachError):
             continue
     return None

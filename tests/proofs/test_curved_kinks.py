@@ -18,6 +18,7 @@ from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.proofs.conftest import Load
+from tests.proofs.forged import with_reach
 from tests.thorough import few
 
 NAMES = {"sign": np.sign, "Abs": np.abs}
@@ -164,6 +165,9 @@ def test_what_follows_from_a_guard_holds_at_points(load: Load) -> None:
 
 def test_a_v_that_bends_along_a_curve_has_a_rate(load: Load) -> None:
     """``x' = -x`` and V = x**2 on the curve, where x stays: V' <= -2 V at best."""
-    reach = decide_system(load("-x", "-y - sign(y + x**2)", lyapunov='"Abs(y + x**2) + x**2 + y**2"')).reach
-    assert reach.rate is not None
-    assert 0 < reach.rate.kappa <= 2
+    result = decide_system(load("-x", "-y - sign(y + x**2)", lyapunov='"Abs(y + x**2) + x**2 + y**2"'))
+    rate = result.reach.rate
+    assert rate is not None
+    assert 0 < rate.kappa <= 2
+    assert result.check()
+    assert not with_reach(result, rate=replace(rate, kappa=rate.kappa + 2)).check()

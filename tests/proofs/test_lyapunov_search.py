@@ -237,6 +237,32 @@ def test_a_v_of_pieces_is_proved_on_a_larger_square(load: Load) -> None:
     assert found.result.verdict is Decrease.STRICT
 
 
+def test_a_region_of_v_that_bends_reaches_beyond_its_square(load: Load) -> None:
+    """``V' = -1 + 12 abs(x)^3 - abs(y)`` off the axes: V falls where ``V < 12^(-1/3)``, about 0.437."""
+    result = decide_system(load("-sign(x) + 12*x**3", "-y", lyapunov='"Abs(x) + Abs(y)"'))
+    near, region = result.reach.near, result.reach.region
+    assert isinstance(near, SublevelRegion)
+    assert isinstance(region, SublevelRegion)
+    assert near.level == Fraction(1, 32)
+    assert Fraction(42, 100) < region.level < Fraction(437, 1000)
+    assert result.check()
+
+
+def test_an_irrational_half_width_has_region_and_rate(load: Load) -> None:
+    """On a square that is a little smaller, which is named: certificates hold no roots."""
+    result = decide_system(load("-x - x**3", "-y", lyapunov='"x**2 + y**2"', radius='"sqrt(2)/3"'))
+    region, rate, domain = result.reach.region, result.reach.rate, result.reach.rate_domain
+    assert isinstance(region, SublevelRegion)
+    assert rate is not None
+    assert domain is not None
+    assert domain.radius is not None
+    assert Fraction(2, 9) * Fraction(2046, 2048) < region.level < Fraction(2, 9)
+    assert region.radius == domain.radius < result.scene.check.radius
+    assert Fraction(15, 8) < rate.kappa <= 2
+    claims = certificate_of(result)["statement"]["claims"]
+    assert {"attracts", "rate", "gain"} <= {key for claim in claims for key in claim}
+
+
 def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
     """Twisting arrives in finite time, but V' vanishes at the point, and nearly so at a corner of the square."""
     result = decide_system(load("y", "-2*sign(x) - sign(y)"))
