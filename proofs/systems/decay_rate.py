@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 Floats: TypeAlias = NDArray[np.float64]
 
 # Of what samples allow, from the largest one on.
-SHARES = tuple(Fraction(k, 64) for k in (63, 60, 48, 32, 16))
+SHARES = tuple(Fraction(k, 64) for k in (63, 60, 56, 52, 48, 40, 32, 16))
 SLACK = Fraction(1, 1 << 30)  # by which floats may miss it
 WIDTH = Fraction(1, 1 << 14)  # of a number: by how much a short fraction may be less
 DENOMINATOR = 64  # of kappa and gamma; of slow rates twice as large until it holds FEWEST of them
