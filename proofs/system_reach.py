@@ -78,7 +78,7 @@ FINE = ((1 << 14, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that ref
 MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: beyond that it takes too long
 REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for its rate
 
-RAYS, SHRINKING, DISTANCES = 100, 0.5625, 10  # of points at which ratios are looked at
+RAYS, SHRINKING, DISTANCES = 25, 0.5625, 10  # of points at which ratios are looked at: rays for each orthant
 GRID = {1: 3, 2: 13, 3: 5, 4: 3}  # points of a side of the cube that they pass, besides
 POINTS, FEWER = 4_000, 500  # of the search for a least value; fewer of one variable
 BEST, ROUNDS, SPREAD = 32, 7, 0.35
@@ -415,7 +415,7 @@ def _points_near(count: int) -> Floats:
     """Points of the cube on rays, at distances that fall by a constant factor: terms of low degree decide near it."""
     side = np.linspace(-1, 1, GRID.get(count, 2))
     regular = np.stack(np.meshgrid(*[side] * count), axis=-1).reshape(-1, count)
-    rays = np.vstack([np.random.default_rng(0).uniform(-1, 1, (RAYS, count)), regular])
+    rays = np.vstack([np.random.default_rng(0).uniform(-1, 1, (RAYS << count, count)), regular])
     rays = rays[np.any(rays != 0, axis=1)]
     rays /= np.abs(rays).max(axis=1, keepdims=True)
     return np.vstack([rays * SHRINKING**k for k in range(DISTANCES)])
