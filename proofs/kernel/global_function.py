@@ -4,10 +4,11 @@ With fields f that are polynomials, of one cell, both are asked without a domain
 
     V  a sum of squares,    -grad V . f  a sum of squares for every f,
 
-which is affine in the coefficients of V (Parrilo 2000).  So is ``-(1 + P) grad Q . f - grad P . f`` in those of Q, for
-``V = Q + ln(1 + P)`` with a P that is known: the sum of the squares of some states.  A field with products of states
-may have such a V and none that is a polynomial (Ahmadi, Krstic and Parrilo 2011).  Floats propose;
-:mod:`nonsmooth.proofs.kernel.whole_space` shows what they propose, or does not.
+which is affine in the coefficients of V (Parrilo 2000).  So is ``-(1 + P) grad Q . f - w grad P . f`` in those of Q
+and in w, for ``V = Q + w ln(1 + P)`` with a P that is known, the sum of the squares of some states, and Q a sum of
+squares and fourth powers of the others.  A field with products of states may have such a V and none that is a
+polynomial (Ahmadi, Krstic and Parrilo 2011).  Floats propose; :mod:`nonsmooth.proofs.kernel.whole_space` shows what
+they propose, or does not.
 """
 
 from __future__ import annotations
@@ -45,14 +46,17 @@ def global_functions(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
 
 
 def logarithmic_functions(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, PiecewiseExpression]]:
-    """Q and P in the displacement, one after the other; none where something switches."""
+    """Q/w and P in the displacement, one after the other; none where something switches."""
     count = len(system.states)
-    squares = [tuple(2 * int(j == k) for j in range(count)) for k in range(count)]
+    squares, fourths = ([tuple(power * int(j == k) for j in range(count)) for k in range(count)] for power in (2, 4))
     for size in range(1, count) if count <= FEW else ():
-        for chosen in combinations(squares, size):
-            inside: Terms = {own: fmpq(1) for own in chosen}
-            for formula in _proposed(system, [own for own in squares if own not in chosen], inside):
-                yield formula, _formula(system.states, chosen, [fmpq(1)] * size)
+        for chosen in combinations(range(count), size):
+            within = [squares[k] for k in chosen]
+            inside: Terms = {own: fmpq(1) for own in within}
+            for powers in (squares, squares + fourths):
+                exponents = [own for own in powers if not any(own[k] for k in chosen)]
+                for formula in _proposed(system, exponents, inside):
+                    yield formula, _formula(system.states, within, [fmpq(1)] * size)
 
 
 def _proposed(system: SwitchedSystem, exponents: Sequence[Exponents], inside: Terms) -> Iterator[PiecewiseExpression]:
@@ -61,7 +65,7 @@ def _proposed(system: SwitchedSystem, exponents: Sequence[Exponents], inside: Te
     Args:
         system: whose velocities are polynomials; of others nothing is proposed.
         exponents: of the monomials.
-        inside: P of a logarithm beside them; empty without one.
+        inside: P of a logarithm beside them, over whose weight the sum is taken; empty without one.
     """
     try:
         fields = _fields(system)
@@ -70,11 +74,14 @@ def _proposed(system: SwitchedSystem, exponents: Sequence[Exponents], inside: Te
     problems = _problems(fields, exponents, inside)
     if sum(gram_entries(blocks) for _, blocks in problems) > 2 * MOST_UNKNOWNS:
         return
-    solved = solve_inside(problems, len(exponents), bounded=True)
+    solved = solve_inside(problems, len(exponents) + bool(inside), bounded=True)
     for denominator in DENOMINATORS if solved is not None else ():
         found = None if solved is None else round_parameters(*solved, denominator)
-        if found is not None and any(found):
-            yield _formula(system.states, exponents, found)
+        if found is None or not any(found):
+            continue
+        weight = found[-1] if inside else fmpq(1)
+        if weight > 0:
+            yield _formula(system.states, exponents, [own / weight for own in found[: len(exponents)]])
 
 
 def _fields(system: SwitchedSystem) -> list[list[Terms]]:
@@ -110,16 +117,16 @@ def _bases(count: int) -> Iterator[list[Exponents]]:
 
 
 def _problems(fields: Sequence[Sequence[Terms]], exponents: Sequence[Exponents], inside: Terms) -> list[Problem]:
-    """That the sum is positive, and V falls along every field."""
+    """That the sum is positive, and V falls along every field; the weight of a logarithm is the last unknown."""
     count = len(exponents[0])
     factor = add_terms({(0,) * count: fmpq(1)}, inside)
     asked = [Condition({}, {k: {own: fmpq(1)} for k, own in enumerate(exponents)}, (), (), count)]
     for field in fields:
         falls = [multiply_terms(factor, _fall(own, field)) for own in exponents]
-        known: Terms = {}
+        weighed: Terms = {}
         for own, c in inside.items():
-            known = add_terms(known, {e: c * value for e, value in _fall(own, field).items()})
-        asked.append(Condition(known, {k: fall for k, fall in enumerate(falls) if fall}, (), (), count))
+            weighed = add_terms(weighed, {e: c * value for e, value in _fall(own, field).items()})
+        asked.append(Condition({}, {k: fall for k, fall in enumerate([*falls, weighed]) if fall}, (), (), count))
     return [(own, without_idle(build_blocks(own), own.support)) for own in asked]
 
 

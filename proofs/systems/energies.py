@@ -235,11 +235,12 @@ def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
                 yield known.formula(known.energy(i, line))
 
 
-def crossed_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
-    """Energies with a cross term on a square of some half-width, where ``x' = a v`` in two states."""
+def falling_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
+    """Energies that may fall on a square of some half-width, in two states; with a cross term where ``x' = a v``."""
     known = actions(system, radius)
     if known is None:
         return
+    yield known.formula(known.energy())
     for place, other in ((0, 1), (1, 0)):
         if not _is_multiple(system, place, other) or (other, place) not in known.rates:
             continue

@@ -37,7 +37,7 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.energies import crossed_energies
+from nonsmooth.proofs.systems.energies import falling_energies
 from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
@@ -169,9 +169,8 @@ def _proposed(
     *simple, richest = families(system)
     for basis in simple:
         yield _found(system, cells, basis, budget)
-    if not system.waves:
-        for formula in crossed_energies(system, radius):
-            yield _falls(system, cells, formula, budget)
+    for formula in falling_energies(system, radius):
+        yield _falls(system, cells, formula, budget)
     yield _found(system, cells, richest, budget)
 
 

@@ -10,7 +10,7 @@ import pytest
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.systems.energies import crossed_energies, energies
+from nonsmooth.proofs.systems.energies import energies, falling_energies
 from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from tests.plain import built
@@ -35,7 +35,7 @@ def test_the_energy_has_the_slope_of_the_force(
     rhs: tuple[str, str], place: int, force: Callable[[float], float]
 ) -> None:
     system, step = built(rhs), 1e-6
-    crossed = list(crossed_energies(system, system.check.radius))
+    crossed = list(falling_energies(system, system.check.radius))[1:]
     found = [*crossed, *energies(system)]
     assert len(crossed) in (2, 4)
     for formula in found:
@@ -48,7 +48,7 @@ def test_the_energy_has_the_slope_of_the_force(
 def test_what_is_of_no_second_order_has_none() -> None:
     for rhs in (("y - x", "-2*x - 3*y"), ("y", "-sqrt(2)*x - y"), ("y*Abs(y)", "-x - y")):
         system = built(rhs)
-        assert not list(crossed_energies(system, system.check.radius))
+        assert not list(falling_energies(system, system.check.radius))[1:]
 
 
 @pytest.mark.parametrize(
@@ -81,3 +81,10 @@ def test_a_relay_with_viscous_friction_has_a_short_function() -> None:
     assert result.reach.rate.decay is DecayKind.EXPONENTIAL
     kinds = {kind for claim in certificate_of(result)["statement"]["claims"] for kind in claim}
     assert {"stability", "attracts", "rate", "gain"} <= kinds
+
+
+def test_slight_damping_beside_a_sine_is_seen_by_the_energy() -> None:
+    result = decide_system(built(["y - x**3/1000", "-sin(x) - x - y**3/1000"]))
+    claims = certificate_of(result)["statement"]["claims"]
+    assert {"stability": "asymptotically stable"} in claims
+    assert {kind for claim in claims for kind in claim} == {"stability", "attracts", "rate"}
