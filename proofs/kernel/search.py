@@ -264,7 +264,7 @@ def sample_points(count: int, *, bounded: bool, seed: int = 0) -> Floats:
     points = source.uniform(-1, 1, (POINTS, count)) * np.exp(-source.exponential(SHRINK, (POINTS, 1)))
     points[: POINTS // 2] = np.sign(points[: POINTS // 2]) * np.exp(-source.exponential(SHRINK, (POINTS // 2, count)))
     if not bounded:
-        points[::2] /= np.abs(points[::2]).max(axis=1, keepdims=True) ** 2
+        points[::2] /= np.abs(points[::2]).max(axis=1, keepdims=True, initial=0) ** 2
     return points
 
 
