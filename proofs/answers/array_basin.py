@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -30,14 +31,24 @@ from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import encode
 from nonsmooth.proofs.system_facts import basin_record
-from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin
+from nonsmooth.proofs.systems.basin import NEARLY_ALL, BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder, last_ring, mesh_corners, mesh_of_rings
-from nonsmooth.proofs.systems.basin_rings import Bernstein, Floats, Pace, bernstein, followed_home, grow, inside_ring
+from nonsmooth.proofs.systems.basin_rings import (
+    Bernstein,
+    Floats,
+    Pace,
+    area,
+    bernstein,
+    followed_home,
+    grow,
+    inside_ring,
+)
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.support_polygon import widest_square
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
 
-EFFORTS = {"fast": BasinEffort(Pace(0.12, 0.03, 0.04), 41), "best": BasinEffort(Pace(0.04, 0.012, 0.02), 101)}
+COARSE, FINE = BasinEffort(Pace(0.12, 0.03, 0.02), 41), BasinEffort(Pace(0.04, 0.012, 0.02), 101)
+EFFORTS = {"fast": (COARSE,), "best": (FINE, COARSE)}  # tried in turn, until triangles fill the last ring
 PIXELS = 96  # of a raster of the square, in each direction, by which cells are looked up
 CIRCLE = 48  # points of the first ring
 INWARD = 0.02  # sine of the angle at which velocities lead inward over it, at least
@@ -295,7 +306,7 @@ def find_array_basin(scene: Scene, asked: str, announce: Callable[[str, int, int
 
 
 def _around(
-    scene: Scene, partition: Partition, effort: BasinEffort, announce: Callable[[str, int, int], None]
+    scene: Scene, partition: Partition, efforts: Sequence[BasinEffort], announce: Callable[[str, int, int], None]
 ) -> ArrayBasin | NoBasin:
     """The search on the cells of a square."""
     field = FloatCells(partition)
@@ -306,11 +317,12 @@ def _around(
     limit = field.half * (1 - SQUARE)
     why = NoBasin(_why_none(field))
 
-    def builder(rings: Sequence[Floats]) -> MeshBuilder:
+    def builder(effort: BasinEffort, rings: Sequence[Floats]) -> MeshBuilder:
         plane = partial(ArrayPlane, cells)
         return MeshBuilder(field, plane, rings, effort.pace.move, effort.triangles, is_first_whole=True)
 
-    for first in _first_rings(field):
+    meshes = []
+    for first, effort in product(_first_rings(field), efforts):
         rings = grow(
             field,
             first,
@@ -320,22 +332,24 @@ def _around(
             effort.way,
             lambda done, total: announce("rings", done, total),
         )
-        built, last = mesh_of_rings(
-            rings, builder, effort.pace.move, lambda done, total: announce("bands of triangles", done, total)
-        )
-        if built is None:
-            if last is not first:  # there is a ring around the first one
-                why = NoBasin("W is not seen to fall beside the first ring")
-            continue
+        own, tell = partial(builder, effort), lambda done, total: announce("bands of triangles", done, total)
+        built, last = mesh_of_rings(rings, own, effort.pace.move, tell)
+        if built is not None:
+            meshes.append((built, first, effort.starts))
+            if built.area > NEARLY_ALL * area(last):
+                break
+        elif last is not first:  # there is a ring around the first one
+            why = NoBasin("W is not seen to fall beside the first ring")
+    announce("the checker", 0, 1)
+    for built, first, starts in sorted(meshes, key=lambda own: -own[0].area):
         mesh, below = built.record, built.below
         found: dict[str, Any] = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
-        announce("the checker", 0, 1)
         try:
             (claim,) = show_entry(array, {"theorem": "basin", "hypotheses": {**record, **found}, "proofs": {}})
         except RejectedError as error:
             why = NoBasin(f"the checker asks for {error}")
             continue
-        sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), effort.starts)
+        sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), starts)
         within = float(Fraction(found["squared_radius"])) ** 0.5 if "ends" in claim else None
         hypotheses: dict[str, Any] = {**exact, **found}
         entry = {"theorem": "basin", "hypotheses": hypotheses, "proofs": {}}

@@ -27,6 +27,7 @@ import numpy as np
 from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.kernel.cells import (
     StatedCells,
     build_inclusion,
@@ -207,8 +208,6 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
 
     For a stable point that need not attract V does not rise, and for an unstable one it is negative on some ray.
     """
-    from scipy.optimize import linprog
-
     degree = min((sum(e) for cone in cones for c in cone.cells for _, f in c.fields for p in f for e in p.terms))
     rows = [*_rows_of_cones(cones, degree), *_rows_of_rays(cones, degree)]
     count = len(cones)
@@ -222,7 +221,7 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
     table = np.column_stack([slopes, above])
     if verdict != UNSTABLE:
         table = np.vstack([table, np.column_stack([-np.eye(count), np.ones(count)])])
-    found = linprog(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)
+    found = solve_program(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)
     if not found.success or found.x[-1] < LEAST or (verdict == UNSTABLE and found.x[:-1].min() >= 0):
         return None
     values = np.asarray(found.x[:-1])
@@ -418,15 +417,13 @@ def _coefficients(inclusion: Inclusion, *, grows: bool) -> list[float]:
         inclusion: with the functions ``Abs(F)``, F and ``G**2`` on its cells.
         grows: whether V must not fall.
     """
-    from scipy.optimize import linprog
-
     rates = _rates(inclusion) * (-1.0 if grows else 1.0)
     sizes = np.maximum(np.abs(rates).max(axis=1), np.finfo(float).tiny)
     rows = rates / sizes[:, None]
     positive = np.array([[-1.0, 1.0], [-1.0, -1.0]])
     table = np.vstack([rows[:, :2], positive])
     limits = np.concatenate([SLACK - rows[:, 2], np.full(2, -LEAST_SHARE)])
-    found = linprog(rows[:, :2].mean(axis=0), table, limits, bounds=[(0, MOST), (-MOST, MOST)])
+    found = solve_program(rows[:, :2].mean(axis=0), A_ub=table, b_ub=limits, bounds=[(0, MOST), (-MOST, MOST)])
     return list(map(float, found.x)) if found.success else []
 
 

@@ -19,6 +19,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, Floats, NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text
@@ -84,11 +85,9 @@ def leading_direction(velocities: Floats) -> Floats | None:
     Returns:
         None where there is none in floats.
     """
-    from scipy.optimize import linprog
-
     count = velocities.shape[1]
     scaled = velocities / max(float(np.abs(velocities).max()), np.finfo(float).tiny)
-    found = linprog(np.ones(2 * count), A_ub=-np.hstack([scaled, -scaled]), b_ub=-np.ones(len(scaled)))
+    found = solve_program(np.ones(2 * count), A_ub=-np.hstack([scaled, -scaled]), b_ub=-np.ones(len(scaled)))
     if not found.success:
         return None
     entries = found.x[:count] - found.x[count:]

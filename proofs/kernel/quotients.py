@@ -21,6 +21,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells
 from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.search import (
@@ -176,20 +177,18 @@ def values_inside(
 
 def proposed(rows: Floats) -> Iterator[list[Fraction]]:
     """Coefficients for which all rows are positive, in rounded numbers."""
-    from scipy.optimize import linprog
-
     sizes = np.abs(rows).max(axis=1, keepdims=True)
     rows = rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0]
     if not len(rows):  # nothing changes: none is better than another
         return
     table = np.hstack([-rows, np.ones((len(rows), 1))])
     costs = [*np.zeros(rows.shape[1]), -1.0]
-    found = linprog(costs, A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1), method="highs")
+    found = solve_program(costs, A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1))
     if found.status or found.x[-1] < LEAST:
         return
     both = np.hstack([-rows, rows])
     limits = np.full(len(rows), -KEPT * found.x[-1])
-    least = linprog(np.ones(both.shape[1]), A_ub=both, b_ub=limits, bounds=(0, 1), method="highs")
+    least = solve_program(np.ones(both.shape[1]), A_ub=both, b_ub=limits, bounds=(0, 1))
     chosen = least.x[: rows.shape[1]] - least.x[rows.shape[1] :] if least.status == 0 else found.x[:-1]
     scaled = chosen / np.abs(chosen).max()
     seen = []

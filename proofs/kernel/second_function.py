@@ -26,6 +26,7 @@ from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
@@ -434,8 +435,6 @@ def _basis(survey: Survey, weights: Sequence[int], degrees: range, surfaces: Map
 
 def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     """Coefficients of functions that rise along all rows: a monomial alone, then the least sum of coefficients."""
-    from scipy.optimize import linprog
-
     size = rows.shape[1]
     if not np.all(np.any(rows, axis=1)):
         return
@@ -445,11 +444,13 @@ def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     if alone:
         return
     ones = np.ones((len(rows), 1))
-    margin = linprog([*np.zeros(size), -1.0], A_ub=np.hstack([-rows, ones]), b_ub=np.zeros(len(rows)), bounds=(-1, 1))
+    margin = solve_program(
+        [*np.zeros(size), -1.0], A_ub=np.hstack([-rows, ones]), b_ub=np.zeros(len(rows)), bounds=(-1, 1)
+    )
     if margin.status or margin.x[-1] < LEAST_MARGIN:
         return
     limits = np.full(len(rows), -margin.x[-1] / 2)
-    least = linprog(np.r_[weights, weights], A_ub=np.hstack([-rows, rows]), b_ub=limits, bounds=(0, 1))
+    least = solve_program(np.r_[weights, weights], A_ub=np.hstack([-rows, rows]), b_ub=limits, bounds=(0, 1))
     values = margin.x[:size] if least.status else least.x[:size] - least.x[size:]
     found = rounded(values, lambda own: bool(np.all(rows @ own > SMALL)))
     if found is not None:
@@ -458,8 +459,6 @@ def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
 
 def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     """Coefficients of a function that falls along no row and rises along some."""
-    from scipy.optimize import linprog
-
     size = rows.shape[1]
     helps = []
     for k in range(size):
@@ -475,7 +474,7 @@ def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     costs = np.r_[np.tile(weights, 2) * 2.0**-10, -np.ones(count)]
     matrix = np.hstack([-rows, rows, np.eye(count)])
     limits = [(0, 10.0)] * (2 * size) + [(0, 0.1)] * count
-    solved = linprog(costs, A_ub=matrix, b_ub=np.zeros(count), bounds=limits)
+    solved = solve_program(costs, A_ub=matrix, b_ub=np.zeros(count), bounds=limits)
     if solved.status == 0 and solved.x[2 * size :].sum() > 0.05:
         values = solved.x[:size] - solved.x[size : 2 * size]
         found = rounded(values, lambda own: bool(np.all(rows @ own > -SMALL) and np.any(rows @ own > SMALL)))

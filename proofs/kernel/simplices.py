@@ -17,6 +17,7 @@ from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.inequalities.subdivision import (
     ConeCut,
@@ -136,8 +137,6 @@ def _proposed_mu(inside: Sequence[Sequence[Form]], corners: Sequence[Corner], co
 
     Coefficients that no mu changes are left out; of the others, each is divided by its largest entry.
     """
-    from scipy.optimize import linprog
-
     rows, least, size = [], [], len(corners)
     for value, *pushes in inside:
         slopes = [_times_coordinate(push, k) for push in pushes for k in range(size)]
@@ -150,7 +149,7 @@ def _proposed_mu(inside: Sequence[Sequence[Form]], corners: Sequence[Corner], co
             rows.append([*(-entry / largest for entry in row), 1.0])
             least.append(here / largest)
     bounds = [(-LARGEST_MU, LARGEST_MU)] * (size * count) + [(None, 1.0)]
-    found = linprog([0.0] * (size * count) + [-1.0], A_ub=rows, b_ub=least, bounds=bounds) if rows else None
+    found = solve_program([0.0] * (size * count) + [-1.0], A_ub=rows, b_ub=least, bounds=bounds) if rows else None
     if found is None or found.x is None or found.x[-1] < -SLACK:
         return
     for denominator in MU_DENOMINATORS:

@@ -15,6 +15,7 @@ from itertools import combinations
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational_terms
 from nonsmooth.proofs.kernel.written import null_basis
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -105,14 +106,12 @@ def _rests(fields: Sequence[Along]) -> bool:
 
 def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
     """Whether 0 is a sum of all vectors with positive weights: floats propose them, and fractions confirm."""
-    from scipy.optimize import linprog
-
     kept = null_basis(fmpq_mat(list(vectors)).transpose())
     if not kept.ncols():
         return False
     basis = np.array([[float(value) for value in row] for row in kept.tolist()])
     columns = basis.shape[1]
-    solved = linprog(
+    solved = solve_program(
         np.r_[np.zeros(columns), -1.0],
         A_ub=np.hstack([-basis, np.ones((len(basis), 1))]),
         b_ub=np.zeros(len(basis)),

@@ -22,6 +22,7 @@ from flint import fmpq
 from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.kernel.cells import started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
@@ -93,8 +94,6 @@ def _values(conditions: Functions) -> tuple[Floats, Floats]:
 
 def _solved(rates: Floats, conditions: Functions, costs: Floats, *, positive: bool) -> Iterator[list[Fraction]]:
     """The least coefficients with which V rises along no row, and is positive, or negative somewhere."""
-    from scipy.optimize import linprog
-
     points, values = _values(conditions)
     sizes = np.sum(points**2, axis=1)
     if positive:
@@ -107,7 +106,7 @@ def _solved(rates: Floats, conditions: Functions, costs: Floats, *, positive: bo
     for matrix, limits in asked:
         rows = np.vstack([rates, matrix])
         bounds = np.r_[np.zeros(len(rates)), limits]
-        solved = linprog(np.r_[costs, costs], A_ub=np.hstack([rows, -rows]), b_ub=bounds, bounds=(0, MOST))
+        solved = solve_program(np.r_[costs, costs], A_ub=np.hstack([rows, -rows]), b_ub=bounds, bounds=(0, MOST))
         if solved.status == 0:
             size = len(costs)
             values_of = solved.x[:size] - solved.x[size:]

@@ -15,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.robust.array_rows import ArrayRows
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -89,11 +90,9 @@ def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
     """Shares of least square, or where one is too large those whose largest is least, by a linear program."""
     if np.abs(shares).max() < LARGEST_SHARE or len(shares) == 3:
         return shares
-    from scipy.optimize import linprog
-
     count = len(shares)
     ones = np.ones((count, 1))
-    found = linprog(
+    found = solve_program(
         np.r_[np.zeros(count), 1.0],
         A_ub=np.block([[np.eye(count), -ones], [-np.eye(count), -ones]]),
         b_ub=np.zeros(2 * count),

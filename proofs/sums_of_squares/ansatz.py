@@ -16,6 +16,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 
@@ -130,12 +131,10 @@ def plain_block(condition: Condition) -> Blocks:
 
 def _is_mixture(corners: NDArray[np.float64], place: NDArray[np.float64]) -> bool:
     """Whether a place lies in the convex hull of columns, in floats: what is proposed need not be certain."""
-    from scipy.optimize import linprog
-
     if (place > corners.max(axis=1)).any():
         return False
     equations = np.vstack([corners, np.ones(corners.shape[1])])
-    return linprog(np.zeros(corners.shape[1]), A_eq=equations, b_eq=[*place, 1.0]).status == 0
+    return solve_program(np.zeros(corners.shape[1]), A_eq=equations, b_eq=[*place, 1.0]).status == 0
 
 
 def _products(condition: Condition) -> Iterator[tuple[int, ...]]:

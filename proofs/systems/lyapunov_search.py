@@ -33,6 +33,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     square_regions,
     system_cells,
 )
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
@@ -360,8 +361,6 @@ def _largest_margin(positive: Floats, weak: Floats, least: float) -> Floats | No
     Returns:
         None without such a margin, and for rows beyond floats.
     """
-    from scipy.optimize import linprog
-
     if not (np.isfinite(positive).all() and np.isfinite(weak).all()):
         return None
     count = positive.shape[1]
@@ -369,7 +368,7 @@ def _largest_margin(positive: Floats, weak: Floats, least: float) -> Floats | No
     costs[-1] = -1.0
     system = np.hstack([-np.vstack([positive, weak]), np.repeat([[1.0], [0.0]], [len(positive), len(weak)], axis=0)])
     bounds = [(-1, 1)] * count + [(0, 1)]
-    found = linprog(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds, method="highs")
+    found = solve_program(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds)
     return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > least else None
 
 
@@ -501,13 +500,11 @@ def _weak_proposals(
 
 def _shortest(positive: Floats, falling: Floats, widest: Floats) -> Floats:
     """Coefficients of least sum of sizes that keep a part of the margin: energies have few terms."""
-    from scipy.optimize import linprog
-
     margin = np.min(positive @ widest) * KEPT_MARGIN
     above, below = (np.hstack([-rows, rows]) for rows in (positive, falling))
     limits = np.concatenate([np.full(len(above), -margin), np.zeros(len(below))])
     costs = np.ones(2 * positive.shape[1])
-    found = linprog(costs, A_ub=np.vstack([above, below]), b_ub=limits, bounds=(0, None), method="highs")
+    found = solve_program(costs, A_ub=np.vstack([above, below]), b_ub=limits, bounds=(0, None))
     if found.status != 0:
         return widest
     first, second = np.split(found.x, 2)

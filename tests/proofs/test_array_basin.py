@@ -26,7 +26,7 @@ COARSE = BasinEffort(Pace(0.2, 0.05, 0.04), 15)
 
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(array_basin.EFFORTS, "fast", COARSE)
+    monkeypatch.setitem(array_basin.EFFORTS, "fast", (COARSE,))
 
 
 @pytest.mark.usefixtures("coarse")

@@ -49,6 +49,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.fields.float_shape import FloatShape
 from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
+from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -346,8 +347,6 @@ class ExclusionSearch:
 
     def _proposed_direction(self, arcs: Sequence[Arc]) -> list[Fraction] | None:
         """The y that minimizes the sum of the largest products with the forces over the box ``|y| <= 1``."""
-        from scipy.optimize import linprog
-
         rows = []
         for k, arc in enumerate(arcs):
             for rho, tau in self._corners(k, arc):
@@ -355,7 +354,7 @@ class ExclusionSearch:
                 rows.append(np.concatenate([force, -np.eye(len(arcs))[k]]))
         cost = np.concatenate([np.zeros(3), np.ones(len(arcs))])
         bounds = [(-1, 1)] * 3 + [(None, None)] * len(arcs)
-        found = linprog(cost, A_ub=np.array(rows), b_ub=np.zeros(len(rows)), bounds=bounds)
+        found = solve_program(cost, A_ub=np.array(rows), b_ub=np.zeros(len(rows)), bounds=bounds)
         if found.x is None or found.fun >= 0:
             return None
         return [rounded(x) / unit for x, unit in zip(found.x[:3], self.units, strict=True)]

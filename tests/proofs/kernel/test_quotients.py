@@ -12,6 +12,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.quotients import find_quotient
 from nonsmooth.proofs.kernel_strategies import decide_by_quotient
 from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.proofs.system_decision import checked_point
@@ -124,3 +125,8 @@ def test_a_mesh_beside_a_quotient_is_refused() -> None:
 def test_other_divisions_are_refused_in_one_line(text: str) -> None:
     with pytest.raises(ns.SceneError, match=r"check\.lyapunov"):
         ns.System(["x", "y"], ["-x", "-y"], lyapunov=text)
+
+
+def test_simplex_steps_that_go_round_in_circles_come_to_an_end() -> None:
+    rhs = ["-3*x/(1 + x**2) - z*x**2/2", "-3*y + x/(2*(1 + y**2)) + y*x**2", "-2*z + 2*z**2"]
+    assert find_quotient(ns.System(["x", "y", "z"], rhs).system, everywhere=True) is None
