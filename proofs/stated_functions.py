@@ -9,14 +9,14 @@ from typing import Any
 from nonsmooth.proofs.kernel.cells import StatedCells, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.subject import NoCertificateError, exact_text, formula_in_names, polynomial_in_names
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PotentialPiece
-from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 def stated_function(
-    system: SwitchedSystem, radius: Number | None, function: ExaminedFunction
+    system: SwitchedSystem, radius: Number | None, function: ExaminedFunction | PiecewiseExpression
 ) -> tuple[str | list[list[str]], StatedCells]:
     """V as a certificate states it, and the cells of the system and of V.
 
@@ -27,7 +27,7 @@ def stated_function(
     """
     if radius is not None:
         exact_text(radius)
-    pieces = function.pieces
+    pieces = () if isinstance(function, PiecewiseExpression) else function.pieces
     if len(pieces) <= 1:
         own = parse_piecewise(str(pieces[0].potential) if pieces else function.text, system.states)
         return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)

@@ -30,6 +30,7 @@ from nonsmooth.proofs.kernel.subject import (
     NoCertificateError,
     about,
     exact_text,
+    subjects_of,
 )
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.parts import Parts
@@ -117,19 +118,6 @@ def certificate_of(result: DecidedSystem) -> Record:
     if not found:
         raise reasons[0]
     return found[0]
-
-
-def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
-    """What a certificate about a system may speak of: the system itself, then one in rational numbers that encloses it.
-
-    In three states and more verdicts are about such an enclosure, which is tried first.
-    """
-    try:
-        enclosure = enclose_numbers(system)
-    except NoEnclosureError:
-        yield system
-        return
-    yield from [system, enclosure] if len(system.states) <= len(PLANE) and enclosure is not system else [enclosure]
 
 
 def _certificate_about(result: DecidedSystem) -> Record:
@@ -350,7 +338,7 @@ def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate
     system, reach, verdict = result.scene, result.reach, str(result.verdict)
     known = function.known_entry(reach)
     if known is None:
-        stated, cells = stated_function(system, function.domain.radius, function)
+        stated, cells = stated_function(system, function.stated_on.radius, function)
         hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), {}
     else:
         own, proofs = known["hypotheses"], known["proofs"]
@@ -391,7 +379,7 @@ def _by_stated_function(result: DecidedSystem) -> Iterator[Candidate]:
     if len(system.states) != len(PLANE) or given is None or result.function.formula == given.formula:
         return
     if given.decrease is Decrease.WEAK:
-        function, cells = stated_function(system, given.domain.radius, given)
+        function, cells = stated_function(system, given.stated_on.radius, given)
         yield Candidate(
             "lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), needs_second=True
         )
@@ -426,7 +414,7 @@ def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
     radius = result.scene.field(region.radius) if isinstance(region.radius, Fraction) else region.radius
     own = _stated_on(result, Domain(radius))
-    return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
+    return {**own, "below": not region.falls, "level": exact_text(region.level)}
 
 
 def _stated_on(result: DecidedSystem, domain: Domain) -> Record:

@@ -11,18 +11,16 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
-from nonsmooth.proofs.many_states.reach import decay_rate, largest_sublevel
 from nonsmooth.proofs.parts import CascadeBlock, Parts, cascade, names_of, slides
-from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.system_reach import reach_of
 from nonsmooth.proofs.systems import scalar_stability as line
 from nonsmooth.proofs.systems import system_stability as plane
-from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Reach, Strategy
+from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.system_builder import with_order, without_waves
 from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import SignOf
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
@@ -150,30 +148,7 @@ def _decided(system: SwitchedSystem) -> StabilityResult:
     findings = _walk(point).findings or (_open(point),)
     deciding = Known(findings).standing or findings[-1]
     equilibrium = _equilibrium(point, deciding.verdict)
-    reach = _with_rate(point.system, deciding, point.reach(deciding))
-    return StabilityResult(point.system, equilibrium, findings, point.given, reach)
-
-
-def _with_rate(system: SwitchedSystem, found: Finding, reach: Reach) -> Reach:
-    """With the rate of a V that stands in evidence alone, where every start comes to the point and no V decides.
-
-    In one state the distance takes its place (:mod:`nonsmooth.proofs.systems.line_reach`).
-    """
-    entry = found.entry or reach.global_entry
-    if not reach.everywhere or reach.rate is not None or entry is None or found.function is not None:
-        return reach
-    function = entry["hypotheses"].get("function")
-    scaled = system.by_roots is not None or system.scale is not None
-    if len(system.states) == 1 or scaled or not isinstance(function, str) or "denominator" in entry["hypotheses"]:
-        return reach
-    formula = parse_piecewise(function, system.states)
-    examined = SpacePoint(system).examine(formula, system.check.radius, Effort.STRICT)
-    if examined is None or examined.decrease is not Decrease.STRICT:
-        return reach
-    rate, near = decay_rate(examined), largest_sublevel(examined)
-    if rate is None:
-        return reach
-    return replace(reach, near=near, rate=replace(rate, function=function), rate_domain=examined.stated_on)
+    return StabilityResult(point.system, equilibrium, findings, point.given, reach_of(point, deciding))
 
 
 def checked_point(system: SwitchedSystem) -> CheckedPoint:

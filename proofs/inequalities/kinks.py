@@ -163,13 +163,11 @@ class Kink:
         first: a cell beside the edge.
         second: the cell on the other side.
         edge: generators of its ends; points of the edge are ``g + t h``, ``0 < t < oo``.
-        shift: what is added to every product before its sign is asked for; None is nothing.
     """
 
     first: LyapunovCell
     second: LyapunovCell
     edge: Segment
-    shift: Polynomial | None = None
 
     @cached_property
     def _table(self) -> tuple[tuple[Coefficients, Coefficients], ...]:
@@ -177,8 +175,6 @@ class Kink:
         velocities = tuple(dict.fromkeys((*self.first.velocities, *self.second.velocities)))
         (a, b), (c, d) = self.first.gradient, self.second.gradient
         products = [(a * f + b * g, c * f + d * g) for f, g in velocities]
-        if self.shift is not None:
-            products = [(p + self.shift, q + self.shift) for p, q in products]
         degree = max(p.degree for pair in products for p in pair)
         return tuple((self.along(p, degree), self.along(q, degree)) for p, q in products)
 

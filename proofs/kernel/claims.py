@@ -32,7 +32,7 @@ class Functions(Lyapunov):
         number: of the function that is V.
     """
 
-    def __init__(self, system: System, cells: dict[str, Any], functions: Sequence[str]) -> None:
+    def __init__(self, system: System, cells: dict[str, Any], functions: Sequence[str | list[list[str]]]) -> None:
         self.collected = Collected()
         super().__init__(Inclusion(system, cells, list(functions), self.collected), self.collected)
         self.number = 0
@@ -44,7 +44,7 @@ class Functions(Lyapunov):
 
     def _guards(self, face: Face, signs: SurfaceSigns, cell: Cell) -> dict[str, Polynomial] | None:
         """The guards on a face, which are the same for all functions."""
-        key = face.zero, tuple(signs.items())
+        key = face.zero, tuple(signs.items()), self.below
         if key not in self._known:
             self._known[key] = super()._guards(face, signs, cell)
         found: dict[str, Polynomial] | None = self._known[key]

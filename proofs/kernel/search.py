@@ -2,8 +2,8 @@
 
 Which inequalities a theorem needs is written once, in :mod:`nonsmooth.proofs.checker`.  Here its function runs with
 proofs that are looked for while it asks for them: what it shows then, it shows again from the evidence alone.  (So
-calls go from here to the checker's theorem, and from there back to :class:`Search`.)  In one and two states a check
-decides by :mod:`nonsmooth.proofs.inequalities`, and nothing of that proof is used here.
+calls go from here to the checker's theorem, and from there back to :class:`Search`.)  In two states a check
+decides the signs of V by :mod:`nonsmooth.proofs.inequalities`, and nothing of that proof is used here.
 
 Kinds of evidence are tried one after the other; the simplest, *mixtures*, is found here: nonnegative multiples of
 guards that leave an affine polynomial without negative values.
@@ -264,7 +264,7 @@ def sample_points(count: int, *, bounded: bool, seed: int = 0) -> Floats:
     points = source.uniform(-1, 1, (POINTS, count)) * np.exp(-source.exponential(SHRINK, (POINTS, 1)))
     points[: POINTS // 2] = np.sign(points[: POINTS // 2]) * np.exp(-source.exponential(SHRINK, (POINTS // 2, count)))
     if not bounded:
-        points[::2] /= np.abs(points[::2]).max(axis=1, keepdims=True) ** 2
+        points[::2] /= np.abs(points[::2]).max(axis=1, keepdims=True, initial=0) ** 2
     return points
 
 

@@ -24,8 +24,8 @@ from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import MOST_PLACES, bounds_of
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.enclosed_numbers import MOST_PLACES, NoEnclosureError, bounds_of, enclose_numbers
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 NUMBERS = re.compile(r"\b(pi|sqrt|sin|cos)\b")
 LONGEST_NAME = 31  # characters
@@ -66,6 +66,22 @@ def about(system: SwitchedSystem) -> dict[str, Any]:
     entries = generators.of_field(system.field)
     numbers = [{"name": name, **entry} for name, entry in zip(names, entries, strict=True)]
     return {**own, "at": [generators.encoded(value) for value in at], "numbers": numbers}
+
+
+def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
+    """What a certificate about a system may speak of: the system itself, then one in rational numbers that encloses it.
+
+    In three states and more verdicts are about such an enclosure, which is tried first.
+    """
+    comes_first = len(system.states) <= len(PLANE)
+    if comes_first:
+        yield system
+    try:
+        enclosure = enclose_numbers(system)
+    except NoEnclosureError:
+        enclosure = system
+    if enclosure is not system or not comes_first:
+        yield enclosure
 
 
 def _without_fractions(system: SwitchedSystem) -> list[list[str]]:

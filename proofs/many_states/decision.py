@@ -26,7 +26,6 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.kernel.denominators import require_denominators
-from nonsmooth.proofs.kernel.whole_space import find_global_attraction
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.first_terms import (
     LinearPart,
@@ -38,12 +37,9 @@ from nonsmooth.proofs.many_states.first_terms import (
     unstable_mixture,
 )
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_growth, find_lyapunov
-from nonsmooth.proofs.many_states.reach import decay_rate, disturbance_gain, largest_sublevel, rate_scales
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -132,45 +128,14 @@ class SpacePoint(CheckedPoint):
             return None
 
     def reach(self, found: Finding) -> Reach:
-        """Region and rate of a V that falls on a cube, and whether it falls in the whole space."""
-        everywhere, entry = self._holds_everywhere(found), found.entry if found.is_global else None
-        if found.verdict is Translation.ASYMPTOTICALLY_STABLE and not everywhere and entry is None:
-            own = None if found.function is None else found.function.formula
-            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov), energies(self.system))
-        reach = self._near(found, everywhere=everywhere or entry is not None)
-        return replace(reach, global_entry=entry)
-
-    def _near(self, found: Finding, *, everywhere: bool) -> Reach:
-        function = found.function
-        if function is None or function.decrease is not Decrease.STRICT:
-            return Reach(everywhere)
-        near = largest_sublevel(function)
-        region = None if function.is_homogeneous else near
-        # a scaled field has another rate
-        rate = None if self.system.scale else decay_rate(function)
-        if rate is None:
-            return Reach(everywhere, region, region)
-        whole, cube = rate_scales(rate, function), function.stated_on
-        gain = disturbance_gain(function, rate, near)
-        return Reach(
-            everywhere,
-            near=None if whole else near,
-            region=region,
-            rate=rate,
-            rate_domain=Domain(None) if whole else cube,
-            gain=gain,
-            gain_domain=cube,
-        )
-
-    def _holds_everywhere(self, found: Finding) -> bool:
         """Whether every start of the space reaches the point."""
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
-            return False
+            return Reach()
         try:
             linear = self.linear is not None and self.linear.is_whole
         except BeyondReachError:  # states that were decided by themselves
             linear = False
-        return linear or (found.function is not None and found.function.is_homogeneous)
+        return Reach(linear or (found.function is not None and found.function.is_homogeneous))
 
 
 def first_cells(scene: SwitchedSystem) -> SignCells:

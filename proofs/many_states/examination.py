@@ -230,7 +230,7 @@ def conditions_on(
     return stated, conditions
 
 
-def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[str]) -> Functions:
+def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[str | list[list[str]]]) -> Functions:
     """Functions on cells of a system.
 
     Raises:

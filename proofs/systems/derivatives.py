@@ -253,13 +253,6 @@ def _bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
         yield _corner_stratum(cells, corner)
 
 
-def bends_along_a_curve(cells: Sequence[LyapunovCell]) -> bool:
-    """Whether two cells on the two sides of a curve have different pieces of V."""
-    return any(
-        first.potential - second.potential and _parting(first, second) for first, second in combinations(cells, 2)
-    )
-
-
 def _parting(first: LyapunovCell, second: LyapunovCell) -> list[Polynomial]:
     """The guards of one cell whose opposites are guards of another: curves between them."""
     return [g for g in first.region.guards for h in second.region.guards if not g + h]

@@ -15,6 +15,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     square_regions,
     system_cells,
 )
+from nonsmooth.proofs.systems.decay_rate import SLACK, simple_below
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
@@ -36,6 +37,13 @@ class Domain:
     """
 
     radius: Number | None
+
+    @property
+    def rational(self) -> Domain:
+        """The same, or a cube that is a little smaller: certificates know half-widths without roots."""
+        if self.radius is None or self.radius.as_rational() is not None:
+            return self
+        return Domain(self.radius.field(simple_below(Fraction(float(self.radius)) * (1 - SLACK))))
 
     def text(self, states: Sequence[str]) -> str:
         """In words, with the names of the states."""

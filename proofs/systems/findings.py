@@ -95,7 +95,7 @@ class ExaminedFunction(ABC):
     @property
     def stated_on(self) -> Domain:
         """Where a certificate states them, which may be less: forms on a cube say as much as in the whole space."""
-        return self.domain
+        return self.domain.rational
 
     @property
     @abstractmethod
@@ -329,8 +329,13 @@ class CheckedPoint(ABC):
     def open_reason(self) -> str:
         """What is said where nothing decides."""
 
+    @property
+    def speaks_of_states(self) -> bool:
+        """Whether what a V shows on the checked cube is said of the stated states."""
+        return True
+
     def reach(self, found: Finding) -> Reach:
-        """How far and how fast a finding carries."""
+        """What is known of starts and times beside the V that decides."""
         return Reach()
 
 

@@ -21,29 +21,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from nonsmooth.analysis.cells.region import Region
-from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions
+from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.denominators import require_denominators
 from nonsmooth.proofs.kernel.second_function import find_attraction
-from nonsmooth.proofs.kernel.whole_space import find_global_attraction
-from nonsmooth.proofs.systems.decay_rate import (
-    DecayKind,
-    DecayRate,
-    decay_rate,
-    disturbance_gain,
-    rate_scales,
-    region_rate,
-)
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
-from nonsmooth.proofs.systems.energies import energies
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import KEPT, CheckedPoint, Finding, Known, Method, Reach, weak_finding
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import (
@@ -52,7 +40,7 @@ from nonsmooth.proofs.systems.leading_terms import (
     decide_leading_terms,
     needs_no_other_terms,
 )
-from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov, has_curves, searched_cells
+from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov, has_curves
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
@@ -66,136 +54,19 @@ from nonsmooth.proofs.systems.ray_moves import (
     resting_edges,
 )
 from nonsmooth.proofs.systems.search import search_lyapunov
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, signs_by_factors
 
-MOST_DEGREE = 6  # of V' whose sign is asked for on sublevel sets of a searched V: beyond that it takes too long
 
-
-def cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
-    """The cells of the checked square with the scene's V."""
-    return scene_cells(scene, square_regions(scene.check.radius))
-
-
-@shared_effort(EFFORT)
-def certified_reach(scene: SwitchedSystem, function: PlaneFunction) -> Reach:
-    """The region, rate and gain of a V that is proved."""
-    if not axes_are_crossed_within(scene, scene.check.radius):
-        return Reach()
-    if function.domain.radius is None:
-        return _reach_on_plane(scene, function)
-    return _reach_on_square(scene, function, function.domain.radius)
-
-
-def _reach_on_square(scene: SwitchedSystem, function: PlaneFunction, radius: Number) -> Reach:
-    """Of a V that is proved on a square: its region may reach beyond that."""
-    domain, cells = function.domain, function.result.cells
-    near = largest_sublevel(cells, radius)
-    far = _beyond(scene, function)
-    region = near if far is None or (near is not None and near.level >= far.level) else far
-    rate = _rate_of(scene, cells)
-    if rate is None:
-        return Reach(near=near, region=region)
-    gain = disturbance_gain(cells, radius, rate, near)
-    on_region = None
-    if region is not None and region is not near:
-        on_region = region_rate(cells_of_checked_square(scene, function), region)
-    return Reach(
-        near=near, region=region, rate=rate, rate_domain=domain, region_rate=on_region, gain=gain, gain_domain=domain
-    )
-
-
-def _reach_on_plane(scene: SwitchedSystem, function: PlaneFunction) -> Reach:
-    """Of a V that is proved on the plane, which is the region: rate and gain on the checked square.
-
-    The rate holds on the plane where V and V' are forms of the degrees of its kind.
-    """
-    cells, square = cells_of_checked_square(scene, function), Domain(scene.check.radius)
-    rate = _rate_of(scene, cells) if cells else None
-    if rate is None:
-        return Reach()
-    near = largest_sublevel(cells, scene.check.radius)
-    gain = disturbance_gain(cells, scene.check.radius, rate, near)
-    scales = are_cones(function.result.cells) and rate_scales(function.result.cells, rate)
-    return Reach(
-        near=None if scales else near,
-        rate=rate,
-        rate_domain=function.domain if scales else square,
-        gain=gain,
-        gain_domain=square,
-    )
-
-
-def _rate_of(scene: SwitchedSystem, cells: Sequence[LyapunovCell]) -> DecayRate | None:
-    """A rate in the time of the scene: a scaled field has another one."""
-    return None if scene.scale is not None or scene.by_roots is not None else decay_rate(cells)
-
-
-def cells_of_checked_square(scene: SwitchedSystem, function: PlaneFunction) -> tuple[LyapunovCell, ...]:
-    """The cells of the checked square with V, which is known there: a V of pieces is one on the plane."""
-    if function.is_given:
-        return inhabited(cells_of_square(scene))
-    if function.formula is None:
-        return _within_square(function.result.cells, scene.check.radius)
-    return searched_cells(scene, function.formula, scene.check.radius)
-
-
-def _within_square(cells: Sequence[LyapunovCell], radius: Number) -> tuple[LyapunovCell, ...]:
-    """The parts of cells in a square about the point."""
-    one, zero = radius.field.one, radius.field.zero
-    sides = [(one, zero, radius), (-one, zero, radius), (zero, one, radius), (zero, -one, radius)]
-    found = []
-    for cell in cells:
-        region: Region | None = cell.region
-        for side in sides:
-            region = None if region is None else region.clipped(side)
-        if region is not None:
-            found.append(replace(cell, region=region))
-    return tuple(found)
-
-
-def _beyond(scene: SwitchedSystem, function: PlaneFunction) -> SublevelRegion | None:
-    """The largest level in the checked square of a V that is proved to fall on a smaller one.
-
-    None where V bends, and for a V that was searched where its derivative has a high degree, as that of enclosed sines.
-    """
-    if function.domain.radius == scene.check.radius or (not function.is_given and scene.waves):
-        return None
-    if not function.is_given and function.formula is None:  # known on the smaller square alone
-        return None
-    cells = cells_of_checked_square(scene, function)
-    if function.is_given:
-        return largest_sublevel(cells, scene.check.radius, falls=False)
-    short = all(rate.degree <= MOST_DEGREE for cell in cells for rate in cell.rates)
-    return largest_sublevel(cells, scene.check.radius, falls=False) if cells and short else None
-
-
-@effort_of_its_own(EFFORT)
-def arrives_in_finite_time(
-    scene: SwitchedSystem, cells: Sequence[FieldCell], verdict: Translation, function: PlaneFunction | None
-) -> bool:
-    """Whether solutions of a system in roots of states are known to arrive in finite time."""
-    if scene.by_roots is None or verdict is not Translation.ASYMPTOTICALLY_STABLE:
-        return False
-    if arrives_in_time(scene, cells, falls_exponentially=False):
-        return True
-    if function is None or function.decrease is not Decrease.STRICT or are_cones(function.result.cells):
-        return False
-    rate = decay_rate(function.result.cells)
-    exponential = rate is not None and rate.decay is not DecayKind.ALGEBRAIC
-    return exponential and arrives_in_time(scene, cells, falls_exponentially=True)
-
-
-def holds_everywhere(scene: SwitchedSystem, verdict: Translation, cells: Sequence[FieldCell]) -> bool:
+def holds_everywhere(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:
     """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
     if not axes_are_crossed_within(scene, None):
         return False
     degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
-    return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and len(degrees) <= 1
+    return are_cones(cells) and len(degrees) <= 1
 
 
 SEARCH_EFFORT = 2 * EFFORT  # for all candidates of a search together
@@ -302,22 +173,17 @@ class PlanePoint(CheckedPoint):
 
     # ---- how far a finding carries ---------------------------------------------------------------
 
+    @property
+    def speaks_of_states(self) -> bool:
+        """Whether solutions cross the axes of roots on the whole square."""
+        return axes_are_crossed_within(self.system, self.system.check.radius)
+
     def reach(self, found: Finding) -> Reach:
-        """Region, rate and gain of a V that shows asymptotic stability."""
+        """Whether every start of the plane comes to the point, and those near it in time."""
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return Reach()
-        proved = Reach() if found.function is None else certified_reach(self.system, found.function)
-        return self._extended(proved, found)
-
-    def _extended(self, reach: Reach, found: Finding) -> Reach:
-        """With what holds beyond the domain of V."""
-        everywhere = holds_everywhere(self.system, found.verdict, self.cells)
-        in_time = arrives_in_finite_time(self.system, self.cells, found.verdict, found.function)
-        entry = found.entry if found.is_global else None
-        if not everywhere and entry is None:
-            own = None if found.function is None else found.function.formula
-            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov), energies(self.system))
-        return replace(reach, everywhere=everywhere or entry is not None, in_finite_time=in_time, global_entry=entry)
+        everywhere = holds_everywhere(self.system, self.cells)
+        return Reach(everywhere=everywhere, in_finite_time=arrives_in_time(self.system, self.cells))
 
 
 # ---- what shows itself near the point --------------------------------------------------------------
@@ -487,27 +353,32 @@ def axes_are_crossed_within(system: SwitchedSystem, radius: Number | None) -> bo
     return axes_are_crossed(system) and all(within)
 
 
-def arrives_in_time(system: SwitchedSystem, cells: Sequence[FieldCell], *, falls_exponentially: bool) -> bool:
+@effort_of_its_own(EFFORT)
+def arrives_in_time(system: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:
     """Whether solutions near an asymptotically stable point are known to arrive within a finite time t.
 
-    Exponential decay in time s makes ``t``, the integral of ``2 Abs(z)`` over s, finite.  It follows from a V with a
-    rate, of cones with fields of one degree up to one, and from leading terms of such a degree that alone decide.
+    Exponential decay in time s makes ``t``, the integral of ``2 Abs(z)`` over s, finite.  It follows of cones with
+    fields of one degree up to one, and from leading terms of such a degree that alone decide.
 
     Args:
         system: in two states, whose point is asymptotically stable.
         cells: of the plane.
-        falls_exponentially: whether a V with a rate in time s is known.
     """
-    if not _axes(system):
+    if not has_rooted_axis(system):
         return False
     degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
-    if falls_exponentially or (are_cones(cells) and degrees in ({0}, {1})):
+    if are_cones(cells) and degrees in ({0}, {1}):
         return True
     fan = None if system.waves or system.others else build_tangent_fan(system)
     if fan is None or fan.degree > 1 or not needs_no_other_terms(fan):
         return False
     decided = decide_fan_of_leading_terms(fan)
     return decided is not None and decided.verdict is Translation.ASYMPTOTICALLY_STABLE
+
+
+def has_rooted_axis(system: SwitchedSystem) -> bool:
+    """Whether a root of a state is zero at the point: then solutions that decay exponentially in time s arrive."""
+    return bool(_axes(system))
 
 
 def _rooted_places(system: SwitchedSystem) -> list[int]:

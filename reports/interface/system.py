@@ -14,7 +14,7 @@ from nonsmooth.reports.simulations.simulate_options import PATH, UNTIL, Simulate
 from nonsmooth.reports.studies.study import takes
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.systems.larger_region import LargerRegion
+    from nonsmooth.proofs.larger_region import LargerRegion
     from nonsmooth.reports.checks.system_results import SystemCheckResult
     from nonsmooth.reports.exchange.formulas import FieldFormulas
     from nonsmooth.reports.simulations.maps import MapResult
@@ -362,7 +362,7 @@ class System(PythonScene):
             SceneError: for another number of states than two, and for formulas that cannot be used.
             ValueError: for another degree.
         """
-        from nonsmooth.proofs.systems.larger_region import find_larger_region
+        from nonsmooth.proofs.larger_region import find_larger_region
 
         return find_larger_region(self.system, degree)
 

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from nonsmooth.proofs.systems.larger_region import find_larger_region
+from nonsmooth.proofs.larger_region import find_larger_region
 from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.published_regions import PUBLISHED, Published, area, exact_level, system_of
 

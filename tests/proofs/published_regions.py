@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
+from nonsmooth.proofs.system_reach import claims_about
 from nonsmooth.proofs.systems.domain import scene_cells
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -100,7 +101,8 @@ def published_cells(system: SwitchedSystem) -> tuple[LyapunovCell, ...]:
 
 def exact_level(system: SwitchedSystem) -> SublevelRegion | None:
     """The largest level that is certified of the published V."""
-    return largest_sublevel(published_cells(system), system.check.radius, falls=False)
+    found = claims_about(system, system.check.lyapunov, system.check.radius)
+    return None if found is None else found.largest_sublevel(falls=False)
 
 
 def area(potential: str, level: float, radius: float) -> float:

@@ -14,12 +14,11 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.decay_rate import decay_rate
-from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.proofs.conftest import Load
+from tests.proofs.forged import with_reach
 from tests.thorough import few
 
 NAMES = {"sign": np.sign, "Abs": np.abs}
@@ -164,9 +163,11 @@ def test_what_follows_from_a_guard_holds_at_points(load: Load) -> None:
     assert refuted >= 5
 
 
-def test_no_rate_where_v_bends_along_a_curve(load: Load) -> None:
-    """It does not look along curves, so it says nothing."""
-    result = audit(load("-x", "-y - sign(y + x**2)"), "Abs(y + x**2) + x**2 + y**2").function.result
-    assert result is not None
-    assert result.verdict is Decrease.STRICT
-    assert decay_rate(result.cells) is None
+def test_a_v_that_bends_along_a_curve_has_a_rate(load: Load) -> None:
+    """``x' = -x`` and V = x**2 on the curve, where x stays: V' <= -2 V at best."""
+    result = decide_system(load("-x", "-y - sign(y + x**2)", lyapunov='"Abs(y + x**2) + x**2 + y**2"'))
+    rate = result.reach.rate
+    assert rate is not None
+    assert 0 < rate.kappa <= 2
+    assert result.check()
+    assert not with_reach(result, rate=replace(rate, kappa=rate.kappa + 2)).check()

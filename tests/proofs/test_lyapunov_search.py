@@ -12,16 +12,16 @@ from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind, decay_rate
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import Domain, scene_cells
+from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, in_time, propose
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -132,7 +132,9 @@ def test_a_region_up_to_its_exact_limit(load: Load) -> None:
     region = result.reach.region
     assert isinstance(region, SublevelRegion)
     assert region.refuted is not None
-    assert region.level == Fraction(1, 20)
+    assert Fraction(4094, 4096) <= region.level * 20 <= 1
+    claims = certificate_of(result)["statement"]["claims"]
+    assert str(region.level) in [claim["attracts"]["below"] for claim in claims if "attracts" in claim]
     assert Fraction(1, 20) < region.refuted < Fraction(1, 20) * Fraction(1001, 1000)
     assert region.point is not None
     x, y = map(float, region.point)
@@ -188,10 +190,7 @@ def test_regions_touch_the_border(load: Load, first: str, second: str, lyapunov:
 def test_rates_are_below_the_exact_ones(
     load: Load, first: str, second: str, lyapunov: str, decay: DecayKind, bound: Fraction
 ) -> None:
-    result = decide_system(load(first, second, lyapunov=f'"{lyapunov}"'))
-    assert result.function is not None
-    cells = scene_cells(result.scene, square_regions(result.scene.check.radius))
-    rate = decay_rate(cells)
+    rate = decide_system(load(first, second, lyapunov=f'"{lyapunov}"')).reach.rate
     assert rate is not None
     assert rate.decay is decay
     assert bound / 2 <= rate.kappa <= bound
@@ -238,12 +237,30 @@ def test_a_v_of_pieces_is_proved_on_a_larger_square(load: Load) -> None:
     assert found.result.verdict is Decrease.STRICT
 
 
-def test_regions_of_v_that_bends_need_a_v_that_falls(load: Load) -> None:
-    """The level of a V that falls near the point only is claimed of one polynomial."""
-    result = decide_system(load("-sign(x)", "-2*sign(y) + x", lyapunov='"Abs(x) + Abs(y)"'))
-    assert isinstance(result.reach.region, SublevelRegion)
-    assert isinstance(result.function, PlaneFunction)
-    assert largest_sublevel(result.function.result.cells, result.scene.check.radius, falls=False) is None
+def test_a_region_of_v_that_bends_reaches_beyond_its_square(load: Load) -> None:
+    """``V' = -1 + 12 abs(x)^3 - abs(y)`` off the axes: V falls where ``V < 12^(-1/3)``, about 0.437."""
+    result = decide_system(load("-sign(x) + 12*x**3", "-y", lyapunov='"Abs(x) + Abs(y)"'))
+    near, region = result.reach.near, result.reach.region
+    assert isinstance(near, SublevelRegion)
+    assert isinstance(region, SublevelRegion)
+    assert near.level == Fraction(1, 32)
+    assert Fraction(42, 100) < region.level < Fraction(437, 1000)
+    assert result.check()
+
+
+def test_an_irrational_half_width_has_region_and_rate(load: Load) -> None:
+    """On a square that is a little smaller, which is named: certificates hold no roots."""
+    result = decide_system(load("-x - x**3", "-y", lyapunov='"x**2 + y**2"', radius='"sqrt(2)/3"'))
+    region, rate, domain = result.reach.region, result.reach.rate, result.reach.rate_domain
+    assert isinstance(region, SublevelRegion)
+    assert rate is not None
+    assert domain is not None
+    assert domain.radius is not None
+    assert Fraction(2, 9) * Fraction(2046, 2048) < region.level < Fraction(2, 9)
+    assert region.radius == domain.radius < result.scene.check.radius
+    assert Fraction(15, 8) < rate.kappa <= 2
+    claims = certificate_of(result)["statement"]["claims"]
+    assert {"attracts", "rate", "gain"} <= {key for claim in claims for key in claim}
 
 
 def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
@@ -273,15 +290,16 @@ def test_families_too_large_for_a_formula_are_left_out(load: Load) -> None:
     assert find_weak_lyapunov(system) is None
 
 
-def test_a_rate_that_takes_too_much_work_is_not_proved(load: Load) -> None:
-    """Roots of polynomials over sqrt(2) along the edges: once that ended the check."""
+def test_a_rate_over_square_roots_is_certified(load: Load) -> None:
+    """Roots of polynomials over sqrt(2) along the edges: once that ended the check, then it was too much work."""
     rhs = [
         "-3*x**3 - sqrt(2)*(Max(y - 1, 0) + Min(y + 1, 0))",
         "-3/2*sat(y, -1, 1) + x**2/10 - sqrt(2)*sign(x + y/2)",
     ]
     result = decide_system(load(*rhs))
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
-    assert result.reach.rate is None
+    assert result.reach.rate is not None
+    assert result.check()
 
 
 ONE_ZERO = [

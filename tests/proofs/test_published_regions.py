@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.larger_region import find_larger_region
 from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.larger_region import find_larger_region
 from tests.proofs.published_regions import (
     GUIDE,
     GUIDE_POTENTIAL,

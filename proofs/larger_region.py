@@ -4,7 +4,7 @@ Floats follow solutions from points on rays: how far those come back is an outli
 outline a linear program asks for a polynomial V with ``V' < 0`` inside and ``V >= 1`` from there on, and as little
 above 1 as possible on it, so that its level sets follow the outline.  Where rounded V rises too early, the point
 becomes a row, and the program is solved again.  Exact arithmetic then proves V positive and the largest level
-(:mod:`nonsmooth.proofs.systems.sublevel_region`): what floats took for the region is no part of the claim.
+(:mod:`nonsmooth.proofs.system_reach`): what floats took for the region is no part of the claim.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
-from nonsmooth.proofs.inequalities.forms import Sense
-from nonsmooth.proofs.inequalities.prover import Proof, prove
+from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.system_reach import claims_about
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BEYOND_FLOATS,
     BasisFunction,
@@ -30,7 +31,7 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
     values_at,
 )
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells, square_cells
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, first_rise, largest_sublevel, where_inside
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -104,22 +105,13 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
 
 
 def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRegion | None:
-    cells = _judged(system, formula)
-    region = largest_sublevel(cells, system.check.radius, falls=False) if _is_definite(cells) else None
+    found = claims_about(system, formula, system.check.radius)
+    region = None if found is None else found.largest_sublevel(falls=False)
     return None if region is None else LargerRegion(formula, region)
 
 
 def _judged(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[LyapunovCell, ...]:
     return searched_cells(system, formula, system.check.radius)
-
-
-def _is_definite(cells: Sequence[LyapunovCell]) -> bool:
-    """Whether V is proved to be zero at the point and positive elsewhere."""
-    return all(
-        (0, 0) not in cell.potential.terms
-        and isinstance(prove(Sense.POSITIVE, cell.potential, cell.region, except_origin=True), Proof)
-        for cell in cells
-    )
 
 
 def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -> float:
@@ -226,18 +218,19 @@ def _proposed(
             return None
         rounded = [Fraction(round(float(c) * DENOMINATOR), DENOMINATOR) for c in solved[0]]
         formula = build_formula(basis, rounded, system.states)
-        rise = first_rise(_judged(system, formula), system.check.radius)
-        if rise is None or rise[0] >= ENOUGH:
+        found = claims_about(system, formula, system.check.radius)
+        if found is None:
+            return None
+        value, place = found.first_rise()
+        if value >= ENOUGH:
             return formula
-        inside = np.vstack([inside, [[float(x) for x in rise[1]]]])
+        inside = np.vstack([inside, place])
     return None
 
 
 @BEYOND_FLOATS
 def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[Floats, float] | None:
     """Coefficients with the least maximum of V on the outline, and that; None where there are none."""
-    from scipy.optimize import linprog
-
     count = len(sides[0].values)
     rows, bounds = [], []
 
@@ -260,5 +253,15 @@ def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[
     system, right = np.vstack(rows), np.concatenate(bounds)
     if not (np.isfinite(system).all() and np.isfinite(right).all()):
         return None
-    found = linprog(costs, A_ub=system, b_ub=right, bounds=limits, method="highs")
+    found = solve_program(costs, A_ub=system, b_ub=right, bounds=limits)
     return (np.asarray(found.x[:-1]), float(found.x[-1])) if found.status == 0 else None
+
+
+def where_inside(region: Region, points: Floats) -> NDArray[np.bool_]:
+    """Which points a closed region holds, in floats."""
+    kept = np.ones(len(points), dtype=bool)
+    for a, b, c in (map(float, side) for side in region.sides):
+        kept &= a * points[:, 0] + b * points[:, 1] + c >= 0
+    for guard in region.guards:
+        kept &= values_at(guard, points) >= 0
+    return kept
