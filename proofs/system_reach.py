@@ -60,6 +60,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Reach
+from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.systems.system_stability import has_rooted_axis
@@ -119,6 +120,7 @@ def _with_rate(system: SwitchedSystem, entry: dict[str, Any] | None, reach: Reac
     return replace(reach, near=own.near, rate=rate, rate_domain=examined.stated_on)
 
 
+@BEYOND_FLOATS
 def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Reach:
     """Region, rate and gain of a V that falls; in two states the region may reach beyond the square on which it does.
 
@@ -295,6 +297,8 @@ class FallingFunction:
             return None
         radius = as_fraction(rational(self.radius))
         needed = math.sqrt(max(-_least(own.inequalities[0])[0] for own in squares)) / radius
+        if not math.isfinite(needed):
+            return None
         gains = [gain_above(needed * float(share)) for share in GAIN_SHARES]
         shown = first_shown(gains, lambda gamma: self._proofs(self._claims(Functions.show_gradient, gamma * radius)))
         if shown is None:

@@ -15,7 +15,7 @@ from nonsmooth.reports.output.console import run
 TOUR = Path(__file__).resolve().parents[1] / "docs" / "tour.md"
 HEADING = re.compile(r"^### ([0-9]+)\. `(nonsmooth[\w.]+)`$", re.MULTILINE)
 COMMAND = re.compile(r"^```sh\nnonsmooth (check .*)\n```$", re.MULTILINE)
-FUNCTIONS = 15
+FUNCTIONS = 16
 
 
 def function_of(name: str) -> Any:

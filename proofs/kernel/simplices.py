@@ -197,8 +197,10 @@ def _rational_root(part: SubCone) -> fmpq | None:
         if not (any(value > 0 for value in form.values()) and any(value < 0 for value in form.values())):
             continue
         top = degree_of(form)
-        ratio = fmpq_poly([form.get((top - k, k), fmpq(0)) for k in range(top + 1)])  # in t_1 / t_0
-        for factor, _ in ratio.numer().factor()[1]:
+        ratio = [form.get((top - k, k), fmpq(0)) for k in range(top + 1)]  # in t_1 / t_0
+        if not all(isinstance(own, fmpq) for own in ratio):
+            continue
+        for factor, _ in fmpq_poly(ratio).numer().factor()[1]:
             if factor.degree() == 1 and (root := fmpq(-int(factor[0]), int(factor[1]))) > 0:
                 return root / (1 + root)
     return None

@@ -16,8 +16,10 @@ from math import comb
 from typing import Any, TypeAlias
 
 import numpy as np
+from flint import fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.symbolic.numbers.coefficients import fmpq_to_float
 from nonsmooth.symbolic.numbers.exact_real import ExactRing
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -105,7 +107,8 @@ def float_values_and_sizes(
 
 def _float_terms(terms: Mapping[Exponents, Any], points: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
     for exponents, coefficient in terms.items():
-        term = np.full(len(points), float(coefficient))
+        size = fmpq_to_float(coefficient) if isinstance(coefficient, fmpq) else float(coefficient)
+        term = np.full(len(points), size)
         for k, exponent in enumerate(exponents):
             if exponent:
                 term *= points[:, k] ** exponent
