@@ -32,7 +32,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, BasinEffort, CertifiedBasin
-from nonsmooth.proofs.systems.basin_mesh import MeshBuilder, last_ring, mesh_corners, mesh_of_rings
+from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import (
     Bernstein,
     Floats,
@@ -314,47 +314,49 @@ def _around(
     document = encode({"subject": subject_record(scene), "record": exact})
     array, record = read_array(document["subject"]), document["record"]
     cells = Cells(replace(array, radius=array.field.parse(record["within"])), record["points"], record["cells"])
-    limit = field.half * (1 - SQUARE)
-    why = NoBasin(_why_none(field))
-
-    def builder(effort: BasinEffort, rings: Sequence[Floats]) -> MeshBuilder:
-        plane = partial(ArrayPlane, cells)
-        return MeshBuilder(field, plane, rings, effort.pace.move, effort.triangles, is_first_whole=True)
-
-    meshes = []
-    for first, effort in product(_first_rings(field), efforts):
-        rings = grow(
-            field,
-            first,
-            effort.pace,
-            limit,
-            effort.points,
-            effort.way,
-            lambda done, total: announce("rings", done, total),
-        )
-        own, tell = partial(builder, effort), lambda done, total: announce("bands of triangles", done, total)
-        built, last = mesh_of_rings(rings, own, effort.pace.move, tell)
-        if built is not None:
-            meshes.append((built, first, effort.starts))
-            if built.area > NEARLY_ALL * area(last):
-                break
-        elif last is not first:  # there is a ring around the first one
-            why = NoBasin("W is not seen to fall beside the first ring")
+    meshes, why = _meshes(field, cells, efforts, announce)
     announce("the checker", 0, 1)
-    for built, first, starts in sorted(meshes, key=lambda own: -own[0].area):
+    for built, first, starts in meshes:
         mesh, below = built.record, built.below
         found: dict[str, Any] = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
         try:
             (claim,) = show_entry(array, {"theorem": "basin", "hypotheses": {**record, **found}, "proofs": {}})
         except RejectedError as error:
-            why = NoBasin(f"the checker asks for {error}")
+            why = f"the checker asks for {error}"
             continue
         sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), starts)
         within = float(Fraction(found["squared_radius"])) ** 0.5 if "ends" in claim else None
         hypotheses: dict[str, Any] = {**exact, **found}
         entry = {"theorem": "basin", "hypotheses": hypotheses, "proofs": {}}
         return ArrayBasin(CertifiedBasin(hypotheses, sampled), entry, claim, field.half, within, coming)
-    return why
+    return NoBasin(why)
+
+
+def _meshes(
+    field: FloatCells, cells: Cells, efforts: Sequence[BasinEffort], announce: Callable[[str, int, int], None]
+) -> tuple[list[tuple[BuiltMesh, Floats, int]], str]:
+    """Meshes that floats propose, the largest first, and why there is none.
+
+    With each stand the ring from which it begins, and how many starts in a row are sampled.  The first mesh that fills
+    its rings is the last one that is made.
+    """
+    found, why = [], _why_none(field)
+    for first, effort in product(_first_rings(field), efforts):
+        limit = field.half * (1 - SQUARE)
+        rings = grow(field, first, effort.pace, limit, effort.points, effort.way, partial(announce, "rings"))
+
+        def builder(rings: Sequence[Floats], effort: BasinEffort = effort) -> MeshBuilder:
+            plane = partial(ArrayPlane, cells)
+            return MeshBuilder(field, plane, rings, effort.pace.move, effort.triangles, is_first_whole=True)
+
+        built, last = mesh_of_rings(rings, builder, effort.pace.move, partial(announce, "bands of triangles"))
+        if built is not None:
+            found.append((built, first, effort.starts))
+            if built.area > NEARLY_ALL * area(last):
+                break
+        elif last is not first:  # there is a ring around the first one
+            why = "W is not seen to fall beside the first ring"
+    return sorted(found, key=lambda own: -own[0].area), why
 
 
 def _circle(centre: Floats, radius: float) -> Floats:

@@ -176,10 +176,7 @@ def actions(system: SwitchedSystem, radius: Number | None) -> Actions | None:
 
 
 def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[Pieces] | None:
-    """Of each velocity what hangs on state i alone, the mean of both sides of its axis.
-
-    Fields that were multiplied by denominators are divided again where that leaves polynomials.
-    """
+    """Of each velocity what hangs on state i alone, the mean of both sides of its axis."""
     states, count = system.displaced(system.states), len(system.states)
     ends = _ends(system, i, radius)
     near = NEAR * min((right - left for left, right in pairwise(ends)), default=fmpq(1))
@@ -189,25 +186,39 @@ def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[P
         for side in (1, -1):
             aside = [side * near * near / (k + 1) for k in range(count)]
             at = [system.field(beside if k == i else own) for k, own in enumerate(aside)]
-
-            def sign_of(own: Polynomial, at: Sequence[Number] = at) -> int:
-                return own(at).sign()
-
-            scale = fmpq_poly([1])
-            if system.scale is not None:
-                stated = dict(zip(system.states, states, strict=True))
-                scale = _alone(system.scale.polynomial(stated, sign_of), i) or scale
-            for j, part in enumerate(system.members[0].velocity(sign_of, states)):
-                alone = _alone(part, i)
-                if alone is None:
-                    return None
-                quotient, rest = divmod(alone, scale)
-                total[j] += (alone if rest else quotient) / 2
+            read = _alone_near(system, states, i, at)
+            if read is None:
+                return None
+            total = [own + part / 2 for own, part in zip(total, read, strict=True)]
         if max(own.degree() for own in total) > MOST_DEGREE:
             return None
         for own, value in zip(pieces, total, strict=True):
             own.append(value)
     return [Pieces(tuple(ends), tuple(own)) for own in pieces]
+
+
+def _alone_near(
+    system: SwitchedSystem, states: Sequence[Polynomial], i: int, at: Sequence[Number]
+) -> list[fmpq_poly] | None:
+    """Of each velocity in the cell of a place what hangs on state i alone; None where that is not rational.
+
+    Fields that were multiplied by denominators are divided again where that leaves polynomials.
+    """
+
+    def sign_of(own: Polynomial) -> int:
+        return own(at).sign()
+
+    scale = None
+    if system.scale is not None:
+        scale = _alone(system.scale.polynomial(dict(zip(system.states, states, strict=True)), sign_of), i)
+    found = []
+    for part in system.members[0].velocity(sign_of, states):
+        alone = _alone(part, i)
+        if alone is None:
+            return None
+        quotient, rest = divmod(alone, scale or fmpq_poly([1]))
+        found.append(alone if rest else quotient)
+    return found
 
 
 def _alone(value: Polynomial, i: int) -> fmpq_poly | None:
