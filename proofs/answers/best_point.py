@@ -28,7 +28,6 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.theorem4 import CHECK_UNITS
 from nonsmooth.symbolic.mechanics.contact_set import alone, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
@@ -94,7 +93,7 @@ def best_point(scene: Scene) -> BestPoint:
     Raises:
         RefusalError: where no point is known, and where the exact arithmetic would take too long.
     """
-    if rule_of(scene).needs_loads and isinstance(scene.contact.loads, UnknownLoads):
+    if rule_of(scene).needs_loads and scene.contact.loads_are_unknown:
         raise RefusalError("--at auto: required loads that are known, which say where a body rests under this rule")
     with affordable(scene, CHECK_UNITS, "the rest points of --at auto"):
         if isinstance(rule_of(scene), SmoothRule):

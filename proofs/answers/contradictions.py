@@ -27,7 +27,6 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, 
 from nonsmooth.proofs.own_paths import CLOSE, FAR, paths_from, starts_around, starts_on_borders
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, Contradiction
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
@@ -636,7 +635,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
     import numpy as np
 
     rule = rule_of(scene)
-    if not isinstance(rule, SmoothRule) or isinstance(scene.contact.loads, UnknownLoads):
+    if not isinstance(rule, SmoothRule) or scene.contact.loads_are_unknown:
         return None
     centred, step = scene.recentred(), STEP * float(scene.check.radius)
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])

@@ -37,7 +37,6 @@ from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 
@@ -152,7 +151,7 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
 
     None where not all cells were built, where loads decide and are unknown, and where paths cannot be followed.
     """
-    if rule_of(check.scene).needs_loads and isinstance(check.scene.contact.loads, UnknownLoads):
+    if rule_of(check.scene).needs_loads and check.scene.contact.loads_are_unknown:
         return None
     if isinstance(rule_of(check.scene), SmoothRule):
         return sampled_destinations(check.scene)

@@ -35,7 +35,6 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.rounded import either_way
@@ -272,7 +271,7 @@ def inertia_answer(scene: Scene) -> Answer | None:
     """Of a body with inertia, beside the answer on the position; None where its scene does not say what gravity is."""
     if not has_dynamics(scene):
         return None
-    if isinstance(scene.contact.loads, UnknownLoads):
+    if scene.contact.loads_are_unknown:
         return Answer("inertia", Inertia.UNDECIDED, (said("loads are not known: no path is followed"),))
     return _answered(_Asked(scene))
 

@@ -168,7 +168,7 @@ def _decided(asked: _Asked) -> Nearness:
         return Nearness(why_not=f"under rule {scene.contact.rule} bodies are not followed")
     kept, array = contact_set(scene), alone(scene).recentred()
     with either_way(scene.field):  # what is shown holds for every member of what was rounded
-        if array.contact.rule != "nearest" and isinstance(array.contact.loads, UnknownLoads):
+        if array.contact.rule != "nearest" and array.contact.loads_are_unknown:
             found = _under_a_load(asked, array, kept)
         else:
             found = _under_known_loads(asked, array, kept)
@@ -177,7 +177,7 @@ def _decided(asked: _Asked) -> Nearness:
 
 def _why_not(scene: Scene, accuracy: Fraction, kept: ContactSet) -> str:
     """What may stand in the way of following bodies, in words."""
-    if scene.contact.rule != "nearest" and isinstance(scene.contact.loads, UnknownLoads):
+    if scene.contact.rule != "nearest" and scene.contact.loads_are_unknown:
         return "under every load bodies are not followed"
     if kept.margin is not None and kept.margin <= accuracy:
         return "within the accuracy other wheels come under it"

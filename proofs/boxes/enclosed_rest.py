@@ -40,7 +40,6 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import added, scaled
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number_text import upper_text
 
@@ -225,7 +224,7 @@ def _guess(scene: Scene) -> tuple[Balance, arb_mat] | None:
 
     None under rules with cells, for loads that are not known, and for a wheel with a row without friction.
     """
-    if not isinstance(rule_of(scene), SmoothRule) or isinstance(scene.contact.loads, UnknownLoads):
+    if not isinstance(rule_of(scene), SmoothRule) or scene.contact.loads_are_unknown:
         return None
     loads = load_box(scene, arb(0))
     if loads is None:

@@ -18,7 +18,6 @@ from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray, coci
 from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.rounded import (
     PLACE_DECIDES,
     ROUNDING_DECIDES,
@@ -130,7 +129,7 @@ class Workspace:
     @property
     def leaves_loads_open(self) -> bool:
         """Whether the rule asks for loads and the scene names a set of them."""
-        return self.rule.needs_loads and isinstance(self.scene.contact.loads, UnknownLoads)
+        return self.rule.needs_loads and self.scene.contact.loads_are_unknown
 
     @property
     def every_load(self) -> EveryLoadPoint:

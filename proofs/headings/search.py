@@ -31,7 +31,6 @@ from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
@@ -74,7 +73,7 @@ def equilibrium_headings(scene: Scene, *, around: bool = False) -> EquilibriumHe
         around: search around the checked point too, under a rule without cells and with elastic loads.
     """
     rule = rule_of(scene)
-    if not heading_matters(scene) or (rule.needs_loads and isinstance(scene.contact.loads, UnknownLoads)):
+    if not heading_matters(scene) or (rule.needs_loads and scene.contact.loads_are_unknown):
         return None
     at_point = point_headings(HeadingsAt(scene, scene.check.equilibrium))
     if not around or not isinstance(rule, SmoothRule) or not can_search(scene):

@@ -26,7 +26,6 @@ from nonsmooth.symbolic.mechanics.contact_set import contact_set
 from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.under_way import part_of, tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.enclosures import rational_below
@@ -177,7 +176,7 @@ class DiscProof(BoxProof):
 
     def why_not(self) -> str:
         """Loads that nobody knows."""
-        return "the loads are not known" if isinstance(self.scene.contact.loads, UnknownLoads) else ""
+        return "the loads are not known" if self.scene.contact.loads_are_unknown else ""
 
     def _comes_nearer(self, box: Tolerance) -> bool:
         """Whether bodies come nearer on some ring; where the centre of mass may be beside the point, on wide ones."""

@@ -35,7 +35,6 @@ from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 if TYPE_CHECKING:
@@ -97,7 +96,7 @@ def _why_not(scene: Scene, box: Tolerance, cones: Sequence[LawCone]) -> str:
     """Why no law is followed; empty where it is."""
     if scene.contact.rule not in ("box", *FOLLOWED):
         return ONE_PAIR
-    if isinstance(scene.contact.loads, UnknownLoads):
+    if scene.contact.loads_are_unknown:
         return "the loads are not known"
     if box.centre_of_mass:
         return "the law measures the pose at the centre of mass, and that is not known exactly"

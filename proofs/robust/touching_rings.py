@@ -27,7 +27,6 @@ from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 
@@ -114,7 +113,7 @@ def rings_about(
     """
     if scene.contact.rule == "nearest":
         return None if why_not_nearest(scene) else _of_cells(scene, box or no_tolerance(scene), most)
-    if isinstance(scene.contact.loads, UnknownLoads):
+    if scene.contact.loads_are_unknown:
         return None
     return _of_forces(scene, most, through, least, shape or Distance(), finer, useful)
 

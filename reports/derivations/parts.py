@@ -42,7 +42,6 @@ from nonsmooth.reports.sections.stability import (
     theorem_section,
 )
 from nonsmooth.reports.sections.trajectories import law_section, trajectories_section, without_law
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 FOR_SMOOTH_RULES = "for rules without cells"  # of sections that nobody misses beside cells
@@ -128,7 +127,7 @@ def _no_whole_partition(subject: ArraySubject) -> str:
 
 def _unknown_loads(subject: ArraySubject) -> str:
     """The motion away from the point is that of one load."""
-    needs = rule_of(subject.scene).needs_loads and isinstance(subject.scene.contact.loads, UnknownLoads)
+    needs = rule_of(subject.scene).needs_loads and subject.scene.contact.loads_are_unknown
     return "the loads are not known, and this is about one load" if needs else ""
 
 

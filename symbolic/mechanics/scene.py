@@ -219,6 +219,11 @@ class Contact:
     rule: str
     loads: LoadModel | UnknownLoads | None = None
 
+    @property
+    def loads_are_unknown(self) -> bool:
+        """Whether a set of loads is meant, not one load."""
+        return isinstance(self.loads, UnknownLoads)
+
 
 @dataclass(frozen=True)
 class CheckedSquare:

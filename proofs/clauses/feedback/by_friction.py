@@ -71,7 +71,6 @@ from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, with_wheels
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, float_quotient, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, lower_text
@@ -284,7 +283,7 @@ def _at_rest(wheel: Wheel) -> Wheel:
 @lru_cache(maxsize=2)  # a law chooses the speeds: an array is decided once, whichever of its wheels are stopped
 def _decide_at_rest(own: Scene, length: Fraction) -> DrivenFeedback:
     """The decision for an array with l for its unit of length, whose speeds are not looked at."""
-    return (_decide_for_every_load if isinstance(own.contact.loads, UnknownLoads) else _decide)(own, length)
+    return (_decide_for_every_load if own.contact.loads_are_unknown else _decide)(own, length)
 
 
 def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:
