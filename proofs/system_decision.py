@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from nonsmooth.proofs import kernel_strategies as kernel
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
+from nonsmooth.proofs.linear_systems import decide_linear
 from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.parts import CascadeBlock, Parts, cascade, names_of, slides
@@ -303,6 +304,7 @@ STRATEGIES = [
     Strategy("relative degree of a relay", MORE, space.decide_by_relay),
     Strategy("linearization", MORE, space.decide_by_linearization),
     Strategy("stated quotient", SEVERAL, kernel.decide_by_stated_quotient),
+    Strategy("linear system", SEVERAL, decide_linear),
     Strategy("stated V", TWO, plane.decide_by_stated_function),
     Strategy("stated V", MORE, space.decide_by_stated_function),
     Strategy("invariance principle, beside curves", TWO, plane.decide_by_stated_invariance),
