@@ -330,7 +330,7 @@ class FallingFunction:
     def _evidence(self, claim: Claim) -> dict[str, Any] | None:
         """Of a claim, with the functions mu that are known of the one without a rate."""
         known = self.known.get(claim.name.removeprefix("rate "))
-        if known is None or known.mu is None:
+        if known is None or known.mu is None or not any(own.value for own in claim.inequalities):
             outcome = decide_claim(claim, WORK if claim.field is None else WORK_ALONE)
             return outcome.evidence if isinstance(outcome, Proof) else None
         if len(known.mu) != len(mu_shapes([claim])):  # of an algebraic rate, whose claims have a higher degree

@@ -139,7 +139,8 @@ def _outside(said: Any, system: System) -> str:
 
 
 def _rate(said: Any, system: System) -> str:
-    fall = said["kappa"] + {"finite": "", "exponential": " V", "algebraic": " V**2"}[said["kind"]]
+    power = {"finite": "", "exponential": "V", "algebraic": "V**2"}[said["kind"]]
+    fall = power if power and said["kappa"] == "1" else f"{said['kappa']} {power}".rstrip()
     where = "the whole space" if said["within"] is None else _cube(said, system)
     below = f" where V < {said['below']}" if "below" in said else ""
     rise = f" + {said['gamma']} |d|" if "gamma" in said else ""

@@ -33,25 +33,34 @@ NEAR, FARTHER = 4.0, (32.0, 256.0)  # of the least distance of samples: up to th
 VANISHES = 2.0**-2  # of the least ratio farther away: a smaller one near the point tends to zero there
 
 
-class DecayKind(StrEnum):
-    """The kinds of rates, as inequalities, the fastest first."""
+def times(number: Fraction, name: str) -> str:
+    """A multiple of what has a name, for people."""
+    return name if number == 1 else f"{number} {name}"
 
-    FINITE = "V' <= -{0}"
-    EXPONENTIAL = "V' <= -{0} V"
-    ALGEBRAIC = "V' <= -{0} V**2"
+
+class DecayKind(StrEnum):
+    """The kinds of rates by the power of V on the right, the fastest first."""
+
+    FINITE = ""
+    EXPONENTIAL = "V"
+    ALGEBRAIC = "V**2"
 
     @property
     def power(self) -> int:
         """The exponent p in ``V' <= -kappa V^p``."""
         return list(DecayKind).index(self)
 
+    def inequality(self, kappa: Fraction) -> str:
+        """``V' <= -kappa V^p``."""
+        return f"V' <= -{times(kappa, self.value) if self.power else kappa}"
+
     def on_starts(self, kappa: Fraction, starts: str) -> str:
         """What the inequality says of starts whose solutions stay where it holds."""
         if self is DecayKind.FINITE:
-            return f"{starts} arrives within V/({kappa})"
+            return f"{starts} arrives within {times(1 / kappa, 'V')}"
         if self is DecayKind.ALGEBRAIC:
-            return f"from {starts} V falls at least like V0/(1 + {kappa} V0 t), V0 its value there"
-        return f"from {starts} V falls at least like exp(-{kappa} t)"
+            return f"from {starts} V falls at least like V0/(1 + {times(kappa, 'V0 t')}), V0 its value there"
+        return f"from {starts} V falls at least like exp(-{times(kappa, 't')})"
 
 
 @dataclass(frozen=True)
@@ -76,7 +85,7 @@ class DecayRate:
         return {"kind": self.decay.name.lower(), "kappa": str(self.kappa)}
 
     def __str__(self) -> str:
-        return self.decay.value.format(self.kappa)
+        return self.decay.inequality(self.kappa)
 
 
 def slowest_ratio(ratios: Floats, distances: Floats) -> Fraction:
@@ -96,9 +105,12 @@ def slowest_ratio(ratios: Floats, distances: Floats) -> Fraction:
 
 
 def rates_below(largest: Fraction) -> Iterator[Fraction]:
-    """Short rates to be tried in turn, of the largest that samples allow."""
+    """Short rates to be tried in turn, of the largest that samples allow: first that one itself, if it looks short."""
     if not largest:
         return
+    nearest = largest.limit_denominator(DENOMINATOR)
+    if nearest and abs(largest - nearest) <= SLACK * nearest:
+        yield nearest
     denominator = DENOMINATOR
     while largest * denominator < FEWEST:
         denominator *= 2
@@ -121,7 +133,7 @@ class RegionRate:
     level: Fraction
 
     def __str__(self) -> str:
-        return DecayKind.EXPONENTIAL.value.format(self.kappa)
+        return DecayKind.EXPONENTIAL.inequality(self.kappa)
 
 
 GAIN_SHARES = (Fraction(65, 64), Fraction(5, 4), Fraction(2))  # of what samples need, tried in turn
@@ -164,20 +176,17 @@ class DisturbanceGain:
         return None if self.rate.decay is DecayKind.FINITE else self.gamma / self.rate.kappa
 
     def __str__(self) -> str:
-        return f"with x' in F + d: {self.rate} + {self._times_gamma('abs(d)')}"
-
-    def _times_gamma(self, size: str) -> str:
-        return size if self.gamma == 1 else f"{self.gamma} {size}"
+        return f"with x' in F + d: {self.rate} + {times(self.gamma, 'abs(d)')}"
 
     @property
     def on_starts(self) -> str:
         """What it says of starts below the level, or of all; empty where it says nothing."""
         if self.largest is None and not self.everywhere:
             return ""
-        if self.rate.decay is DecayKind.FINITE:
-            ends = f"arrives all the same, within V/({self.rate.kappa} - {self._times_gamma('delta')})"
+        if self.ultimate is None:
+            ends = f"arrives all the same, within V/({self.rate.kappa} - {times(self.gamma, 'delta')})"
         else:
-            ends = f"ends in V <= {self.ultimate} delta"
+            ends = f"ends in V <= {times(self.ultimate, 'delta')}"
         below = "" if self.largest is None else f" < {self.largest}"
         starts = "every start" if self.everywhere else f"every start with V < {self.level} there"
         return f"where abs(d) <= delta{below} {starts} {ends}"
