@@ -110,8 +110,8 @@ def test_region_and_rate_are_stated_and_no_larger_ones() -> None:
     record = certified(RELAYS)
     ((region, whole), (rate,)) = claims(record, "attracts"), claims(record, "rate")
     assert whole == "everywhere"
-    assert (region["below"], rate["kind"], rate["kappa"]) == ("1/4", "exponential", "63/16")
-    for kind, key, value in (("attracts", "below", "257/1024"), ("rate", "kappa", "4"), ("rate", "kind", "finite")):
+    assert (region["below"], rate["kind"], rate["kappa"]) == ("1/4", "exponential", "4")
+    for kind, key, value in (("attracts", "below", "257/1024"), ("rate", "kappa", "33/8"), ("rate", "kind", "finite")):
         changed = json.loads(json.dumps(record))
         next(c for c in changed["statement"]["claims"] if kind in c)[kind][key] = value  # the region stands first
         assert "evidence of the claim" in refused(changed)
@@ -132,10 +132,10 @@ def test_a_region_beyond_the_square_of_v_is_stated_where_v_may_stand_still_on_it
     regions = {(claim["within"], claim["below"]) for claim in claims(record, "attracts")}
     assert regions == {("1/32", "1/1024"), ("1/2", "1/4"), ("1/2", "1/8")}
     (near, far) = claims(record, "rate")
-    assert (near["within"], near["kappa"], far["below"], far["kappa"]) == ("1/32", "59/32", "1/8", "9/16")
+    assert (near["within"], near["kappa"], far["below"], far["kappa"]) == ("1/32", "15/8", "1/8", "9/16")
     assert left_out(record) == []
     (gain,) = claims(record, "gain")
-    assert (gain["within"], gain["kappa"], gain["gamma"]) == ("1/32", "59/32", "3/32")
+    assert (gain["within"], gain["kappa"], gain["gamma"]) == ("1/32", "15/8", "3/32")
 
 
 # ---- what is left out, refused, rejected ---------------------------------------------------------
@@ -149,7 +149,7 @@ def test_a_claim_that_is_not_shown_is_left_out_and_named() -> None:
     record = certificate_of(with_reach(result, rate=replace(rate, kappa=rate.kappa * 4)))
     assert (len(claims(record, "attracts")), claims(record, "rate")) == (2, [])
     (line, *_) = left_out(record)
-    assert line.startswith("V' <= -63/4 V on abs(x), abs(y) <= 1/2")
+    assert line.startswith("V' <= -16 V on abs(x), abs(y) <= 1/2")
     assert "no proof was found of rate cell" in line
 
 
