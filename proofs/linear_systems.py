@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import chain, combinations_with_replacement
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +100,7 @@ def _rounded(solution: Floats, multiple: int) -> Floats:
     return np.asarray(rounded + np.diag(np.diag(rounded)))
 
 
-def rate_of(form: Floats, matrix: Floats) -> float:
+def rate_of(form: NDArray[Any], matrix: Floats) -> float:
     """The largest kappa with ``V' <= -kappa V`` for ``V = x^T P x`` along ``x' = A x``; 0 where P is not positive."""
     try:
         units = np.linalg.inv(np.linalg.cholesky(form)).T  # in these P is the identity
