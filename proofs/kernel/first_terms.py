@@ -146,6 +146,17 @@ def common_jacobian(fields: Sequence[Field]) -> Floats | None:
     return np.array(found.pop(), dtype=float).reshape(count, count)
 
 
+def first_terms_attract(system: SwitchedSystem, subject: System) -> bool:
+    """Whether all fields at the point have one Jacobian, whose eigenvalues all have negative real parts, in floats.
+
+    Raises:
+        BeyondReachError: for too many surfaces or cells.
+    """
+    stated = stated_cells(system, system.check.radius, irrational=True)
+    matrix = common_jacobian(fields_around(stated, subject, Search()))
+    return matrix is not None and float(np.linalg.eigvals(matrix).real.max()) < -TIE
+
+
 def quadratics(matrix: Floats, *, attracts: bool) -> Iterator[tuple[Polynomial, Sequence[Fraction]]]:
     """Proposals of V, and of a direction in which it is negative."""
     size = len(matrix)

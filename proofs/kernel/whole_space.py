@@ -18,6 +18,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.denominators import are_positive_everywhere
+from nonsmooth.proofs.kernel.first_terms import first_terms_attract
 from nonsmooth.proofs.kernel.global_function import global_functions, logarithmic_functions
 from nonsmooth.proofs.kernel.quotients import find_quotient
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
@@ -70,8 +71,9 @@ def _attempts(
         yield space.by_fall(potential, inside.text)
     for potential in chain(given, energies):
         yield space.by_rest(potential)
-    quotient = find_quotient(system, everywhere=True)  # takes longest
-    yield None if quotient is None else quotient[0]
+    if not first_terms_attract(system, subject):  # else a quadratic form serves near the point; quotients take longest
+        quotient = find_quotient(system, everywhere=True)
+        yield None if quotient is None else quotient[0]
 
 
 def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | None:
