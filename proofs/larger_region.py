@@ -4,7 +4,7 @@ Floats follow solutions from points on rays: how far those come back is an outli
 outline a linear program asks for a polynomial V with ``V' < 0`` inside and ``V >= 1`` from there on, and as little
 above 1 as possible on it, so that its level sets follow the outline.  Where rounded V rises too early, the point
 becomes a row, and the program is solved again.  Exact arithmetic then proves V positive and the largest level
-(:mod:`nonsmooth.proofs.system_reach`): what floats took for the region is no part of the claim.
+(:mod:`nonsmooth.proofs.falling_function`): what floats took for the region is no part of the claim.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
+from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.inequalities.float_programs import solve_program
-from nonsmooth.proofs.system_reach import claims_about
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BEYOND_FLOATS,
     BasisFunction,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
-from nonsmooth.proofs.system_reach import claims_about
+from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.files.system_builder import build_system

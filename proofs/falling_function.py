@@ -1,0 +1,291 @@
+"""A V that falls on a cube, with what follows from it by further claims of theorem ``lyapunov``.
+
+*Region*: ``V >= c`` on the border of the cube.  *Rate*: ``V' <= -kappa V^p``: each claim about ``-V'`` is asked again
+with this shift.  *Gain*: ``|grad V| <= gamma``.  Floats propose the numbers
+(:mod:`nonsmooth.proofs.sampled_inequalities`), the checker's own claims are shown by evidence of any kind.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Claim, Inequality
+from nonsmooth.proofs.checker.theorems import show_rate
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.inequalities.prover import Proof
+from nonsmooth.proofs.inequalities.subdivision import value_at
+from nonsmooth.proofs.kernel.cells import BeyondReachError, rational
+from nonsmooth.proofs.kernel.claims import Collected, Functions
+from nonsmooth.proofs.kernel.search import decide_claim
+from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
+from nonsmooth.proofs.kernel.subject import NoCertificateError, subjects_of
+from nonsmooth.proofs.kernel.written import terms_of
+from nonsmooth.proofs.many_states.examination import functions_on
+from nonsmooth.proofs.sampled_inequalities import Floats, kept, least, least_near, points_near, ratios_at
+from nonsmooth.proofs.stated_functions import stated_function
+from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.decay_rate import (
+    GAIN_SHARES,
+    SLACK,
+    WIDTH,
+    DecayKind,
+    DecayRate,
+    DisturbanceGain,
+    RegionRate,
+    gain_above,
+    rates_below,
+    simple_below,
+    slowest_ratio,
+)
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.findings import ExaminedFunction
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+WORK = 4_000  # coefficients looked at for one claim, beside sums of squares
+WORK_ALONE = 20_000  # where there are none, in numbers with roots
+LEVEL_SHARES = tuple(Fraction(k, 4096) for k in (4095, 4092, 4080, 4032, 3840, 3072, 2048, 1024, 256))  # of the least
+FINE = ((1 << 14, 0.0), (1 << 30, 2.0**-16))  # denominators of a point that refutes a level; moved outward by a share
+REGION_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, for its rate
+
+
+@dataclass
+class FallingFunction:
+    """A V that falls on a cube, whose further claims are shown.
+
+    Attributes:
+        radius: half the side of the cube.
+        conditions: from which they are derived.
+        known: evidence that it falls, by the names of claims: functions mu serve for rates, too.
+    """
+
+    radius: Number
+    conditions: Functions
+    known: Mapping[str, Shown] = field(default_factory=dict)
+
+    def largest_sublevel(self, *, falls: bool = True) -> SublevelRegion | None:
+        """A certified level near the least value on the border of the cube; None where none is proved.
+
+        Args:
+            falls: whether V is proved to fall on all of the cube; otherwise that is asked below the level, which then
+                is less than V at all points where it does not fall.
+        """
+        sought = self._on_border() if falls else [*self._on_border(), *self._where_it_rises()]
+        found = [(least(own), own, side) for own, side in sought]
+        (value, place), own, side = min(found, key=lambda entry: entry[0][0])
+        if not 0 < value < np.inf:
+            return None
+        shares = (*([1 + SLACK] if side else []), *LEVEL_SHARES)
+        levels = [simple_below(Fraction(value) * share) for share in shares]
+        shown = first_shown(levels, lambda level: self._level_proofs(level, falls=falls))
+        if shown is None:
+            return None
+        return SublevelRegion(shown[0], *self._refuted(own, place, side), self.radius, falls, shown[1])
+
+    def _level_proofs(self, level: Fraction, *, falls: bool) -> dict[str, Any] | None:
+        if not falls:
+            self.conditions.require_below(level)
+        return self._proofs([*([] if falls else self.conditions.claims()), *self._claims(Functions.show_border, level)])
+
+    def first_rise(self) -> tuple[float, Floats]:
+        """The least value of V where it does not fall, as floats see it, and where, in the displacement."""
+        value, place = min((least(own) for own, _ in self._where_it_rises()), key=lambda entry: entry[0])
+        return value, np.array(place) * float(self.radius)
+
+    def _on_border(self) -> list[tuple[Inequality, str]]:
+        """V on each side of the cube, cell by cell."""
+        return [(own.inequalities[0], own.name.split()[-1]) for own in self._claims(Functions.show_border, Fraction(0))]
+
+    def _where_it_rises(self) -> list[tuple[Inequality, str]]:
+        """V on the parts of cells where it does not fall."""
+        speed = 1 / as_fraction(rational(self.radius))
+        return [
+            (Inequality(size.times(speed), {**own.guards, "rise": -own.value}), "")
+            for claim, own, size in self._with_sizes(DecayKind.EXPONENTIAL)
+            if not own.pushes
+        ]
+
+    def decay_rate(self, kinds: Iterable[DecayKind] = DecayKind) -> DecayRate | None:
+        """A rate of the first kind that is proved; None where none is."""
+        for decay in kinds:
+            rates = list(dict.fromkeys(rates_below(self._slowest(decay))))
+            shown = first_shown(rates, partial(self._rate_proofs, decay))
+            if shown is not None:
+                return DecayRate(decay, shown[0], proofs=shown[1])
+        return None
+
+    def _rate_proofs(self, decay: DecayKind, kappa: Fraction) -> dict[str, Any] | None:
+        return self._proofs(self.rate_claims(decay, kappa))
+
+    def region_rate(self, region: SublevelRegion) -> RegionRate | None:
+        """A rate on a region of the cube, or where V is below half its level; None where none is proved.
+
+        The level may be that at which V' first vanishes, where no rate is positive.  That comes first which bears the
+        larger disturbances, the product of rate and level.
+        """
+        levels = [region.level * share for share in REGION_SHARES]
+        borne = {}
+        for level in levels:
+            self.conditions.require_below(level)
+            borne[level] = self._slowest(DecayKind.EXPONENTIAL) * level
+        for level in sorted(levels, key=borne.__getitem__, reverse=True):
+            self.conditions.require_below(level)
+            rate = self.decay_rate([DecayKind.EXPONENTIAL])
+            if rate is not None:
+                return RegionRate(rate.kappa, level)
+        return None
+
+    def rate_claims(self, decay: DecayKind, kappa: Fraction) -> list[Claim]:
+        """The claims about V' with kappa."""
+        return self._claims(show_rate, {"kind": decay.name.lower(), "kappa": str(kappa)})
+
+    def disturbance_gain(self, rate: DecayRate, region: SublevelRegion | None) -> DisturbanceGain | None:
+        """The gain of a V with a rate on the cube.
+
+        None where none is proved, for an algebraic rate, and where V bends on surfaces that meet.
+
+        Args:
+            rate: proved on the cube.
+            region: certified there; None without one.
+        """
+        if rate.decay is DecayKind.ALGEBRAIC:
+            return None
+        try:
+            squares = self._claims(Functions.show_gradient, Fraction(0))
+        except RejectedError:
+            return None
+        radius = as_fraction(rational(self.radius))
+        needed = math.sqrt(max(-least(own.inequalities[0])[0] for own in squares)) / radius
+        if not math.isfinite(needed):
+            return None
+        gains = [gain_above(needed * float(share)) for share in GAIN_SHARES]
+        shown = first_shown(gains, lambda gamma: self._proofs(self._claims(Functions.show_gradient, gamma * radius)))
+        if shown is None:
+            return None
+        return DisturbanceGain(shown[0], rate, None if region is None else region.level, shown[1])
+
+    @property
+    def degree(self) -> int:
+        """That of V'."""
+        return max(own.value.degree for _, own, _ in self._with_sizes(DecayKind.EXPONENTIAL))
+
+    # ---- claims ----------------------------------------------------------------------------------
+
+    def _claims(self, ask: Callable[..., None], *values: Any) -> list[Claim]:
+        self.conditions.proofs = collected = Collected()
+        ask(self.conditions, *values)
+        return collected.claims
+
+    def _proofs(self, claims: Iterable[Claim]) -> dict[str, Any] | None:
+        """Evidence of all claims by their names; None where that of one is not found."""
+        found = {}
+        for claim in claims:
+            evidence = self._evidence(claim)
+            if evidence is None:
+                return None
+            found[claim.name] = evidence
+        return found
+
+    def _evidence(self, claim: Claim) -> dict[str, Any] | None:
+        """Of a claim, with the functions mu that are known of the one without a rate."""
+        known = self.known.get(claim.name.removeprefix("rate "))
+        if known is None or known.mu is None or not any(own.value for own in claim.inequalities):
+            outcome = decide_claim(claim, WORK if claim.field is None else WORK_ALONE)
+            return outcome.evidence if isinstance(outcome, Proof) else None
+        if len(known.mu) != len(mu_shapes([claim])):  # of an algebraic rate, whose claims have a higher degree
+            return None
+        at_origin = claim.at_origin or any(own.value.at_origin for own in claim.inequalities)
+        shown = find(replace(claim, strict=True, at_origin=at_origin), Effort.HASTY, known.mu)
+        return None if shown is None else shown.evidence
+
+    # ---- floats ----------------------------------------------------------------------------------
+
+    def _with_sizes(self, decay: DecayKind) -> Iterator[tuple[Claim, Inequality, Polynomial]]:
+        """The inequalities about ``-V'`` with ``V^p``, times the half-width."""
+        own = self.conditions
+        falls = self._claims(partial(Functions.show_falls, prefix="rate ", shift=own.zero, strict=False))
+        for claim, shifted in zip(falls, self.rate_claims(decay, Fraction(1)), strict=True):
+            for inequality, other in zip(claim.inequalities, shifted.inequalities, strict=True):
+                yield claim, inequality, inequality.value - other.value
+
+    def _slowest(self, decay: DecayKind) -> Fraction:
+        """The largest rate that many points allow; faces count where mu is known."""
+        samples, searched = [np.zeros((2, 0))], []
+        for claim, own, size in self._with_sizes(decay):
+            known, shapes = self.known.get(claim.name.removeprefix("rate ")), mu_shapes([claim])
+            mu = () if known is None or known.mu is None else known.mu
+            if claim.count and len(mu) >= len(shapes):
+                value = with_values(condition_of(claim, own, shapes), dict(enumerate(mu))).constant
+                points, ratio = kept(own, points_near(claim.count)), partial(ratios_at, value, terms_of(size))
+                ratios = ratio(points)
+                samples.append(np.array([ratios, np.linalg.norm(points, axis=1)])[:, np.isfinite(ratios)])
+                searched.append((float(ratios.min(initial=np.inf)), own, points, ratio))
+        found = slowest_ratio(*np.hstack(samples))
+        if not found:
+            return found
+        _, own, points, ratio = min(searched, key=lambda entry: entry[0])
+        return Fraction(max(least_near(own, points, ratio)[0], 0))
+
+    def _refuted(self, own: Inequality, place: Sequence[float], side: str) -> tuple[Fraction | None, Any]:
+        """A level that a point refutes, and this point; None where floats miss the cell.
+
+        Args:
+            own: V on a part of the cube.
+            place: there.
+            side: of the cube on whose border the part lies, as claims name it; empty where it does not.
+        """
+        for denominator, outward in FINE:
+            exact = [fmpq(round(x * (1 + outward) * denominator), denominator) for x in place]
+            if all(sign(value_at(terms_of(guard), exact)) >= 0 for guard in own.guards.values()):
+                value = Fraction(float(value_at(terms_of(own.value), exact)))
+                if side:
+                    exact.insert(int(side[1:]), fmpq(1 if side[0] == "+" else -1))
+                return simple_below(value * (1 + 2 * WIDTH)), tuple(self.radius * x for x in exact)
+        return None, None
+
+
+def claims_about(
+    system: SwitchedSystem, function: ExaminedFunction | PiecewiseExpression, radius: Number
+) -> FallingFunction | None:
+    """The same of a V of which nothing is known; a cube with an irrational half-width is a little smaller."""
+    half = Domain(radius).rational.radius or radius
+    for subject in subjects_of(system):
+        try:
+            stated, cells = stated_function(subject, half, function)
+            return FallingFunction(half, functions_on(subject, cells, [stated]))
+        except (NoCertificateError, BeyondReachError):
+            continue
+    return None
+
+
+def first_shown(
+    numbers: Sequence[Fraction], prove: Callable[[Fraction], dict[str, Any] | None]
+) -> tuple[Fraction, dict[str, Any]] | None:
+    """The first number that is proved, with its evidence, of some that ask for less and less; None where none is.
+
+    A proof that is not found takes the most time: after the first number the last one is tried, then those between.
+    """
+    found, low, high = None, -1, len(numbers)  # what is not proved, and what is
+    k = 0
+    while low + 1 < high:
+        proofs = prove(numbers[k])
+        if proofs is not None:
+            found, high = (numbers[k], proofs), k
+        elif k == len(numbers) - 1:
+            return None
+        else:
+            low = k
+        k = (low + high) // 2 if found else len(numbers) - 1
+    return found
