@@ -75,9 +75,9 @@ def short_forms(matrix: Floats) -> Iterator[NDArray[np.int64]]:
     slowest = -float(np.linalg.eigvals(matrix).real.max())
     if not slowest > 0:
         return
-    identity = np.eye(len(matrix))
-    solved = [own for mu in SHARES if (own := lyapunov_solution(matrix, -mu * slowest, identity)) is not None]
-    served = chain.from_iterable(_served(matrix, solved, *own) for own in KEPT)
+    scaled, identity = matrix / slowest, np.eye(len(matrix))  # whatever the unit of time
+    solved = [own for mu in SHARES if (own := lyapunov_solution(scaled, -mu, identity)) is not None]
+    served = chain.from_iterable(_served(scaled, solved, *own) for own in KEPT)
     for _, own in zip(range(MOST_PROPOSALS), served, strict=False):
         yield own.astype(np.int64)
 

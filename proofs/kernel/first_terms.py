@@ -31,7 +31,7 @@ Field: TypeAlias = tuple[Polynomial, ...]
 RADII = tuple(Fraction(1, 4**k) for k in range(7))  # half-widths of cubes, over that of the scene
 DENOMINATORS = (1 << 5, 1 << 10, 1 << 20)  # of what floats propose, tried in turn
 MIDDLE = 3 / 8  # where mu lies between real parts: in the middle itself two eigenvalues of A - mu I may add to zero
-TIE, RELATIVE_TIE = 2.0**-20, 2.0**-40  # below which two eigenvalues of A - mu I add to zero; and of the largest one
+TIE, RELATIVE_TIE = 2.0**-20, 2.0**-40  # below which two eigenvalues of A - mu I add to zero; and times the norm of A
 DIRECTIONS = 200  # drawn about the one in which V is least
 
 
@@ -181,7 +181,7 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
     from scipy.linalg import solve_continuous_lyapunov
 
     values = np.linalg.eigvals(matrix) - mu
-    if np.abs(values[:, None] + values[None, :]).min() < max(TIE, RELATIVE_TIE * np.abs(values).max()):
+    if np.abs(values[:, None] + values[None, :]).min() < max(TIE, RELATIVE_TIE * float(np.linalg.norm(matrix))):
         return None
     found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
     return np.asarray((found + found.T) / np.abs(found + found.T).max())
