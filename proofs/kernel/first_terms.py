@@ -31,7 +31,7 @@ Field: TypeAlias = tuple[Polynomial, ...]
 RADII = tuple(Fraction(1, 4**k) for k in range(7))  # half-widths of cubes, over that of the scene
 DENOMINATORS = (1 << 5, 1 << 10, 1 << 20)  # of what floats propose, tried in turn
 MIDDLE = 3 / 8  # where mu lies between real parts: in the middle itself two eigenvalues of A - mu I may add to zero
-TIE, RELATIVE_TIE = 2.0**-20, 2.0**-40  # below which two eigenvalues of A - mu I add to zero; and times the norm of A
+TIE, RELATIVE_TIE = 2.0**-20, 2.0**-32  # below which two eigenvalues of A - mu I add to zero; and times the norm of A
 DIRECTIONS = 200  # drawn about the one in which V is least
 
 
