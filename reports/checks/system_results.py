@@ -171,16 +171,27 @@ class SystemCheckResult(FactResult):
         return replace(self, evidence=replace(self.evidence, reach=reach), hint=hint)
 
     def draw(self, ax: Axes) -> None:
-        """The certified triangles, with the border of the region and the checked point."""
-        basin = self.evidence.reach.basin
-        if basin is None or len(self.evidence.scene.states) != len(PLANE):
+        """Of two states the certified triangles, with the border of the region; without these the phase portrait.
+
+        Raises:
+            TypeError: in one state, in three and more, and without triangles for several right-hand sides, and beside
+                square roots of states.
+        """
+        system, basin = self.evidence.scene, self.evidence.reach.basin
+        has_portrait = system.has_one_field and system.by_roots is None
+        if len(system.states) != len(PLANE) or not (basin or has_portrait):
             super().draw(ax)
             return
-        from nonsmooth.reports.figures.triangles import draw_triangles
+        if basin is None:
+            from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, draw_portrait
 
-        draw_triangles(ax, basin)
-        x, y = self.evidence.scene.states
-        ax.set(xlabel=x, ylabel=y, aspect="equal", title=f"{one_line(self.evidence.scene.name)}: {self.verdict}")
+            draw_portrait(ax, PhasePortrait(system, self.evidence))
+        else:
+            from nonsmooth.reports.figures.triangles import draw_triangles
+
+            draw_triangles(ax, basin)
+        x, y = system.states
+        ax.set(xlabel=x, ylabel=y, aspect="equal", title=f"{one_line(system.name)}: {self.verdict}")
 
     @property
     def _function(self) -> ExaminedFunction | None:

@@ -52,12 +52,14 @@ class PhasePortrait(Result):
 
     Attributes:
         system: in two states.
+        decided: the verdict on the checked point, where it is known already.
 
     Raises:
         SceneError: for another number of states, and for arbitrary switching.
     """
 
     system: SwitchedSystem
+    decided: StabilityResult | None = None
 
     def __post_init__(self) -> None:
         require_plane(self.system)
@@ -83,7 +85,7 @@ class PhasePortrait(Result):
     @cached_property
     def stability(self) -> StabilityResult:
         """The verdict on the checked point."""
-        return decide_system(self.system)
+        return decide_system(self.system) if self.decided is None else self.decided
 
     def facts(self) -> Record:
         """The JSON record."""

@@ -202,3 +202,13 @@ def test_a_body_with_mass_is_what_the_command_follows(capsys: pytest.CaptureFixt
     assert len(repr(study).splitlines()) <= MOST_LINES
     with pytest.raises(ValueError, match="mass: required a positive number"):
         array().compare_masses((0.2, 0.3, 0), mass=0)
+
+
+def test_a_check_of_two_states_is_drawn_as_its_phase_portrait() -> None:
+    """With the certified region where one is known; other numbers of states have no picture, and say so."""
+    drawn = ns.System(("x", "y"), ("-sign(x) + y", "-y")).check().plot()
+    assert "asymptotically stable" in drawn.get_title()
+    assert {"border: sliding", "certified region"} <= set(drawn.get_legend_handles_labels()[1])
+    for states, rhs in (("x", ["-x"]), ("xyz", ["-x", "-y", "-z"]), ("xy", [["-x", "-y"], ["-2*x", "-y"]])):
+        with pytest.raises(TypeError, match="that can be drawn"):
+            ns.System(states, rhs).check().plot()
