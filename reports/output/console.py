@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import threading
@@ -27,7 +28,10 @@ PROGRAM = "nonsmooth"
 # Typer's own errors of usage; before Typer 0.27.3 they are Click's, the second base of this one.
 USAGE_ERROR: Any = getattr(typer, "TyperException", typer.BadParameter.__mro__[2])
 BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
-NUMBERS = {"int_parsing": "a whole number", "float_parsing": "a number"}  # by the kind of what cannot be read as one
+# What is required, by the kind of what cannot be read as one: as newer versions of Typer tell it, then as Click does.
+WHOLE, ANY = "a whole number", "a number"
+NUMBERS = {"int_parsing": WHOLE, "float_parsing": ANY, "integer": WHOLE, "float": ANY}
+NO_NUMBER = re.compile(r"'(.*)' is not a valid (integer|float)\.?")  # Click's words
 
 
 def prepare_streams() -> None:
@@ -110,13 +114,15 @@ def _usage_line(error: Any) -> str:
 
 
 def _misread(error: Any) -> str | None:
-    """A value that is no number, in our own words where Typer leaves it to the words of a library (from 0.21 on)."""
+    """A value that is no number, in our own words where Typer leaves it to the words of a library."""
     found: list[Any] = getattr(error.__cause__, "errors", list)()
-    parameter = getattr(error, "param", None)
-    required = NUMBERS.get(found[0]["type"]) if found else None
-    if required is None or parameter is None:
+    worded, parameter = NO_NUMBER.fullmatch(str(getattr(error, "message", ""))), getattr(error, "param", None)
+    kind, value = (found[0]["type"], str(found[0]["input"])) if found else ("", "")
+    if worded is not None:
+        value, kind = worded.groups()
+    if kind not in NUMBERS or parameter is None:
         return None
-    return f"{max(parameter.opts, key=len)}: required {required}, received {str(found[0]['input'])[:60]!r}"
+    return f"{max(parameter.opts, key=len)}: required {NUMBERS[kind]}, received {value[:60]!r}"
 
 
 def _instead(message: str, command: str, option: str) -> str | None:
