@@ -250,7 +250,11 @@ def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
             if len(results) > 1:
                 return compared(results)
     except TipsError as tipping:
-        return TippedResult(scenes[0], tipping)
+        tipped = TippedResult(scenes[0], tipping)
+        if options.certificate or options.law:
+            wanted = "a body that stands at the checked point for --certificate and --law"
+            raise UnwrittenError(f"{scenes[0].origin}: required {wanted}, received one that tips", tipped) from tipping
+        return tipped
     return _with_files(results[0], options)
 
 
