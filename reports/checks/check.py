@@ -310,16 +310,17 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
         for path in filter(None, (options.certificate, options.law)):
             notice(path, "not written: what the check says contradicts itself")
         return result
-    if options.certificate is not None and certificate is not None:
-        _write_certificate(certificate, result, options.certificate)
     if options.law is not None:
         from nonsmooth.reports.laws.law_table import NoLawError
 
         try:
-            result.law(options.law_name).save(options.law)
+            law = result.law(options.law_name)
         except NoLawError as error:
             raise UnwrittenError(f"{result.scene.origin}: --law: {error}", result) from None
+        law.save(options.law)
         notice(options.law, f"the {options.law_name} law of {len(result.scene.wheels)} wheels")
+    if options.certificate is not None and certificate is not None:
+        _write_certificate(certificate, result, options.certificate)
     return result
 
 
