@@ -134,19 +134,21 @@ def read_document(
     """The TOML document of a scene with the given replacements, the scene's name for messages, and its file.
 
     Raises:
-        SceneError: for a file that cannot be read, and a point that is not two numbers.
+        SceneError: for a file that cannot be read, and a point of an array that is not two numbers; a plain system has
+            one for each state.
     """
     file = str(source) or "''"
     path = _path(source)
+    document = _read_toml(path, file)
     equilibrium = None if at is None else at.split(",")
-    if equilibrium is not None and len(equilibrium) != len("xy"):
+    if equilibrium is not None and len(equilibrium) != len("xy") and "system" not in document:
         expected = "two numbers with a comma between them, such as 240,0"
         raise SceneError(file, "check.equilibrium", expected, at)
     changes: dict[str, dict[str, object]] = {
         "contact": {"rule": None if rule == MIXED else rule},
         "check": {"radius": radius, "equilibrium": equilibrium, "accuracy": accuracy},
     }
-    return _overridden(_read_toml(path, file), changes), file, path
+    return _overridden(document, changes), file, path
 
 
 def load_scene(
