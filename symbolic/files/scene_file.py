@@ -140,13 +140,11 @@ def read_document(
     file = str(source) or "''"
     path = _path(source)
     document = _read_toml(path, file)
-    equilibrium = None if at is None else at.split(",")
-    if equilibrium is not None and len(equilibrium) != len("xy") and "system" not in document:
-        expected = "two numbers with a comma between them, such as 240,0"
-        raise SceneError(file, "check.equilibrium", expected, at)
+    if at and at.count(",") != 1 and "system" not in document:
+        raise SceneError(file, "check.equilibrium", "two numbers with a comma between them, such as 240,0", at)
     changes: dict[str, dict[str, object]] = {
         "contact": {"rule": None if rule == MIXED else rule},
-        "check": {"radius": radius, "equilibrium": equilibrium, "accuracy": accuracy},
+        "check": {"radius": radius, "equilibrium": at and at.split(","), "accuracy": accuracy},
     }
     return _overridden(document, changes), file, path
 
