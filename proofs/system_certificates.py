@@ -303,7 +303,7 @@ def _by_parts(parts: Parts, system: System) -> Draft:
     try:
         entries = [certificate_of(own)["evidence"][0] for own in parts.results]
     except NoCertificateError as error:
-        raise NotShownError(str(error)) from None
+        raise NotShownError(f"a part has no certificate: {error}") from None
     slide = parts.slide
     if slide is None:
         pairs = zip(parts.results, entries, strict=True)

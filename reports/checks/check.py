@@ -128,7 +128,7 @@ class CheckStudy(SceneStudy[CheckOptions]):
                 if options.rule == ALL_RULES:
                     raise RefusedError(f"{flag}: required one contact rule, received all")
                 output_path(file, endings)
-        if options.law is None:
+        if not options.law:
             asked.refuse(("law_name",), "--law", "none")
         for scene in scenes:
             if scene.kind is SceneKind.ARRAY and "inertia" in options.required and options.rule != ALL_RULES:
@@ -250,7 +250,12 @@ def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
             if len(results) > 1:
                 return compared(results)
     except TipsError as tipping:
-        return TippedResult(scenes[0], tipping)
+        tipped = TippedResult(scenes[0], tipping)
+        if options.certificate or options.law:
+            raise UnwrittenError(
+                f"{scenes[0].origin}: required a body that stands, received one that tips", tipped
+            ) from tipping
+        return tipped
     return _with_files(results[0], options)
 
 
@@ -291,11 +296,11 @@ def _predictions(scene: Scene) -> tuple[Prediction, ...]:
 
 def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
     """The result, compared with its certificate; the files that were asked for, unless it contradicts itself."""
-    if options.certificate is None and options.law is None:
+    if not (options.certificate or options.law):
         return result
     _ = result.answers  # all of them: they may contradict what would be written
     certificate = None
-    if options.certificate is not None:
+    if options.certificate:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
 
         try:
@@ -306,16 +311,17 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
         for path in filter(None, (options.certificate, options.law)):
             notice(path, "not written: what the check says contradicts itself")
         return result
-    if options.certificate is not None and certificate is not None:
-        _write_certificate(certificate, result, options.certificate)
-    if options.law is not None:
+    if options.law:
         from nonsmooth.reports.laws.law_table import NoLawError
 
         try:
-            result.law(options.law_name).save(options.law)
+            law = result.law(options.law_name)
         except NoLawError as error:
             raise UnwrittenError(f"{result.scene.origin}: --law: {error}", result) from None
+        law.save(options.law)
         notice(options.law, f"the {options.law_name} law of {len(result.scene.wheels)} wheels")
+    if options.certificate and certificate:
+        _write_certificate(certificate, result, options.certificate)
     return result
 
 
@@ -347,16 +353,15 @@ def check_system(system: SwitchedSystem) -> SystemCheckResult:
 def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
     """The stability of a plain system, with a region unless told; its certificate where asked for."""
     result = replace(check_system(system), shows_evidence=options.evidence)
-    in_plane = len(system.states) == 2
     is_asked, search = options.region is not RegionSearch.AUTO, options.region
     if not is_asked:
         search = RegionSearch.FAST if len(system.states) > 1 else RegionSearch.NONE
     if search is not RegionSearch.NONE:
         result = result.with_region(str(search))
         if is_asked and result.evidence.reach.basin is None and result.evidence.reach.reshaped is None:
-            what = "triangles are" if in_plane else "larger region is"
+            what = "triangles are" if len(system.states) == 2 else "larger region is"
             notice(system.origin, f"--region {search}: no {what} certified beyond the rest")
-    if options.certificate is not None:
+    if options.certificate:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.system_certificates import certificate_text, left_out
 

@@ -134,19 +134,19 @@ def read_document(
     """The TOML document of a scene with the given replacements, the scene's name for messages, and its file.
 
     Raises:
-        SceneError: for a file that cannot be read, and a point that is not two numbers.
+        SceneError: for a file that cannot be read, and a point of an array that is not two numbers; a plain system has
+            one for each state.
     """
     file = str(source) or "''"
     path = _path(source)
-    equilibrium = None if at is None else at.split(",")
-    if equilibrium is not None and len(equilibrium) != len("xy"):
-        expected = "two numbers with a comma between them, such as 240,0"
-        raise SceneError(file, "check.equilibrium", expected, at)
+    document = _read_toml(path, file)
+    if at and at.count(",") != 1 and "system" not in document:
+        raise SceneError(file, "check.equilibrium", "two numbers with a comma between them, such as 240,0", at)
     changes: dict[str, dict[str, object]] = {
         "contact": {"rule": None if rule == MIXED else rule},
-        "check": {"radius": radius, "equilibrium": equilibrium, "accuracy": accuracy},
+        "check": {"radius": radius, "equilibrium": at and at.split(","), "accuracy": accuracy},
     }
-    return _overridden(_read_toml(path, file), changes), file, path
+    return _overridden(document, changes), file, path
 
 
 def load_scene(

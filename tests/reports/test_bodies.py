@@ -114,6 +114,17 @@ def test_what_tips_says_over_which_edge_and_how_far_and_is_drawn(carton: str, in
     assert invoke("partition", carton, "--at", "2.7,0").status == 2
 
 
+@pytest.mark.parametrize("flag", [("--certificate", "c.json"), ("--law", "law.py")], ids=("certificate", "law"))
+def test_a_body_that_tips_has_no_file_beside_the_answer(
+    flag: tuple[str, str], carton: str, invoke: Invoke, tmp_path: Path
+) -> None:
+    done = invoke("check", carton, "--at", "2.9,2.9", flag[0], str(tmp_path / flag[1]))
+    assert done.status == 2
+    assert "tips" in done.out
+    assert done.err.endswith("received one that tips\n")
+    assert not (tmp_path / flag[1]).exists()
+
+
 def test_tipping_among_many_scenes(carton: str, invoke: Invoke) -> None:
     done = invoke("check", carton, "four-wheel", "--at", "2.9,2.9")
     assert done.status != 0

@@ -294,3 +294,11 @@ def test_a_state_with_the_name_of_the_function_is_told_apart(invoke: Invoke, tmp
     (tmp_path / "v.toml").write_text('[system]\nstates = ["V", "x"]\nrhs = ["-V + x", "-x - V"]\n', encoding="utf-8")
     assert invoke("check", "v.toml").out.startswith("note: V is a state here, and the Lyapunov function too")
     assert "V is a state" not in invoke("check", "eq-4").out
+
+
+def test_a_point_to_check_has_a_number_for_each_state(invoke: Invoke) -> None:
+    common = ("audit", "relay-chain", "--lyapunov", "x**2 + y**2 + z**2", "--json")
+    assert invoke(*common, "--at", "0,0,0").record == invoke(*common).record
+    refused = invoke(*common, "--at", "0,0")
+    assert refused.status == 2
+    assert "required 3 numbers, one for each state, received 2" in refused.err

@@ -233,3 +233,10 @@ def test_the_command_writes_table_and_program(invoke: Invoke, tmp_path: Path) ->
     outcome = invoke("check", "four-wheel", "--rule", "box", "--law", "law.py", "--json")
     assert outcome.record["feedback"]["verdict"] == "stabilizable"
     assert runpy.run_path("law.py")["speeds"](0.0, 0.0, 0.0) == {1: 0.0, 2: 0.0, 3: 0.0, 4: 0.0}
+
+
+def test_no_certificate_is_written_where_the_law_beside_it_is_refused(invoke: Invoke, tmp_path: Path) -> None:
+    done = invoke("check", "roller-bed", "--certificate", "bed.json", "--law", "bed.py")
+    assert done.status == 2
+    assert "required a certified feedback law" in done.err
+    assert not list(tmp_path.glob("bed.*"))
