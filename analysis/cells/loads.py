@@ -159,7 +159,8 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
         reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
     largest = min(reach)
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
-    advice = f"at most {largest} ~ {float_text(largest)}" if largest.sign() > 0 else "an equilibrium inside it"
+    exact = "" if str(largest) == float_text(largest) else f"{largest} ~ "
+    advice = f"at most {exact}{float_text(largest)}" if largest.sign() > 0 else "an equilibrium inside it"
     return (
         f"check.radius: required {advice}, received {scene.check.radius}: "
         f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"

@@ -90,7 +90,7 @@ def tidied(text: str) -> str:
 
 
 class _Tidier(ast.NodeTransformer):
-    """Leaves out ``+v``, ``1*v``, ``0*v`` and zeros that are added."""
+    """Leaves out ``+v``, ``1*v``, ``0*v``, zeros that are added and numbers below zero that are subtracted."""
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
         self.generic_visit(node)
@@ -116,7 +116,20 @@ class _Tidier(ast.NodeTransformer):
                 return left
             case ast.Sub() if _is(left, 0):
                 return ast.UnaryOp(ast.USub(), right)
+            case ast.Add() | ast.Sub() if (positive := _without_minus(right)) is not None:
+                return ast.BinOp(left, ast.Add() if isinstance(node.op, ast.Sub) else ast.Sub(), positive)
         return node
+
+
+def _without_minus(node: ast.expr) -> ast.expr | None:
+    """A number, or its multiple, without the minus before it; None where none is."""
+    match node:
+        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant() as number):
+            return number
+        case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as operator, right=right):
+            positive = _without_minus(left)
+            return None if positive is None else ast.BinOp(positive, operator, right)
+    return None
 
 
 def _is(node: ast.expr, value: int) -> bool:

@@ -23,6 +23,8 @@ RATES = ["sin(x) - 2*sgn(x + y) - y", "1/4 - (1 - x)*cos(2*x - y) + Abs(y)", "-(
         ("-(0) + -x**2", "-x**2"),
         ("10*x + 0.5*(+y)", "10*x + 0.5*y"),
         ("(-1)**2*x", "(-1)**2*x"),
+        ("1 + (x - (-1/2))**2", "1 + (x + 1/2)**2"),
+        ("x - (-2)*y + (-3) - (y - -1)", "x + 2*y - 3 - (y + 1)"),
     ],
 )
 def test_what_changes_nothing_is_left_out(text: str, shown: str) -> None:
