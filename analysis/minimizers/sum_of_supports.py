@@ -13,7 +13,7 @@ Two methods find it.
   dozens of steps, beside it two or three, and there it ends with the rounding of doubles.
 - *Smoothing* (:func:`by_smoothing`), for cut discs.  Norms become ``sqrt(|r|^2 + g^2)``, and steps are Newton's on
   ``sqrt(|r|^2 + g^2) p = r`` with p as an unknown of its own (Chan, Golub and Mulet): full steps of y settle from
-  anywhere while g falls tenfold with each.  After some seven steps multipliers finish most problems.
+  anywhere while g falls to a third with each.  After seven steps multipliers finish most problems.
 
 Arrays have the shape (n, m): n sets, m problems, in blocks that fit the processor's cache.
 
@@ -38,7 +38,7 @@ CACHED = 16384  # sets handled together: their arrays fit the processor's cache
 # Problems handled together at least: fewer would pay more for Python than for floats.  With many more, products of
 # matrices for hundreds of wheels are so large that BLAS shares them among threads, which takes ten times as long.
 SMALLEST_BLOCK = 32
-COMPACT = 0.8  # unsolved share of a block at which the solved problems are taken out
+COMPACT = 0.9  # unsolved share of a block at which the solved problems are taken out
 
 # What proves a solution.
 GAP = 1e-13  # relative to the value: rounding of the sum
@@ -141,7 +141,7 @@ class Solutions:
 # ---- the method of multipliers -------------------------------------------------------------------
 
 STIFFNESS = 1e4  # c beside a solution, over the mean slip
-PUSH = 0.1  # c times the smoothing of the start at most: how far it may push forces of contacts that stick
+PUSH = 0.5  # share of the slack of a force up to which c times the slip may push it where a contact sticks
 FIRST_STIFFNESS = 10.0  # from nothing
 STIFFER = 10.0  # factor of c after a multiplier step that lacks too much
 STIFFEST = 1e12
@@ -207,24 +207,34 @@ def finished(
     sums: SupportSums,
     y: Floats,
     forces: Floats,
-    smoothing: Floats | float,
+    softness: Floats | float,
     passes: int,
     stiffest: float = STIFFEST,
 ) -> Solutions:
-    """Solutions by multipliers from unknowns and forces beside them, whose sticking contacts slip by ``smoothing``."""
+    """Solutions by multipliers from unknowns and forces beside them, with 1/c at least ``softness``."""
     mean_slip = sums.judge(sums.slips(y), forces).values
-    softness = np.maximum(mean_slip / STIFFNESS, np.maximum(smoothing / PUSH, 1 / stiffest))
+    softness = np.maximum(mean_slip / STIFFNESS, np.maximum(softness, 1 / stiffest))
     return by_multipliers(sums, y, forces, 1 / softness, passes, stiffest)
+
+
+def softness_that_sticks(sums: SupportSums, y: Floats, forces: Floats) -> Floats:
+    """The least 1/c, shape (m,), at which contacts that stick are pushed no further than :data:`PUSH`.
+
+    Of the slip of a contact and the slack of its force one vanishes at the solution: it sticks where the slip is the
+    smaller one.
+    """
+    slips, slack = sums.sets.support(*sums.slips(y)), -sums.sets.excess(*forces)
+    return np.asarray(np.where(slips < slack, slips / (PUSH * slack), 0.0).max(axis=0))
 
 
 # ---- smoothing -----------------------------------------------------------------------------------
 
 SMOOTHER_STEPS = 50
-FASTEST = 0.1  # factor of g with a step
+FASTEST = 0.3  # factor of g with a step: the slips of contacts that stick have to follow
 BLOCKED = 0.2  # share of a step of the forces below which g rises
 RISE = 3.0  # factor of g then
 TO_BORDER = 0.95  # share of the way to the border of its set that a force takes
-FINISHES = (7, 9, 12, 16, 22, 30, 50)  # steps after which multipliers try to finish
+FINISHES = (7, 10, 14, 20, 30, 50)  # steps after which multipliers try to finish
 FINISH_PASSES = 8
 
 
@@ -307,7 +317,8 @@ def _finish(found: Solutions, at: NDArray[np.int_], sums: SupportSums, state: Sm
     """Keep what the iterates are worth, and what multipliers make of them."""
     judged = sums.judge(sums.slips(state.y), state.forces)
     found.keep(at, state.y, state.forces, judged.lacks, judged.proved)
-    better = finished(sums, state.y, state.forces, state.g, FINISH_PASSES, stiffest)
+    softness = softness_that_sticks(sums, state.y, state.forces)
+    better = finished(sums, state.y, state.forces, softness, FINISH_PASSES, stiffest)
     found.keep(at, better.y, better.forces, better.lacks, better.proved)
 
 
