@@ -223,7 +223,7 @@ PAIRS = (
         "40 minimizers of rule `ellipse`, of 4,000",
         "CVXPY with parameters",
         minimizer_beside_cvxpy,
-        60,
+        120,
         300,
         "test_minimizer_speed",
         repeats=1,
