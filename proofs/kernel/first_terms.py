@@ -20,7 +20,14 @@ from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.inequalities.float_programs import solve_program
-from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, sharpened, started, stated_cells
+from nonsmooth.proofs.kernel.cells import (
+    BeyondReachError,
+    StatedCells,
+    build_inclusion,
+    sharpened,
+    started,
+    stated_cells,
+)
 from nonsmooth.proofs.kernel.search import Entry, Floats, NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -147,13 +154,12 @@ def common_jacobian(fields: Sequence[Field]) -> Floats | None:
 
 
 def first_terms_attract(system: SwitchedSystem, subject: System) -> bool:
-    """Whether all fields at the point have one Jacobian, whose eigenvalues all have negative real parts, in floats.
-
-    Raises:
-        BeyondReachError: for too many surfaces or cells.
-    """
-    stated = stated_cells(system, system.check.radius, irrational=True)
-    matrix = common_jacobian(fields_around(stated, subject, Search()))
+    """Whether all fields at the point have one Jacobian, whose eigenvalues all have negative real parts, in floats."""
+    try:
+        stated = stated_cells(system, system.check.radius, irrational=True)
+        matrix = common_jacobian(fields_around(stated, subject, Search()))
+    except (BeyondReachError, OverflowError):  # too many cells, or numbers beyond floats
+        return False
     return matrix is not None and float(np.linalg.eigvals(matrix).real.max()) < -TIE
 
 

@@ -75,7 +75,7 @@ class Search(Proofs):
             evidence = self._evidence(claim)
             if evidence is None:
                 self.missed[claim.name] = claim
-                raise NotShownError(f"no proof was found of {' '.join(claim.name.split())}")
+                raise NotShownError(f"no proof was found of {claim.name}")
             self.found[claim.name] = claim, evidence
         self.used.append(claim.name)
         self.note_form(claim)

@@ -183,7 +183,7 @@ class SystemCheckResult(FactResult):
             super().draw(ax)
             return
         if basin is None:
-            from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, draw_portrait
+            from nonsmooth.reports.checks.phase_portrait import PhasePortrait, draw_portrait
 
             draw_portrait(ax, PhasePortrait(system, self.evidence))
         else:

@@ -69,7 +69,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
     def run(self, scene: Any, options: PartitionOptions) -> Result:
         """Build them."""
         if scene.kind is SceneKind.SYSTEM:
-            from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
+            from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 
             return PhasePortrait(scene)
         from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing

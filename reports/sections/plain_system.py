@@ -25,6 +25,7 @@ from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Met
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
 from nonsmooth.reports.checks import references
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.checks.references import Reference
 from nonsmooth.reports.checks.subject import ReportPart, ReportSubject
 from nonsmooth.reports.checks.system_results import SystemCheckResult, system_answers
@@ -48,7 +49,6 @@ from nonsmooth.reports.output.document import (
 from nonsmooth.reports.output.facts import Record, fact_rows
 from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.simulations.paths import follow_system
-from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.formulas.linear_formulas import symbol_latex

@@ -25,6 +25,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.proofs.theorem4_result import Contradiction
 from nonsmooth.reports.checks.answers import contradiction_lines
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait, draw_borders, draw_potential
 from nonsmooth.reports.checks.records import contradictions_record
 from nonsmooth.reports.figures.style import (
     INK,
@@ -39,7 +40,6 @@ from nonsmooth.reports.figures.style import (
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.progress import ProgressCall, progress
 from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of, parts_record
-from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, draw_borders, draw_potential
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line

@@ -14,9 +14,9 @@ from rich.console import Console
 
 import nonsmooth as ns
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait, portrait_figure
 from nonsmooth.reports.checks.system_results import SystemCheckResult
 from nonsmooth.reports.output.console import BAD_INPUT
-from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, portrait_figure
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep

@@ -16,7 +16,7 @@ from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, slidi
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import RayKind, resting_edges
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, sampled_rates
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait, sampled_rates
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem

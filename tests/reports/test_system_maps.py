@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 import nonsmooth as ns
 from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.simulations import system_maps
-from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped, ratios_figure
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.forged import with_deciding, with_reach

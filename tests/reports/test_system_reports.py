@@ -10,10 +10,10 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.systems.border_motion import BorderKind, sliding_velocity
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.derivations.derivation import derive_report, render_report
 from nonsmooth.reports.derivations.parts import names_of
 from nonsmooth.reports.output.console import BAD_INPUT
-from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from tests.reports.conftest import Invoke
