@@ -47,9 +47,7 @@ def decide_linear(point: CheckedPoint, known: Known) -> Finding | None:
     """A quadratic V of a linear system, where the scene names none."""
     system = point.system
     matrix = linear_matrix(system) if system.check.is_default else None
-    if matrix is None or (known.standing is not None and known.standing.is_final):
-        return None
-    for own in short_forms(matrix):
+    for own in () if matrix is None else short_forms(matrix):
         function = _examined(point, parse_piecewise(_text(system, own), system.states))
         if function is not None and function.decrease is Decrease.STRICT:
             return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
@@ -85,10 +83,9 @@ def short_forms(matrix: Floats) -> Iterator[NDArray[np.int64]]:
 def _served(
     matrix: Floats, solved: Sequence[Floats], multiples: Sequence[int], kept: Sequence[float]
 ) -> Iterator[Floats]:
-    """Rounded forms whose rates are at least a share of the best one, for each share in turn."""
-    best = -2 * float(np.linalg.eigvals(matrix).real.max())
+    """Rounded forms whose rates are at least a share of the best one, 2 in the given units, for each share in turn."""
     forms = [2 * np.eye(len(matrix)), *(_rounded(own, multiple) for multiple in multiples for own in solved)]
-    rates = [rate_of(own, matrix) / best for own in forms]
+    rates = [rate_of(own, matrix) / 2 for own in forms]
     for share in kept:
         yield from (own for own, rate in zip(forms, rates, strict=True) if rate >= share and rate > 0)
 
@@ -112,10 +109,8 @@ def rate_of(form: NDArray[Any], matrix: Floats) -> float:
 
 def _text(system: SwitchedSystem, form: NDArray[np.int64]) -> str:
     """``x^T P x`` as a formula of the states."""
-    count = len(system.states)
-    total = Polynomial.constant(system.field, system.states, 0)
-    for i, j in combinations_with_replacement(range(count), 2):
-        own = system.coordinates()
+    own, total = system.coordinates(), Polynomial.constant(system.field, system.states, 0)
+    for i, j in combinations_with_replacement(range(len(own)), 2):
         total += own[i] * own[j] * int(form[i, j] // (2 if i == j else 1))
     return str(total)
 

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
-    from nonsmooth.analysis.fields.stated_field import StatedField
+    from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 
 SCHEMA = "nonsmooth-phase-portrait/1"
 
