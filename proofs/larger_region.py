@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
 from nonsmooth.proofs.falling_function import claims_about
-from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.systems.decay_rate import SublevelRegion
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BEYOND_FLOATS,
     BasisFunction,
@@ -31,7 +32,6 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
     values_at,
 )
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells, square_cells
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line

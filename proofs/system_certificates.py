@@ -44,11 +44,11 @@ from nonsmooth.proofs.system_facts import (
     rewriting_words,
 )
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
+from nonsmooth.proofs.systems.decay_rate import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, Reach
-from nonsmooth.proofs.systems.line_reach import distance_hypotheses
-from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
+from nonsmooth.proofs.systems.scalar_stability import distance_hypotheses
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.files.system_builder import with_order

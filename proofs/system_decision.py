@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from nonsmooth.proofs import kernel_strategies as kernel
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
-from nonsmooth.proofs.linear_systems import decide_linear
+from nonsmooth.proofs.kernel_strategies import decide_linear
 from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.parts import CascadeBlock, Parts, cascade, names_of, slides

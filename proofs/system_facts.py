@@ -1,6 +1,6 @@
 """What the verdict on a plain system says, and that on somebody's V: one list of facts for each.
 
-Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.findings.facts`).
+Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.findings.verdicts`).
 """
 
 from __future__ import annotations
@@ -10,13 +10,12 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.checker.outside import place_of
-from nonsmooth.proofs.findings.facts import Fact, Quantity, row_fact, text_fact, unsaid
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, row_fact, text_fact, unsaid
 from nonsmooth.proofs.kernel.quotients import quotient_text
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.basin_rings import Floats
-from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate
+from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
 from nonsmooth.proofs.systems.findings import (
@@ -28,7 +27,6 @@ from nonsmooth.proofs.systems.findings import (
     Reach,
 )
 from nonsmooth.proofs.systems.outer_ring import ring_of
-from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -16,15 +16,13 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.clauses.authority import Authority
 from nonsmooth.proofs.clauses.clause import Clause, JudgedEquilibrium
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
-from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
+from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, rotation_bound
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult, rotation_bound
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Skipped, Workspace
-from nonsmooth.proofs.findings.facts import Fact
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings.verdicts import Fact, Theorem4
 from nonsmooth.symbolic.mechanics.contact_states import ContactCensus, take_census, triples_with_friction
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table

@@ -18,7 +18,7 @@ from nonsmooth.symbolic.messages.under_way import tell
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destinations
-    from nonsmooth.proofs.answers.headings import HeadingsOfRest
+    from nonsmooth.proofs.answers.heading import HeadingsOfRest
 
 # In the order in which they are said; to ask another question, write its function and a line here.
 QUESTIONS: dict[str, Question] = {"position": position_answer, "heading": heading_answer, "pose": pose_answer}
@@ -107,7 +107,7 @@ def _inertia_of(check: Theorem4Result) -> Answer | None:
 def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:
     if check.scene.body is None:
         return None
-    from nonsmooth.proofs.answers.headings import headings_of_rest  # a search: only a body with an outline needs it
+    from nonsmooth.proofs.answers.heading import headings_of_rest  # a search: only a body with an outline needs it
 
     return headings_of_rest(check.scene, around=around)
 

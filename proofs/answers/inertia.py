@@ -25,13 +25,21 @@ from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.answers.answer import Answer, Inertia, has_dynamics
-from nonsmooth.proofs.answers.bounds import DIGITS, angle_at_least, angle_at_most, at_least, at_most, of_length
+from nonsmooth.proofs.answers.answer import (
+    DIGITS,
+    Answer,
+    Inertia,
+    angle_at_least,
+    angle_at_most,
+    at_least,
+    at_most,
+    has_dynamics,
+    of_length,
+)
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, unknowns_at_rest
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.clauses.at_point.mass import PRECISION, Pencil, mass_limits
-from nonsmooth.proofs.findings.facts import Fact, Quantity, said
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, said
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene

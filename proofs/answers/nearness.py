@@ -24,10 +24,9 @@ from nonsmooth.analysis.cells.fan import CellCone, rays_of
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.answers.answer import Results
-from nonsmooth.proofs.answers.bounds import angle_at_least
+from nonsmooth.proofs.answers.answer import Results, angle_at_least
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium, EveryLoadEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult

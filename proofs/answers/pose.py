@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
-from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Pose, Results
-from nonsmooth.proofs.answers.bounds import half_life
+from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Pose, Results, half_life
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import BY_CELLS, UltimateBound, ultimate_bound, wheel_speed
-from nonsmooth.proofs.findings.facts import Fact, Quantity, said
-from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
+from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Feedback, Quantity, said
 from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, upper_text

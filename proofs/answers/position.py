@@ -7,14 +7,23 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import cast
 
-from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Position, Results, has_dynamics, is_by_rounding
-from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life, of_length
+from nonsmooth.proofs.answers.answer import (
+    DIGITS,
+    WHY_BELOW,
+    Answer,
+    Position,
+    Results,
+    at_least,
+    at_most,
+    half_life,
+    has_dynamics,
+    is_by_rounding,
+    of_length,
+)
 from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
-from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
-from nonsmooth.proofs.clauses.translation.mass_facts import mass_words
-from nonsmooth.proofs.findings.facts import Fact, Quantity, said
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.clauses.translation.clause import AnyTranslation, mass_words
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Translation, said
 from nonsmooth.proofs.robust.ends import Ends
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import sign

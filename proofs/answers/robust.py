@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, cast
 
-from nonsmooth.proofs.answers.answer import Answer, Results
-from nonsmooth.proofs.answers.bounds import angle_at_most, at_least, at_most, half_life, of_length
-from nonsmooth.proofs.findings.facts import Fact, Quantity
-from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.answers.answer import Answer, Results, angle_at_most, at_least, at_most, half_life, of_length
+from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity
 from nonsmooth.symbolic.mechanics.scene import Scene
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """Spins and linearization under a rule without cells, exactly.
 
-With D, ``a_i`` and ``b_i`` of :mod:`nonsmooth.proofs.clauses.at_point.balance`: arrays with torque may *spin* at the
+With D, ``a_i`` and ``b_i`` of :mod:`nonsmooth.proofs.clauses.at_point.ellipse`: arrays with torque may *spin* at the
 equilibrium.  The twist ``(0, 0, omega)`` is a minimizer iff the gradient ``sum N_i pull_i`` of D vanishes at it ::
 
     pull_i = (df_i/dr) a_i + (df_i/ds) b_i,             on an ellipse (mu_R^2 r_i a_i + mu_S^2 s_i b_i)/f_i

@@ -13,10 +13,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
-from nonsmooth.proofs.findings.facts import Fact
-from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Record, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.messages.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.number import Number
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.equilibria import RestPlace
@@ -125,3 +126,22 @@ class Clause(ABC, Generic[Result]):
     def facts(self, result: Result, check: CheckedArray) -> Iterator[Fact]:
         """What else there is to say beside verdict and reason."""
         yield from ()
+
+
+# ---- A point that shows why a clause says no more than it does -----------------------------------
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A point and the exact value that refutes or limits a claim there."""
+
+    point: Point
+    value: Number
+    meaning: str
+
+
+def witness_record(witness: Witness | None, value: str) -> Record | None:
+    """A point with its value under the name ``value``, and what it means, as JSON holds it."""
+    if witness is None:
+        return None
+    return {"point": Quantity(witness.point), value: Quantity(witness.value), "meaning": witness.meaning}

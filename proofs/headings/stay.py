@@ -31,8 +31,8 @@ from nonsmooth.proofs.boxes.enclosures import (
     pose_rate_slope,
 )
 from nonsmooth.proofs.boxes.linearization import slip_at_rest
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Translation

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, independ
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.rounded import either_way
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
+
 
 Column: TypeAlias = Sequence[Number]
 
@@ -247,3 +251,27 @@ def _sum(values: object, start: Number | None = None) -> Number:
 
 def _one_like(columns: Sequence[Column], target: Column) -> Number:
     return target[0].field.one
+
+
+# ---- linear programs in floats: they propose, and exact arithmetic decides -----------------------
+
+
+METHODS = ("highs", "highs-ipm")  # simplex steps, which may go round in circles where many rows meet; interior points
+MOST_STEPS = 10_000  # of each
+TOO_MANY = 1  # status
+
+
+def solve_program(costs: Any, **stated: Any) -> OptimizeResult:
+    """The result of :func:`scipy.optimize.linprog`, without a solution where none is found in so many steps.
+
+    Args:
+        costs: c of ``min c . x``.
+        stated: constraints and bounds, as there.
+    """
+    from scipy.optimize import linprog
+
+    for method in METHODS:
+        found = linprog(costs, method=method, options={"maxiter": MOST_STEPS}, **stated)
+        if found.status != TOO_MANY:
+            break
+    return found

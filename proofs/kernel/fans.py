@@ -27,7 +27,7 @@ import numpy as np
 from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
-from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import (
     StatedCells,
     build_inclusion,

@@ -19,7 +19,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     StatedCells,

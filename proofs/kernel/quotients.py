@@ -21,11 +21,11 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells
-from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.search import (
     Entry,
+    Functions,
     NotShownError,
     SampledProofs,
     Search,

@@ -15,9 +15,8 @@ from nonsmooth.proofs.checker.polynomials import Exponents, constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, monomials_between
-from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
+from nonsmooth.proofs.sums_of_squares.conic_program import round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import WEAK, Effort, SumOfSquares, normalized, prove_positive
-from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.symbolic.numbers.polynomial import add_terms, multiply_terms
 
 MU_DENOMINATORS = (1 << 6, 1 << 16)  # of the coefficients of mu, tried in turn

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, unit, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.findings.facts import Fact, row_fact
+from nonsmooth.proofs.findings.verdicts import Fact, row_fact
 from nonsmooth.proofs.kernel.cells import StatedCells, fields_seen, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses

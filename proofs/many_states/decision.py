@@ -2,7 +2,7 @@
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
 2. A velocity that leads from the point into a cell, and the linearization, where there is one
-   (:mod:`nonsmooth.proofs.many_states.first_terms`); a relay of relative degree three or more
+   (:mod:`nonsmooth.proofs.many_states.decision`); a relay of relative degree three or more
    (:mod:`nonsmooth.proofs.many_states.relay_degree`).
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
@@ -18,26 +18,41 @@ Rays, fans and leading terms are used for two states only.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from fractions import Fraction
 from functools import cached_property
+from itertools import combinations, combinations_with_replacement
 
+import numpy as np
+from flint import fmpq, fmpq_mat, fmpq_poly
+
+from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
-from nonsmooth.proofs.kernel.denominators import require_denominators
-from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
-from nonsmooth.proofs.many_states.first_terms import (
-    LinearPart,
-    Spectrum,
-    escaping_rate,
-    escaping_velocity,
-    linear_part,
-    quadratic_text,
-    unstable_mixture,
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots
+from nonsmooth.proofs.kernel.cells import (
+    BeyondReachError,
+    RationalTerms,
+    SignCell,
+    SignCells,
+    adjoining,
+    build_cells,
+    rational_terms,
+    require_denominators,
 )
-from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_growth, find_lyapunov
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
+from nonsmooth.proofs.many_states.lyapunov_search import (
+    SCALES,
+    PiecewiseFunction,
+    find_growth,
+    find_lyapunov,
+    formula_text,
+)
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
+from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import (
@@ -53,8 +68,297 @@ from nonsmooth.proofs.systems.findings import (
 from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+# ---- what shows itself near the point in many states: velocities that lead away, linearizations, relays
+#
+# *A solution that leaves.* Let s = 0 be the surfaces through the point, and f the field of a cell in which they have
+# the signs e.  If ``e grad s . f > 0`` at the point for each of them, the solution ``t f + ...`` of the field of this
+# cell stays in it for a while.  A cone with a linear field that holds an eigenvector of a positive eigenvalue holds a
+# ray along which solutions leave: the columns of ``adj(s I - A)`` are eigenvectors at the roots of the characteristic
+# polynomial, and the signs of polynomials at such a root are exact.  Where the right-hand sides only enclose the field
+# neither says anything.
+#
+# *Linearization.* Where all fields at the point vanish there and have one Jacobian A, the field is ``A x`` up to higher
+# order, and Lyapunov's indirect method applies.  ``A^T P + P A = -I`` has one solution unless two eigenvalues of A add
+# up to zero; P is positive definite iff all eigenvalues have negative real parts, and otherwise some real part is
+# positive (Ostrowski and Schneider 1962).  In the exceptional case the same is asked of ``A - alpha I`` for small
+# ``alpha > 0``. A linear field is decided completely: eigenvalues on the imaginary axis belong to the greatest common
+# divisor h of ``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the
+# point is stable iff A is a zero of the polynomial in which these roots are taken once.
+
+
+Velocity = tuple[fmpq, ...]
+
+
+def escaping_velocity(system: SwitchedSystem, cells: SignCells) -> Velocity | None:
+    """The velocity at the point of a cell that it leads into; None where no cell has one."""
+    if system.only_encloses:
+        return None
+    zero = (0,) * len(cells.states)
+    for cell in adjoining(cells):
+        for field in cell.velocities:
+            velocity = tuple(part.get(zero, fmpq(0)) for part in field)
+            if any(velocity) and _leads_into(cells, cell, velocity):
+                return velocity
+    return None
+
+
+def _leads_into(cells: SignCells, cell: SignCell, velocity: Sequence[fmpq]) -> bool:
+    """Whether a velocity at the point leads into a cell."""
+    count = len(velocity)
+    for surface, sign in zip(cells.surfaces, cell.signs, strict=True):
+        terms = rational_terms(surface)
+        if terms.get((0,) * count):
+            continue
+        slope = sum((terms.get(unit(count, k), fmpq(0)) * v for k, v in enumerate(velocity)), fmpq(0))
+        if not slope * sign > 0:
+            return False
+    return True
+
+
+def escaping_rate(system: SwitchedSystem, cells: SignCells) -> Fraction | None:
+    """A lower bound of the rate at which solutions leave along a ray in an open cone; None where none is found."""
+    if system.only_encloses:
+        return None
+    zero = (0,) * len(cells.states)
+    near = [(j, s) for j, s in enumerate(cells.surfaces) if zero not in s.terms]
+    if any(surface.degree != 1 for _, surface in near):
+        return None
+    for cell in adjoining(cells):
+        forms = [
+            [cell.signs[j] * rational_terms(surface).get(unit(len(zero), k), fmpq(0)) for k in range(len(zero))]
+            for j, surface in near
+        ]
+        for field in cell.velocities:
+            if all(sum(e) == 1 for part in field for e in part):
+                for root in _rays(system, field, forms):
+                    return root.low
+    return None
+
+
+def _rays(
+    system: SwitchedSystem, field: Sequence[RationalTerms], forms: Sequence[Sequence[fmpq]]
+) -> Iterator[RealRoot]:
+    """Positive eigenvalues of a linear field with an eigenvector at which all forms are positive."""
+    count = len(field)
+    matrix = fmpq_mat([[part.get(unit(count, k), fmpq(0)) for k in range(count)] for part in field])
+    characteristic, adjugates = _resolvent(matrix)
+    for root in positive_roots([system.field(c) for c in characteristic]):
+        for column in range(count):
+            heights = [_height(system, adjugates, form, column) for form in forms]
+            signs = {root.sign_of(height) for height in heights}
+            if len(signs) == 1 and 0 not in signs:
+                yield root
+                break
+
+
+def _height(system: SwitchedSystem, adjugates: Sequence[fmpq_mat], form: Sequence[fmpq], column: int) -> list[Number]:
+    """A form at one column of the adjugate, as a polynomial in the eigenvalue, ascending."""
+    values = (sum((f * m[i, column] for i, f in enumerate(form)), fmpq(0)) for m in reversed(adjugates))
+    return [system.field(value) for value in values]
+
+
+def _resolvent(matrix: fmpq_mat) -> tuple[list[fmpq], list[fmpq_mat]]:
+    """The characteristic polynomial, ascending, and the coefficients of ``adj(s I - A)``, descending."""
+    count = matrix.nrows()
+    identity = fmpq_mat([[fmpq(i == j) for j in range(count)] for i in range(count)])
+    coefficients, adjugates = matrix.charpoly().coeffs(), [identity]
+    for value in coefficients[-2:0:-1]:
+        adjugates.append(matrix * adjugates[-1] + identity * value)
+    return coefficients, adjugates
+
+
+SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
+WEIGHTS = (fmpq(1, 4), fmpq(1, 2), fmpq(3, 4))  # of the second of two right-hand sides
+DENOMINATORS = (1 << 3, 1 << 6, 1 << 12, 1 << 24)  # of a quadratic V, tried in turn
+
+
+class Spectrum(StrEnum):
+    """What is known of the eigenvalues of A."""
+
+    HURWITZ = "all eigenvalues of the linearization have negative real parts"
+    UNSTABLE = "an eigenvalue of the linearization has a positive real part"
+    NEUTRAL = (
+        "the field is linear; no eigenvalue is right of the imaginary axis, those on it have full sets of eigenvectors"
+    )
+    GROWING = "the field is linear; a multiple eigenvalue on the imaginary axis has too few eigenvectors"
+    UNDECIDED = "the linearization has eigenvalues on the imaginary axis, or too near it"
+
+
+@dataclass(frozen=True)
+class LinearPart:
+    """The linearization at the point.
+
+    Attributes:
+        matrix: A.
+        spectrum: what is known of it.
+        quadratic: P of a V with ``A^T P + P A`` negative definite; None unless A is Hurwitz.
+        is_whole: whether the field is ``A x`` in the whole space.
+    """
+
+    matrix: RationalMatrix
+    spectrum: Spectrum
+    quadratic: RationalMatrix | None
+    is_whole: bool
+
+
+def linear_part(cells: SignCells) -> LinearPart | None:
+    """The linearization; None where the field has none at the point."""
+    fields = [field for cell in adjoining(cells) for field in cell.velocities]
+    matrix = _common_jacobian(fields)
+    if matrix is None:
+        return None
+    linear = len(cells.cells) == 1 and all(sum(e) == 1 for field in fields for p in field for e in p)
+    spectrum = spectrum_of(matrix, linear=linear)
+    quadratic = _short_quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
+    return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
+
+
+def unstable_mixture(system: SwitchedSystem, cells: SignCells) -> LinearPart | None:
+    """Under arbitrary switching: the linearization of one right-hand side, or a mixture of two, that is unstable.
+
+    A mixture of right-hand sides is a field that the system may follow.  Those that only enclose one show nothing.
+    """
+    if not system.others or system.only_encloses:
+        return None
+    near = adjoining(cells)
+    members = [_common_jacobian([cell.velocities[k] for cell in near]) for k in range(len(near[0].velocities))]
+    known = [matrix for matrix in members if matrix is not None]
+    mixed = [_mixture(a, b, weight) for a, b in combinations(known, 2) for weight in WEIGHTS]
+    for matrix in (*known, *mixed):
+        if spectrum_of(matrix, linear=False) is Spectrum.UNSTABLE:
+            return LinearPart(matrix, Spectrum.UNSTABLE, None, is_whole=False)
+    return None
+
+
+def _mixture(a: RationalMatrix, b: RationalMatrix, weight: fmpq) -> RationalMatrix:
+    rows = zip(a, b, strict=True)
+    return tuple(tuple(x + weight * (y - x) for x, y in zip(first, second, strict=True)) for first, second in rows)
+
+
+def _common_jacobian(fields: Sequence[Sequence[RationalTerms]]) -> RationalMatrix | None:
+    """The one Jacobian of fields that vanish at the point; None where there is none."""
+    count = len(fields[0])
+    zero = (0,) * count
+    matrices = {tuple(tuple(p.get(unit(count, k), fmpq(0)) for k in range(count)) for p in field) for field in fields}
+    if len(matrices) != 1 or any(p.get(zero) for field in fields for p in field):
+        return None
+    return matrices.pop()
+
+
+def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:
+    """What Lyapunov's equation tells of the eigenvalues."""
+    for shift in (fmpq(0), *SHIFTS):
+        shifted = [[c - shift * (i == j) for j, c in enumerate(row)] for i, row in enumerate(matrix)]
+        solution = solve_lyapunov(shifted)
+        if solution is None:
+            continue
+        if not is_definite(solution):
+            return Spectrum.UNSTABLE
+        if not shift:
+            return Spectrum.HURWITZ
+    return _on_the_axis(matrix) if linear else Spectrum.UNDECIDED
+
+
+def solve_lyapunov(matrix: Sequence[Sequence[fmpq]]) -> RationalMatrix | None:
+    """P with ``A^T P + P A = -I``; None where it is not unique."""
+    size = len(matrix)
+    pairs = [(i, j) for j in range(size) for i in range(j + 1)]
+    place = {pair: k for k, pair in enumerate(pairs)}
+    rows = []
+    for i, j in pairs:
+        row = [fmpq(0)] * len(pairs)
+        for k in range(size):
+            row[place[min(k, j), max(k, j)]] += matrix[k][i]
+            row[place[min(i, k), max(i, k)]] += matrix[k][j]
+        rows.append(row)
+    right = fmpq_mat(len(pairs), 1, [fmpq(-1 if i == j else 0) for i, j in pairs])
+    try:
+        found = fmpq_mat(rows).solve(right)
+    except ZeroDivisionError:
+        return None
+    return tuple(tuple(found[place[min(i, j), max(i, j)], 0] for j in range(size)) for i in range(size))
+
+
+def _short_quadratic(matrix: RationalMatrix) -> RationalMatrix | None:
+    """A solution of the inequality in short fractions, or the exact solution of the equation."""
+    exact = solve_lyapunov(matrix)
+    if exact is None:
+        return None
+    floats = np.array([[float(value) for value in row] for row in exact])
+    floats /= np.abs(floats).max()
+    for denominator in DENOMINATORS:
+        found = tuple(
+            tuple(simplest(floats[min(i, j), max(i, j)], denominator) for j in range(len(exact)))
+            for i in range(len(exact))
+        )
+        if is_definite(found) and is_definite(lyapunov_product(matrix, found)):
+            return found
+    return exact
+
+
+def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
+    """``x^T P x`` as a formula."""
+    pairs = combinations_with_replacement(range(len(states)), 2)
+    functions, coefficients = [], []
+    for i, j in pairs:
+        text = f"{states[i]}**2" if i == j else f"{states[i]}*{states[j]}"
+        functions.append(PiecewiseFunction(text, 2))
+        coefficients.append(quadratic[i][j] * (1 if i == j else 2))
+    return formula_text(functions, coefficients)
+
+
+def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> RationalMatrix:
+    """``-(A^T P + P A)``."""
+    a, p = fmpq_mat([list(row) for row in matrix]), fmpq_mat([list(row) for row in quadratic])
+    total = a.transpose() * p + p * a
+    size = len(matrix)
+    return tuple(tuple(-total[i, j] for j in range(size)) for i in range(size))
+
+
+def _on_the_axis(matrix: RationalMatrix) -> Spectrum:
+    """Whether a linear field whose eigenvalues touch the imaginary axis is stable."""
+    a = fmpq_mat([list(row) for row in matrix])
+    characteristic = a.charpoly()
+    mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
+    axis = characteristic.gcd(mirrored)
+    rest = characteristic // axis
+    once = axis // axis.gcd(axis.derivative())
+    if not (_is_hurwitz(rest) and _has_imaginary_roots_only(once)):
+        return Spectrum.UNDECIDED
+    return Spectrum.GROWING if (rest * once) % a.minpoly() else Spectrum.NEUTRAL
+
+
+def _is_hurwitz(polynomial: fmpq_poly) -> bool:
+    """Whether all roots have negative real parts: by the companion matrix."""
+    size = polynomial.degree()
+    if size <= 0:
+        return True
+    top = polynomial.coeffs()
+    rows = [[fmpq(j == i + 1) for j in range(size)] for i in range(size - 1)]
+    rows.append([-top[k] / top[size] for k in range(size)])
+    solution = solve_lyapunov(rows)
+    return solution is not None and is_definite(solution)
+
+
+def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
+    """Whether an even or odd polynomial with simple roots has them all on the imaginary axis.
+
+    ``s^k g(s^2)``, with ``g(0)`` not zero, does iff all roots of g are real and negative.
+    """
+    values, field = polynomial.coeffs(), NumberField()
+    first = next(k for k, c in enumerate(values) if c)
+    if any(values[first + 1 :: 2]):
+        return False
+    half = Sturm([field(c * (-1) ** k) for k, c in enumerate(values[first::2])])
+    return half.count(Fraction(0), None) == len(half.coefficients) - 1
+
+
+# ---- the checked point and its strategies --------------------------------------------------------
+
 
 SHOWN_BY_SPECTRUM = {
     Spectrum.UNSTABLE: Translation.UNSTABLE,

@@ -25,9 +25,8 @@ from nonsmooth.proofs.kernel.written import (
 )
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks
-from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
+from nonsmooth.proofs.sums_of_squares.conic_program import round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.positivity import Claim
-from nonsmooth.proofs.findings.facts import Fact, row_fact
+from nonsmooth.proofs.findings.verdicts import Fact, row_fact
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     SignCells,
@@ -42,7 +42,7 @@ from nonsmooth.proofs.kernel.cells import (
     rational_terms,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.claims import Functions
+from nonsmooth.proofs.kernel.search import Functions
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
 from nonsmooth.proofs.kernel.written import as_checked, terms_of
 from nonsmooth.proofs.many_states.examination import (
@@ -55,9 +55,8 @@ from nonsmooth.proofs.many_states.examination import (
 )
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries
-from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve_inside
+from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
-from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.symbolic.formulas.expression import ExpressionError

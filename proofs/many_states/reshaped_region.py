@@ -28,17 +28,15 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells
-from nonsmooth.proofs.kernel.claims import Collected
-from nonsmooth.proofs.kernel.search import stability_hypotheses
+from nonsmooth.proofs.kernel.search import Collected, stability_hypotheses
 from nonsmooth.proofs.kernel.squares import condition_of, find
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import functions_on
 from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, formula_text
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks
-from nonsmooth.proofs.sums_of_squares.conic_program import Solution, solve
+from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.sums_of_squares.rounding import nearest
-from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
+from nonsmooth.proofs.systems.decay_rate import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem

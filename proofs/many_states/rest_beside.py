@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational_terms
 from nonsmooth.proofs.kernel.written import null_basis
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem

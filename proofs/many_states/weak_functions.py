@@ -22,10 +22,9 @@ from flint import fmpq
 from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import started, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.search import Entry, NotShownError
+from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError
 from nonsmooth.proofs.kernel.second_function import Floats, find_second, gradient, rounded, sampled
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
 from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.drift import largest_spin
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
+from nonsmooth.proofs.robust.rings import root_above
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, TouchingRings, rings_about
-from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.support_polygon import outer_positions, support_polygon

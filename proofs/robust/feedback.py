@@ -2,7 +2,7 @@
 
 The law commands multiples of three twists ``xi_m``, by the rims' speeds of the scene.  Under these speeds every
 minimizer xi of every array of the box satisfies ``|xi - xi_m| <= rho`` (rule ``box``: bounds of ``+-e_k . xi`` by
-:mod:`nonsmooth.proofs.robust.box_bound`; rules with friction sets: :mod:`nonsmooth.proofs.robust.imposed_twist`), and
+:mod:`nonsmooth.proofs.robust.box`; rules with friction sets: :mod:`nonsmooth.proofs.robust.imposed_twist`), and
 so do multiples, for D is homogeneous in twist and speeds.  With
 ``g = (c, l theta)``, ``V = |g|^2`` and the xi_m of the largest ``x = |g . xi_m|/|g| >= sqrt(kappa)``::
 
@@ -26,11 +26,10 @@ from flint import arb, ctx
 
 from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.proofs.robust.box_bound import BoxBound
-from nonsmooth.proofs.robust.box_corners import MAX_WHEELS, BoxCorners
-from nonsmooth.proofs.robust.box_wheel import BoxWheel, box_wheels
-from nonsmooth.proofs.robust.friction_forces import FOLLOWED
+from nonsmooth.proofs.robust.array_forces import FOLLOWED
+from nonsmooth.proofs.robust.box import BoxBound, BoxWheel, box_wheels
 from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
+from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS, BoxCorners
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length

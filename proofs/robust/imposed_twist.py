@@ -17,9 +17,8 @@ from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Floats, Intervals
 from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple
-from nonsmooth.proofs.robust.box_wheel import box_wheels
-from nonsmooth.proofs.robust.friction_forces import force_law
+from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple, force_law
+from nonsmooth.proofs.robust.box import box_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 

@@ -34,8 +34,8 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon
 from nonsmooth.proofs.boxes.enclosures import UNIT, Jet, parameters, turned_by
-from nonsmooth.proofs.robust.box_wheel import half_widths
-from nonsmooth.proofs.robust.ultimate_bound import BoundedCell, root_above, squared_radius
+from nonsmooth.proofs.robust.box import half_widths
+from nonsmooth.proofs.robust.rings import BoundedCell, root_above, squared_radius
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction

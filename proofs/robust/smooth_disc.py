@@ -27,10 +27,9 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import load_box
-from nonsmooth.proofs.robust.annulus import AnnulusPiece
-from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple
-from nonsmooth.proofs.robust.box_wheel import box_wheels
-from nonsmooth.proofs.robust.friction_forces import force_law
+from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple, force_law
+from nonsmooth.proofs.robust.box import box_wheels
+from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene

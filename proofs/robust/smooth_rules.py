@@ -43,8 +43,8 @@ from nonsmooth.proofs.boxes.enclosures import (
 )
 from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.proofs.robust.box_wheel import half_widths
-from nonsmooth.proofs.robust.friction_forces import rollers
+from nonsmooth.proofs.robust.array_forces import rollers
+from nonsmooth.proofs.robust.box import half_widths
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.numbers.enclosures import rational_below

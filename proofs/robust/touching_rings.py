@@ -23,7 +23,7 @@ from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import TINY, Intervals
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPieces, short_levels
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
-from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
+from nonsmooth.proofs.robust.rings import root_above, squared_radius
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance

@@ -16,7 +16,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.inequalities.float_programs import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 

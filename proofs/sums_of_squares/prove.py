@@ -22,8 +22,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import (
     plain_block,
     without_idle,
 )
-from nonsmooth.proofs.sums_of_squares.conic_program import solve, solve_inside
-from nonsmooth.proofs.sums_of_squares.rounding import RationalMatrix, rounded
+from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, rounded, solve, solve_inside
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes too long, and many gigabytes

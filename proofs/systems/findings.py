@@ -13,13 +13,11 @@ from enum import StrEnum
 from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.findings.facts import Fact
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
 from nonsmooth.proofs.systems.basin import CertifiedBasin
-from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
+from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import brief_text

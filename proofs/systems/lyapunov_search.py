@@ -33,8 +33,8 @@ from nonsmooth.analysis.cells.switched_cells import (
     square_regions,
     system_cells,
 )
-from nonsmooth.proofs.inequalities.float_programs import solve_program
 from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain

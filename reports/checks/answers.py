@@ -10,13 +10,11 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.cells.contact_rule import rule_notes, rule_of
-from nonsmooth.proofs.answers.answer import Answer, Position, has_dynamics
+from nonsmooth.proofs.answers.answer import Answer, Position, at_least, has_dynamics, of_length
 from nonsmooth.proofs.answers.answers import Answers
-from nonsmooth.proofs.answers.bounds import at_least, of_length
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
-from nonsmooth.proofs.findings.facts import Quantity
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.checks.equilibrium_headings import headings_blocks, headings_record
 from nonsmooth.reports.output.document import Table, table, without_empty_columns

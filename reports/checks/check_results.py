@@ -15,8 +15,7 @@ from rich.text import Text
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
-from nonsmooth.proofs.findings.facts import said
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings.verdicts import Theorem4, said
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.checks.answers import answers_record
 from nonsmooth.reports.checks.records import CHECK_SCHEMA, check_record, checks_record
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.failures import Failure
-    from nonsmooth.proofs.answers.headings import HeadingsOfRest
+    from nonsmooth.proofs.answers.heading import HeadingsOfRest
     from nonsmooth.reports.laws.law_program import LawResult
     from nonsmooth.symbolic.mechanics.contact_set import TipsError
     from nonsmooth.symbolic.mechanics.scene import Scene

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb
 
-from nonsmooth.proofs.findings.facts import Quantity
+from nonsmooth.proofs.findings.verdicts import Quantity
 from nonsmooth.reports.output.document import Block, Paragraph, Table, table
 from nonsmooth.reports.output.facts import Record, as_record
 from nonsmooth.symbolic.mechanics.units import Units
@@ -18,7 +18,7 @@ from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, numbe
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from nonsmooth.proofs.answers.headings import HeadingOfRest, HeadingsOfRest
+    from nonsmooth.proofs.answers.heading import HeadingOfRest, HeadingsOfRest
     from nonsmooth.proofs.headings.at_point import OpenHeadings
 
 DIGITS = 4

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from rich.console import RenderableType
 
-    from nonsmooth.proofs.findings.facts import Fact
+    from nonsmooth.proofs.findings.verdicts import Fact
     from nonsmooth.proofs.systems.findings import ExaminedFunction
     from nonsmooth.reports.exchange.formulas import FieldFormulas
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from nonsmooth.proofs.answers.answer import UNDECIDED, Answer, Pose
-from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, of_length
+from nonsmooth.proofs.answers.answer import DIGITS, UNDECIDED, Answer, Pose, at_least, at_most, of_length
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.reports.checks.answers import GOES, destinations_head, destinations_table, stated_answers
 from nonsmooth.reports.checks.subject import ArraySubject

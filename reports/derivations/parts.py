@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.checks.continuum import continuum_section

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 from flint import arb
 
-from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import real_text, short_text

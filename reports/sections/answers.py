@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.answers.answer import Answer
-from nonsmooth.proofs.answers.bounds import of_length
+from nonsmooth.proofs.answers.answer import Answer, of_length
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.reports.checks.answers import THEOREM, StatedAnswers, destinations_table, stated_answers
 from nonsmooth.reports.checks.equilibrium_headings import headings_table, notes, title
@@ -29,7 +28,7 @@ from nonsmooth.reports.sections.opening import array_figure
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destinations
-    from nonsmooth.proofs.answers.headings import HeadingsOfRest
+    from nonsmooth.proofs.answers.heading import HeadingsOfRest
 
 _TONES = {0: Tone.GOOD, 1: Tone.BAD, 3: Tone.OPEN}
 

@@ -9,17 +9,15 @@ from typing import Any
 from flint import arb
 
 from nonsmooth.analysis.cells.filippov import CellDerivative
-from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
+from nonsmooth.proofs.clauses.clause import Clause, Witness
+from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.findings.facts import Fact
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks.cells import CellsResult
 from nonsmooth.reports.checks.subject import ArraySubject

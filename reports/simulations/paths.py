@@ -31,8 +31,7 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.answers.answer import has_dynamics
-from nonsmooth.proofs.answers.bounds import half_life
+from nonsmooth.proofs.answers.answer import half_life, has_dynamics
 from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.findings.verdicts import Feedback

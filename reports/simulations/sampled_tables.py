@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, sample_tables, why_not_sampled
-from nonsmooth.proofs.answers.bounds import at_least, at_most, of_length
+from nonsmooth.proofs.answers.answer import at_least, at_most, of_length
 from nonsmooth.proofs.answers.robust import WORDS
 from nonsmooth.reports.figures.style import INK, figure_with_legend, length_label, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table

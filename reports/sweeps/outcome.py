@@ -11,8 +11,7 @@ from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
-from nonsmooth.proofs.findings.facts import Fact, Quantity
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Theorem4
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.theorem4 import check_theorem4

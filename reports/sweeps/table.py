@@ -6,8 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from nonsmooth.proofs.answers.answer import Position
-from nonsmooth.proofs.answers.bounds import at_most
+from nonsmooth.proofs.answers.answer import Position, at_most
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.checks.records import FAILURE
 from nonsmooth.reports.output.document import Block, Paragraph, table

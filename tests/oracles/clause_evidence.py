@@ -18,8 +18,7 @@ from nonsmooth.analysis.cells.fan import CellCone, by_angle, is_plane
 from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.proofs.boxes.linearization import inward_pull
 from nonsmooth.proofs.checker import fan as checker
-from nonsmooth.proofs.clauses.at_point.balance import rest_balance
-from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, motion_with
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, motion_with, rest_balance
 from nonsmooth.proofs.clauses.at_point.mass import (
     PRECISION,
     MassLimit,
@@ -27,18 +26,16 @@ from nonsmooth.proofs.clauses.at_point.mass import (
     _is_confirmed,
     hurwitz_determinant,
 )
-from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
+from nonsmooth.proofs.clauses.clause import Witness
+from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult
 from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.every_load.float_loads import float_loads
-from nonsmooth.proofs.clauses.every_load.point import is_admissible
-from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
+from nonsmooth.proofs.clauses.every_load.point import float_loads, is_admissible
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, between, gains, in_scene
 from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheel_forms
-from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, _has_short_paths
+from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, ImposedTwist, rank_of
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult, _has_short_paths
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, home_disc
-from nonsmooth.proofs.clauses.translation.decrease_region import squared_reach
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, _decay
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import (
@@ -46,6 +43,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import (
     _local_rates,
     _rests_on_ray,
     local_derivatives,
+    squared_reach,
 )
 from nonsmooth.proofs.clauses.translation.quadratic import (
     QuadraticCertificate,
@@ -53,7 +51,6 @@ from nonsmooth.proofs.clauses.translation.quadratic import (
     _pairs,
     shaped,
 )
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.symbolic.mechanics.constraints import inner
 from nonsmooth.symbolic.numbers.number import sign

@@ -15,10 +15,10 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.equilibrium.clause import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
-from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
+from nonsmooth.proofs.clauses.rotation.clause import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, LoadTable, Scene, Wheel

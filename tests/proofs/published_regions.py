@@ -10,8 +10,8 @@ import numpy as np
 
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
 from nonsmooth.proofs.falling_function import claims_about
+from nonsmooth.proofs.systems.decay_rate import SublevelRegion
 from nonsmooth.proofs.systems.domain import scene_cells
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 

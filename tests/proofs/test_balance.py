@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions, value_at
 from nonsmooth.proofs.boxes.linearization import linearize
-from nonsmooth.proofs.clauses.at_point.balance import rest_balance
+from nonsmooth.proofs.clauses.at_point.ellipse import rest_balance
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -17,7 +17,7 @@ from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.sampled_feedback import SampledLaw, relative_rates, sample_closed_loop
 from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4

@@ -28,7 +28,6 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     exclude_twist,
     separates,
 )
-from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, decided_around
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     LawCone,
@@ -37,7 +36,13 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     gains,
     rim_speeds,
 )
-from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, candidates_of
+from nonsmooth.proofs.clauses.feedback.twist_candidates import (
+    BoxTwist,
+    Drives,
+    ImposedTwist,
+    candidate_twists,
+    candidates_of,
+)
 from nonsmooth.proofs.findings.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene

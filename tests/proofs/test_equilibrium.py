@@ -11,7 +11,7 @@ import pytest
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
+from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult, decide_equilibrium
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -20,10 +20,9 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.answers.answers import answers_of
-from nonsmooth.proofs.clauses.equilibrium.at_point import EveryLoadEquilibrium
-from nonsmooth.proofs.clauses.every_load.decay import is_positive_on_hull
+from nonsmooth.proofs.clauses.equilibrium.clause import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, build_slopes
-from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
+from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, is_positive_on_hull
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check

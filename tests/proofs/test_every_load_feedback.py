@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads
+from nonsmooth.proofs.clauses.every_load.point import FloatLoads
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, WheelForms

@@ -18,7 +18,6 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
-from nonsmooth.proofs.inequalities.complete import line_of
 from nonsmooth.proofs.inequalities.forms import PLANE, Question, Sense
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,
@@ -27,6 +26,7 @@ from nonsmooth.proofs.inequalities.prover import (
     Undecided,
     ZeroBetween,
     counterexample,
+    line_of,
     prove,
 )
 from nonsmooth.proofs.inequalities.subdivision import multiplier

@@ -13,9 +13,8 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargin, decide_feedback
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
-from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays

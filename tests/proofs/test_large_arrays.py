@@ -15,9 +15,8 @@ from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.analysis.minimizers.friction_search import MANY, RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.balanced_twists import wheel_forces
-from nonsmooth.proofs.clauses.feedback.box_twists import candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
-from nonsmooth.proofs.clauses.feedback.twist_candidates import PromisingTwists
+from nonsmooth.proofs.clauses.feedback.twist_candidates import PromisingTwists, candidate_twists
 from nonsmooth.proofs.clauses.translation import clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Feedback

@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.proofs.linear_systems import linear_matrix, rate_of, short_forms
+from nonsmooth.proofs.kernel_strategies import linear_matrix, rate_of, short_forms
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind

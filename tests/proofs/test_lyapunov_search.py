@@ -12,7 +12,7 @@ from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import Method
@@ -21,7 +21,6 @@ from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_ly
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem

@@ -17,7 +17,7 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.proofs.answers.bounds import at_least
+from nonsmooth.proofs.answers.answer import at_least
 from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.proofs.systems.decay_rate import SublevelRegion
 from tests.proofs.forged import with_reach
 
 NAMES: dict[str, Any] = {"Abs": np.abs, "sign": np.sign, "sgn": np.sign, "Max": np.maximum, "sin": np.sin}

@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation, rotation_bound
+from nonsmooth.proofs.clauses.rotation.clause import decide_rotation, rotation_bound
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation

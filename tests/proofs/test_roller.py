@@ -24,9 +24,9 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     exclude_twist,
     wheel_forces,
 )
-from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
+from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, candidate_twists
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_smooth

@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Cell, Partition
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, decide_rotation, drift_at_rest
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult, decide_rotation, drift_at_rest
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist

@@ -10,10 +10,10 @@ from typing import TypeAlias
 import pytest
 
 from nonsmooth.proofs.clause_registry import conclude
-from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.equilibrium.clause import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
-from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
+from nonsmooth.proofs.clauses.rotation.clause import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4

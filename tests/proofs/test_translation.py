@@ -14,8 +14,8 @@ from nonsmooth.analysis.cells.filippov import filippov_twists, upper_derivative_
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point, Polygon
+from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
+from nonsmooth.proofs.clauses.equilibrium.clause import decide_equilibrium
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation

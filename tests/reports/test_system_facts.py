@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nonsmooth.proofs.findings.facts import Fact, Quantity, row_fact, text_fact, unsaid
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.reports.output.facts import fact_record, fact_rows
 
 

@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.equilibria import RestPlace
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
-from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
+from nonsmooth.proofs.clauses.rotation.clause import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.load_sets import Loads
-from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 

@@ -1,9 +1,9 @@
 """The motion at the checked point under every load of a set, for the rules that minimize D.
 
-Loads enter D linearly, so "a twist minimizes D" is a convex condition on them: it holds for all of them iff it holds
-at the corners of their set, and where a function of the wheels alone implies it (module ``wheel_pulls``), no corner is
-needed.  Where it fails, one load of the set is the witness: under it the exact decision for known loads finds that the
-point is no equilibrium.
+Loads enter D linearly, so "a twist minimizes D" is a convex condition on them: it holds for all of them iff it holds at
+the corners of their set, and where a function of the wheels alone implies it (what each wheel adds to the slope,
+below), no corner is needed. Where it fails, one load of the set is the witness: under it the exact decision for known
+loads finds that the point is no equilibrium.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
-from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, load_set, priced
-from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.proofs.boxes.linearization import Slope, spin_candidates
-from nonsmooth.proofs.clauses.at_point.balance import rest_balance
-from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
+from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, SpringLoads, load_set, priced
+from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
+from nonsmooth.analysis.cells.polygon import square
+from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
+from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried, rest_balance
 from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.every_load.float_loads import float_loads
-from nonsmooth.proofs.clauses.every_load.wheel_pulls import common_slope, under_load, wheel_slips
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     Triple,
     Twist,
+    added,
+    combine,
     cross_product,
     independent,
     inner,
@@ -46,7 +46,109 @@ from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane import separating_direction
+from nonsmooth.symbolic.numbers.plane import cross, separating_direction
+
+# ---- sets of loads in floats: the least of linear functions over them with bounds of their errors, and samples
+
+
+INSIDE = 2.0**-10  # part of the middle in samples: at a corner wheels carry nothing
+
+
+@dataclass(frozen=True, eq=False)
+class FloatLoads:
+    """``sum_k weights_k centres_k`` over all convex weights, plus ``[-1, 1]`` times each generator.
+
+    Attributes:
+        centres: the corners of the set, or the centre of a zonotope, (m, n).
+        generators: of the zonotope, (g, n); none where the set is the hull of its corners.
+    """
+
+    centres: Floats
+    generators: Floats
+
+    @property
+    def sizes(self) -> Floats:
+        """Bounds of the loads of all wheels, (n,)."""
+        reach: Floats = np.abs(self.centres).max(axis=0) + np.abs(self.generators).sum(axis=0)
+        return reach
+
+    def lowest(self, prices: Floats) -> Floats:
+        """The least ``sum prices_i N_i``, rounded; prices (..., n)."""
+        values: Floats = (prices @ self.centres.T).min(axis=-1) - np.abs(prices @ self.generators.T).sum(axis=-1)
+        return values
+
+    def doubt(self, sizes: Floats) -> Floats:
+        """A bound of the error of the least value where rounded prices are sums of terms of these sizes, (..., n)."""
+        error: Floats = sizes @ self.sizes * FLOAT_DOUBT
+        return error
+
+    def samples(self, directions: Floats) -> Floats:
+        """Loads close to the corners at which linear functions (k, n) are least; under them every wheel carries."""
+        ends = self.centres[np.argmin(directions @ self.centres.T, axis=1)]
+        ends = ends - np.sign(directions @ self.generators.T) @ self.generators
+        middle = self.centres.mean(axis=0)
+        return np.unique((1 - INSIDE) * ends + INSIDE * middle, axis=0)
+
+
+def float_loads(loads: LoadPolytope) -> FloatLoads:
+    """A set of loads, each number rounded once."""
+    count = len(loads.middle)
+    generators = loads.generators if isinstance(loads, SpringLoads) else ()
+    corners = (loads.centre,) if isinstance(loads, SpringLoads) else loads.corners or ()
+    return FloatLoads(_array(corners, count), _array(generators, count))
+
+
+def _array(rows: tuple[tuple[object, ...], ...], count: int) -> Floats:
+    return np.array([[float(x) for x in row] for row in rows]).reshape(-1, count)  # type: ignore[arg-type]
+
+
+# ---- what every wheel adds to the slope and to the curvature of D, per unit of its load, about a spin at the point
+#
+# For ``D = sum N_i f_i`` about the twist ``xi_0 = (0, 0, omega)`` (centred scene)::
+#
+#     grad f_i = pull_i,        Hess f_i = bend_i w_i w_i^T        (bend_i = 0 at a corner of the friction set)
+#
+# as in :mod:`nonsmooth.proofs.boxes.linearization`.  Let one matrix B (3 x 2) give ``pull_i = B p_i`` for all
+# wheels.  Then at every centre of mass c and under *every* admissible load ``grad D(xi_0) = sum N_i B p_i = B c``: it
+# does not depend on how the wheels share the weight.  So ``xi_0`` minimizes D at c = 0 under every load, and to first
+# order the body moves with ``xi - xi_0 = -H(N)^-1 B c``, ``H(N) = sum N_i bend_i w_i w_i^T``.
+
+
+def wheel_slips(scene: Scene, omega: Number) -> tuple[Slip[Number], ...] | None:
+    """Every wheel about ``(0, 0, omega)``; None where a term of D has no two derivatives, or a wheel no friction."""
+    slips = slips_at(scene, under_load(scene, (scene.field.one,) * len(scene.wheels)), omega)
+    return slips if len(slips) == len(scene.wheels) and all(slip.is_smooth for slip in slips) else None
+
+
+def under_load(scene: Scene, loads: Loads) -> LoadRegion:
+    """The loads at the point of a centred scene as the clauses at a point ask for them; how they change is left out."""
+    zero = scene.field.zero
+    domain = square(scene.check.equilibrium, scene.check.radius)
+    loaded = frozenset(wheel.index for wheel, load in zip(scene.wheels, loads, strict=True) if load)
+    return LoadRegion(domain, tuple((load, zero, zero) for load in loads), loaded)
+
+
+def common_slope(slips: Sequence[Slip[Number]]) -> Slope | None:
+    """The B with ``pull_i = B p_i`` for every wheel; None where there is none."""
+    pair = next(((p, q) for p, q in combinations(slips, 2) if cross(p.position, q.position)), None)
+    if pair is None:
+        return None
+    p, q = pair
+    scale = cross(p.position, q.position).inverse()
+    slope = (
+        scaled(added(scaled(p.pull, q.position[1]), scaled(q.pull, -p.position[1])), scale),
+        scaled(added(scaled(q.pull, p.position[0]), scaled(p.pull, -q.position[0])), scale),
+    )
+    return slope if has_slope(slips, slope) else None
+
+
+def has_slope(slips: Sequence[Slip[Number]], slope: Slope) -> bool:
+    """Whether ``pull_i = B p_i`` for every wheel."""
+    return all(combine(wheel.position, slope) == wheel.pull for wheel in slips)
+
+
+# ---- the motion at the point ---------------------------------------------------------------------
+
 
 MOST_SHOWN = 8  # wheels whose loads are all written into a sentence
 FEW_SHOWN = 3  # of more wheels

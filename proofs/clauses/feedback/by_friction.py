@@ -5,14 +5,14 @@ kinematics.  The array is taken with l for its unit of length, where ``g = (c, t
 in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's unit, imposed by the same speeds.
 
 - *Stabilizable.* Let some speeds impose the twist ``xi_l``, as the only minimizer of D at c*, for three independent
-  ``xi_l`` (modules ``box_twists``, ``balanced_twists``). D is homogeneous in twist and speeds together, so all
+  ``xi_l`` (modules ``twist_candidates``, ``balanced_twists``). D is homogeneous in twist and speeds together, so all
   multiples are imposed too. The law takes the ``xi_l`` with the largest ``|g . xi_l|`` and imposes ``-k (g . xi_l)
   xi_l``: ``V'/2 = -k (g . xi_l)^2 <= -k kappa |g|^2`` near c* (module ``driven_law``). Where the law switches, each
   of the velocities that meet satisfies this, hence all of their hull: V* < 0. Under rule ``box`` it suffices that
   twists are imposed in every open cone of a fan of directions of c, in each its own three: Filippov solutions do not
   see the rays between. A slope of D that vanishes at c* is linear in c beside it: between the rays on which one
   vanishes, or the loads change their form, each twist is the only minimizer in all of the cone or nowhere in it.
-- *Boxes inside friction sets* may prove what forces leave open where the sets are cut (module ``box_twists``).
+- *Boxes inside friction sets* may prove what forces leave open where the sets are cut (module ``twist_candidates``).
 - *Unknown loads.*  Where the loads are only known to lie in a set, other loads than those of level springs turn the
   motions away from the ``xi_l``; the law works under every load as long as they stay in pyramids about the ``xi_l``, at
   the rate ``(1 - eta) kappa`` (module ``every_load_law``).  A plane that no twist leaves on level springs refutes too.
@@ -45,8 +45,8 @@ from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.load_box import load_box
+from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.balanced_twists import PRECISION, BalancedTwist, exclude_twist
-from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, inscribed_boxes
 from nonsmooth.proofs.clauses.feedback.control_fields import askew_reason, side_friction_rules
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
@@ -59,13 +59,15 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.proofs.clauses.feedback.twist_candidates import (
+    BoxTwist,
+    Drives,
     ImposedTwist,
     candidates_of,
+    inscribed_boxes,
     rank_of,
     unique_ones,
     with_exclusions,
 )
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes

@@ -11,8 +11,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback, feedback_facts
 from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.facts import Fact, said
-from nonsmooth.proofs.findings.verdicts import Feedback, Theorem4
+from nonsmooth.proofs.findings.verdicts import Fact, Feedback, Theorem4, said
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback

@@ -22,9 +22,9 @@ from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import Support, limiting_support
+from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, Demand
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple, independent
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import Wheel

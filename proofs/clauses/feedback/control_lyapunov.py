@@ -23,7 +23,7 @@ from typing import Any, SupportsFloat, TypeAlias
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.proofs.clauses.feedback.rational_bounds import late
-from nonsmooth.proofs.clauses.translation.decrease_region import squared_distance
+from nonsmooth.proofs.clauses.translation.on_cells import squared_distance
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, root_above, shaped
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import Vector, around, dot, turned

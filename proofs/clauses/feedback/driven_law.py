@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
 from nonsmooth.proofs.clauses.feedback.rational_bounds import MUCH_BELOW, confirmed, rounded_down
-from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
+from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, ImposedTwist, rank_of
 from nonsmooth.symbolic.mechanics.constraints import (
     Triple,
     cross_product,

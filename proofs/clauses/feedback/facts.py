@@ -10,14 +10,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.proofs.clauses.clause import CheckedArray
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.clause import CheckedArray, witness_record
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargin
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, input_ranks
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, LimitedRate
-from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
-from nonsmooth.proofs.clauses.witness import witness_record
-from nonsmooth.proofs.findings.facts import Fact, Quantity, Record, said
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Record, said
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import decimal_text, float_text, lower_text, real_text

@@ -14,7 +14,6 @@ from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust import touching_rings
-from nonsmooth.proofs.robust.affine_twists import _affine_twists, affine_rates, refined_rates
 from nonsmooth.proofs.robust.ends import COARSE, _field_beside, _velocity
 from nonsmooth.proofs.robust.level_sets import (
     Distance,
@@ -24,7 +23,7 @@ from nonsmooth.proofs.robust.level_sets import (
     shapes_about,
     short_levels,
 )
-from nonsmooth.proofs.robust.rest_points import _rising, is_carried_away
+from nonsmooth.proofs.robust.rest_points import _affine_twists, _rising, affine_rates, is_carried_away, refined_rates
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, FIRST_PIECES, least_rate, piece_rates
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse

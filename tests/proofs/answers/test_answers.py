@@ -22,7 +22,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import GOOD, Answer, Heading, Inertia, Pose, Position
 from nonsmooth.proofs.answers.answers import QUESTIONS, Answers, answers_of, exit_status, full_answers
 from nonsmooth.proofs.answers.other_rules import TAKES_LONG, other_rules
-from nonsmooth.proofs.findings.facts import Fact
+from nonsmooth.proofs.findings.verdicts import Fact
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.reports.checks.check import REQUIRABLE

@@ -20,13 +20,11 @@ from nonsmooth.proofs.answers.contradictions import RuleAtPoint, contradictions_
 from nonsmooth.proofs.answers.destinations import Destination, Destinations, Goal, SampledEnds
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import Situation
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
-from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, EquilibriumResult
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.findings.facts import Fact, Quantity
-from nonsmooth.proofs.findings.verdicts import Certainty, Equilibrium, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings.verdicts import Certainty, Equilibrium, Fact, Quantity, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -18,7 +18,7 @@ from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.proofs.answers.answer import Heading, Position
-from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
+from nonsmooth.proofs.answers.heading import HeadingKind, HeadingsOfRest, headings_of_rest
 from nonsmooth.proofs.headings.stay import set_motion
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import whole

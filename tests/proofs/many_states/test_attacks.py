@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import build_cells, is_empty
-from nonsmooth.proofs.many_states.first_terms import Spectrum, spectrum_of
+from nonsmooth.proofs.many_states.decision import Spectrum, spectrum_of
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

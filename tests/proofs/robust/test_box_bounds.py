@@ -15,9 +15,9 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust import rings
-from nonsmooth.proofs.robust.annulus import AnnulusPiece, polygon_about, ring
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.decide import decide_robust
+from nonsmooth.proofs.robust.level_sets import AnnulusPiece, polygon_about, ring
 from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing

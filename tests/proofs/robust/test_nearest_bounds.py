@@ -20,7 +20,7 @@ from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust import nearest
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
-from nonsmooth.proofs.robust.ultimate_bound import PARTS, _last_slow, is_slow
+from nonsmooth.proofs.robust.rings import PARTS, _last_slow, is_slow
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.tolerances import Tolerance

@@ -17,9 +17,9 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.proofs.robust.annulus import AnnulusPiece
+from nonsmooth.proofs.robust.array_forces import ellipse_force, roller_force
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof
-from nonsmooth.proofs.robust.friction_forces import ellipse_force, roller_force
+from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima
 from nonsmooth.proofs.robust.rings import EndDisc, RingProof

@@ -19,9 +19,8 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.squares import Shown, find
-from nonsmooth.proofs.sums_of_squares.conic_program import solve
+from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, is_semidefinite, particular_solution, solve
 from nonsmooth.proofs.sums_of_squares.prove import MOST_UNKNOWNS, Effort
-from nonsmooth.proofs.sums_of_squares.rounding import is_definite, is_semidefinite, particular_solution
 
 Terms = Mapping[Any, Any]
 
