@@ -61,7 +61,9 @@ from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
-# ---- bounds that certificates of arrays state beside the verdicts: of the rotation, the way home, the rate of feedback
+# ---- bounds that certificates of arrays state beside the verdicts --------------------------------
+#
+# Bounds that certificates of arrays state beside the verdicts: of the rotation, the way home, the rate of feedback.
 #
 # All are short rational numbers on the safe side of what is printed, or those numbers themselves; the checker confirms
 # them by multiplying out (:mod:`nonsmooth.proofs.checker.regions`, :mod:`nonsmooth.proofs.checker.feedback`).

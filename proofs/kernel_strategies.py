@@ -279,7 +279,9 @@ def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFuncti
     return PlaneFunction(shown, Domain(function.radius), function.formula, point.system.states)
 
 
-# ---- linear systems that attract: a quadratic V with short coefficients, which falls nearly as fast as solutions do
+# ---- linear systems that attract -----------------------------------------------------------------
+#
+# Linear systems that attract: a quadratic V with short coefficients, which falls nearly as fast as solutions do.
 #
 # Let all eigenvalues of A have real parts of at most -s, s > 0, one of them -s.  Of ``x' = A x`` no V has
 # ``V' <= -kappa V`` with ``kappa > 2 s``, and for each ``mu`` in ``[0, s)`` one P with

@@ -46,8 +46,7 @@ from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, scaled_system, with_rate_ratio
 
 # ---- pruning -------------------------------------------------------------------------------------
 

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.output.console import run
-from nonsmooth.symbolic.mechanics.body import Body
-from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]

@@ -10,8 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.mechanics.body import Body
-from nonsmooth.symbolic.mechanics.continuum import Disc, PolygonShape
+from nonsmooth.symbolic.mechanics.body import Body, Disc, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 
 Floats: TypeAlias = NDArray[np.float64]

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.contact_set import contact_set, standing
-from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from tests.body_engine import (
     BRISK,

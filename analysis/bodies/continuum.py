@@ -31,7 +31,7 @@ import numpy as np
 from nonsmooth.analysis.fields.plane_arrays import Floats, cross
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
-from nonsmooth.symbolic.mechanics.continuum import ContinuousField, Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number

@@ -14,8 +14,7 @@ from functools import partial
 import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers
-from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
+from nonsmooth.analysis.bodies.motions_on_sets import Mask, MotionsOnSets, Numbers
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under

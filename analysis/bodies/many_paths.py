@@ -19,14 +19,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.many_contacts import (
+from nonsmooth.analysis.bodies.motions_on_sets import (
     NOBODY,
+    LeastTwists,
     Mask,
     Numbers,
     nearest_wheels,
     widest_gaps,
 )
-from nonsmooth.analysis.bodies.motions_on_sets import LeastTwists
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule

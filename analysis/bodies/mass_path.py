@@ -17,15 +17,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.mixing import balancing_weights, mixed_of, subsets_of
 from nonsmooth.analysis.bodies.set_motion import Wheels
 from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, finite_start
+from nonsmooth.analysis.bodies.switching import balancing_weights, mixed_of, subsets_of
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import (
     CREEP,
     RELATIVE_TOLERANCE,
     DynamicPath,
+    MovingLoads,
     NewtonEuler,
     RigidBody,
     absolute_tolerances,

@@ -8,10 +8,122 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers, RowsOfWheels, loads_of, widest_gaps
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.loads.spring_loads import spring_loads
+from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.many_twists import Contacts, ManyTwists
+from nonsmooth.symbolic.mechanics.springs import EqualSprings
+
+# ---- the contacts under many poses of one body at once -------------------------------------------
+#
+# The contacts under many poses of one body at once, in floats: which wheels are near, their loads, who tips.
+#
+# Each pose keeps a list of wheels near enough to come under the outline soon; one row of every array is one pose.
+# Loads are those of springs.  The centre of mass lies strictly inside the hull of the carrying wheels
+# iff no two of them that follow each other around it are half a turn or more apart; else the body tips over the line
+# through the two with the widest gap.
+
+
+Mask = NDArray[np.bool_]
+Numbers = NDArray[np.int_]
+
+NOBODY = -1  # number of a wheel that is none
+
+
+def nearest_wheels(places: Floats, centres: Floats, reach: float) -> Numbers:
+    """Numbers of the wheels (n, 2) within a distance of each centre (m, 2), shape (m, k); :data:`NOBODY` fills up."""
+    from scipy.spatial import cKDTree
+
+    found = cKDTree(places).query_ball_point(centres, reach, return_sorted=True)
+    width = max((len(near) for near in found), default=0)
+    numbers = np.full((len(centres), max(width, 1)), NOBODY)
+    for row, near in zip(numbers, found, strict=True):
+        row[: len(near)] = near
+    return numbers
+
+
+def widest_gaps(levers: Floats, carrying: Mask) -> tuple[Floats, Numbers, Numbers]:
+    """The widest angle between carrying wheels that follow each other around the centre of mass, and both of them.
+
+    Args:
+        levers: ``p_i - c``, shape (m, k, 2).
+        carrying: shape (m, k).
+
+    Returns:
+        angles (m,), infinite without a wheel; columns (m,) of the two wheels, counterclockwise.
+    """
+    angles = np.where(carrying, np.arctan2(levers[..., 1], levers[..., 0]), np.inf)
+    order = np.argsort(angles, axis=1)
+    ascending = np.take_along_axis(angles, order, axis=1)
+    count = carrying.sum(axis=1)
+    rows = np.arange(len(angles))
+    last = np.maximum(count - 1, 0)
+    with np.errstate(invalid="ignore"):
+        gaps = np.diff(ascending, axis=1, append=np.inf)
+        gaps[rows, last] = ascending[:, 0] + 2 * np.pi - ascending[rows, last]
+    gaps[np.arange(gaps.shape[1]) >= count[:, None]] = -np.inf
+    widest = gaps.argmax(axis=1)
+    following = np.where(widest >= last, 0, widest + 1)
+    wide = np.where(count > 0, gaps[rows, widest], np.inf)
+    return wide, order[rows, widest], order[rows, following]
+
+
+def loads_of(model: ContactModel, wheels: Numbers, carrying: Mask, levers: Floats) -> tuple[Floats, Mask]:
+    """``N`` of shape (m, k), zero beside the body, and whether it balances the weight.
+
+    Args:
+        model: whose law lets wheels lift off.
+        wheels: numbers of wheels, shape (m, k).
+        carrying: which of them are under the body.
+        levers: ``p_i - c``, shape (m, k, 2).
+    """
+    loads, balanced = elastic_loads_of(levers, carrying)
+    if model.law == EqualSprings():
+        return loads, balanced
+    for k in np.flatnonzero(balanced):  # one after the other: a law is known by its forms on one set
+        under = np.flatnonzero(carrying[k])
+        own = model.on(wheels[k, under].tolist())
+        try:
+            loads[k, under] = loads_at(own, own.positions[:1] - levers[k, under[:1]])
+        except LoadError:
+            balanced[k] = False
+    return loads, balanced
+
+
+def elastic_loads_of(levers: Floats, carrying: Mask) -> tuple[Floats, Mask]:
+    """The same of equal springs."""
+    sizes = np.abs(np.where(carrying[..., None], levers, 0.0)).max(axis=(1, 2))
+    sizes[sizes == 0] = 1.0
+    moments = np.concatenate([np.ones((*carrying.shape, 1)), levers / sizes[:, None, None]], axis=2)
+    moments = np.where(carrying[..., None], moments, 0.0)
+    weight = np.array([1.0, 0.0, 0.0])
+    return spring_loads(moments, np.broadcast_to(weight, (len(levers), 3)))
+
+
+class RowsOfWheels:
+    """Rows of the contacts of any wheels of one model, about any centre of mass."""
+
+    def __init__(self, model: ContactModel) -> None:
+        frames = model.rows.reshape(-1, 2, 3)[..., :2]
+        grip = model.friction.reshape(-1, 2)
+        self._frames = grip[..., None] * frames
+        self._targets = grip * model.targets.reshape(-1, 2)
+
+    def at(self, wheels: Numbers, levers: Floats, size: float) -> tuple[Floats, Floats]:
+        """Weighted rows (m, k, 2, 3) on ``(c', size theta')`` and weighted targets (m, k, 2).
+
+        The slip of a contact at lever q is ``frame . (c' + theta' J q) - target``.
+        """
+        frames = self._frames[wheels]
+        turned = np.stack([-levers[..., 1], levers[..., 0]], axis=-1) / size
+        turning = frames @ turned[..., None]
+        return np.concatenate([frames, turning], axis=3), self._targets[wheels]
+
+
+# ---- motions -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

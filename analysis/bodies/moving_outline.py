@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.mechanics.body import Body
-from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 
 Numbers = NDArray[np.int_]
 

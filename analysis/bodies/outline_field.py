@@ -15,10 +15,10 @@ from itertools import islice
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.mixing import subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCell, Side, agrees
 from nonsmooth.analysis.bodies.supports import CarryingWheels, finite_start, tipped_start, tipping_edge, wheel_changes
+from nonsmooth.analysis.bodies.switching import subsets_of
 from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics

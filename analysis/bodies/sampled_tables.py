@@ -28,8 +28,7 @@ from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell_count
 
 RESTS = 1e-7  # of the fastest rim
@@ -43,7 +42,7 @@ class SampledTables:
     """Where bodies rest on tables that were drawn.
 
     Attributes:
-        names: the tolerances that were drawn, of :class:`nonsmooth.symbolic.mechanics.tolerances.Tolerance`.
+        names: the tolerances that were drawn, of :class:`nonsmooth.symbolic.mechanics.scene.Tolerance`.
         places: of rest (m, 2), in the scene's coordinates; not a number where none was found that attracts.
         nominal: that of the table as drawn.
         point: the checked one.

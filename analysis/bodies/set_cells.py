@@ -17,9 +17,9 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import Member, Surface, affine_surface
+from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import with_only
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.support_polygon import support_polygon
 from nonsmooth.symbolic.numbers.number_text import numbers_text
 from nonsmooth.symbolic.numbers.plane import around, cross
 

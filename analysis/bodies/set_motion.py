@@ -12,13 +12,11 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
+from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
-from nonsmooth.analysis.minimizers.cut_newton import CutNewton
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
-from nonsmooth.analysis.minimizers.proved import resists_every_motion
-from nonsmooth.analysis.minimizers.regime import NOBODY
-from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
+from nonsmooth.analysis.minimizers.minimum import resists_every_motion
+from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, CutNewton, SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.numbers.number_text import place_text

@@ -22,8 +22,8 @@ from nonsmooth.analysis.bodies.set_motion import Wheels
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, HybridField, Mode, Path, Stretch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, State
+from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.support_polygon import outer_positions, support_polygon
 from nonsmooth.symbolic.numbers.plane import Vector, around
 
 LOOKS = 8  # parts of a step at whose ends wheels are looked at

@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.cell_complex import CellComplex, build_complex, ti
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.mechanics.constraints import Row, Twist, independent
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
-from nonsmooth.symbolic.mechanics.free_motions import free_text, kernel
+from nonsmooth.symbolic.mechanics.free_rollers import free_text, kernel
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated

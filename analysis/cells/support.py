@@ -17,8 +17,8 @@ from flint import arb
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import square
+from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.support_polygon import outer_positions, support_polygon
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector, cross, dot, minus
 from nonsmooth.symbolic.numbers.square_roots import NestingError

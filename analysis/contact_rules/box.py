@@ -45,8 +45,8 @@ class BoxRule(CellRule, LimitedForces):
         """Loads exist in the hull of the wheels."""
         from nonsmooth.analysis.cells.box import build_box_partition
         from nonsmooth.analysis.cells.polygon import convex_polygon
+        from nonsmooth.symbolic.mechanics.body import support_polygon
         from nonsmooth.symbolic.mechanics.similar_scenes import covering
-        from nonsmooth.symbolic.mechanics.support_polygon import support_polygon
 
         hull = convex_polygon(support_polygon([wheel.position for wheel in scene.wheels]))
         return build_box_partition(covering(scene), hull)

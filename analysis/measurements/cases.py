@@ -45,15 +45,14 @@ from nonsmooth.analysis.minimizers.minimum import GAP
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth, onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.constraints import Row, roll_row, side_row
 from nonsmooth.symbolic.mechanics.contact_states import solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
-from nonsmooth.symbolic.mechanics.support_polygon import support_polygon
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import power_text
-from nonsmooth.symbolic.systems.similar_systems import scaled_system
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, scaled_system
 
 POWERS = (-9, -6, -3, 3, 6, 9)  # of ten: other units of length or time
 OFFSETS = (3, 6, 9)  # powers of ten, in units of length: places far from the origin

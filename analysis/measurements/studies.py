@@ -30,8 +30,8 @@ from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.minimum import proved
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.symbolic.mechanics.constraints import Row, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -21,8 +21,8 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_ru
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
+from nonsmooth.analysis.minimizers.minimum import minima_without_proof, proved
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr

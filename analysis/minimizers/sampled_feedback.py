@@ -27,8 +27,7 @@ from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.minimum import Minima
-from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
+from nonsmooth.analysis.minimizers.minimum import Minima, minima_without_proof, proved
 from nonsmooth.symbolic.numbers.number_text import float_text
 
 GAIN = 1.0  # k, 1/time: the rate scales with it

@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.analysis.minimizers.proved import free_motions, proved
+from nonsmooth.analysis.minimizers.minimum import free_motions, proved
 from nonsmooth.symbolic.mechanics.scene import Scene
 
 RESTS = 1e-9  # of the fastest velocity: slower is what rounding leaves of rest

@@ -131,7 +131,7 @@ def sample_smooth_derivative(scene: Scene, samples: int, seed: int = 0) -> Sampl
     proved do not count.
     """
     from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-    from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
+    from nonsmooth.analysis.minimizers.minimum import free_motions, minima_without_proof, proved
 
     free = free_motions(scene)
     if free:

@@ -23,10 +23,19 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import FacedField, Vector, Velocity, length, unit_normal
-from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.trajectories.face_motion import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
+
+# ---- what is said where no periodic orbit is found, or nothing can be said of one ----------------
+
+
+class OrbitError(ValueError):
+    """No periodic orbit, or one whose derivative does not exist; the message says where and why."""
+
+
+# ---- orbits --------------------------------------------------------------------------------------
+
 
 Multipliers = NDArray[np.complex128]
 

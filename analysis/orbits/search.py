@@ -17,8 +17,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Vector, Velocity
-from nonsmooth.analysis.orbits.orbit import Orbit, follow_turn, newton_system
-from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, follow_turn, newton_system
 from nonsmooth.analysis.trajectories.face_motion import largest
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import TrajectoryError

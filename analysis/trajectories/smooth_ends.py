@@ -25,7 +25,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.contact_model import Floats, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
-from nonsmooth.analysis.minimizers.proved import free_motions
+from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.analysis.trajectories.maps import SettleMap
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.mechanics.scene import Scene

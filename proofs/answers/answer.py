@@ -161,7 +161,9 @@ def require_dynamics(scene: Scene, key: str) -> None:
         raise SceneError(scene.origin, key, expected, StatedFact(lacks))
 
 
-# ---- numbers of an answer as a reader of a data sheet wants them: four digits, rounded to the safe side
+# ---- numbers of an answer as a reader of a data sheet wants them ---------------------------------
+#
+# Numbers of an answer as a reader of a data sheet wants them: four digits, rounded to the safe side.
 
 
 DIGITS = 4

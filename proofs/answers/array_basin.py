@@ -43,8 +43,8 @@ from nonsmooth.proofs.systems.basin_rings import (
     grow,
     inside_ring,
 )
+from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.support_polygon import widest_square
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
 
 COARSE, FINE = BasinEffort(Pace(0.12, 0.03, 0.02), 41), BasinEffort(Pace(0.04, 0.012, 0.02), 101)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.proofs.answers.answer import angle_at_least, at_least, of_length
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Rotation
 from nonsmooth.symbolic.mechanics.contact_set import contact_set
-from nonsmooth.symbolic.mechanics.free_motions import free_text, free_twists
+from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
 from nonsmooth.symbolic.numbers.number_text import numbers_text
 
 if TYPE_CHECKING:

@@ -19,6 +19,7 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.symbolic.mechanics.body import default_radius
 from nonsmooth.symbolic.mechanics.contact_set import (
     NoLoadsError,
     TipsError,
@@ -28,7 +29,6 @@ from nonsmooth.symbolic.mechanics.contact_set import (
     with_only,
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.mechanics.support_polygon import default_radius
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number import Number

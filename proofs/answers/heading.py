@@ -140,7 +140,9 @@ def _why_undecided(results: Results) -> str:
     return f"whether a body at rest turns is not decided{WHY_BELOW}"
 
 
-# ---- at which headings does a body with an outline rest, about the checked point, and which of them attract?
+# ---- at which headings does a body with an outline rest ------------------------------------------
+#
+# At which headings does a body with an outline rest, about the checked point, and which of them attract?.
 #
 # A list for people of what :mod:`nonsmooth.proofs.headings` proves, and of what is only sampled.
 

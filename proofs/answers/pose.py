@@ -12,8 +12,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import BY_CELLS, UltimateBound, ultimate_bound, wheel_speed
 from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Feedback, Quantity, said
-from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, upper_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 

@@ -21,8 +21,8 @@ from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.boxes.linearization import gradient, slips_at
 from nonsmooth.proofs.headings.stay import Stay, Stays, StaysAt
+from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import whole
-from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline, Gap, HeadingCluster, clusters, gaps, places_of, seen
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -263,7 +263,9 @@ def _shortest(rates: list[arb_mat]) -> arb_mat:
     return arb_mat([[arb(float(entry))] for entry in shortest])
 
 
-# ---- equilibrium headings of a body with an outline: where it rests for a range of headings, and where for one
+# ---- equilibrium headings of a body with an outline ----------------------------------------------
+#
+# Equilibrium headings of a body with an outline: where it rests for a range of headings, and where for one.
 #
 # At the checked point every range of headings is decided or named as undecided, under every contact rule.  Under a rule
 # without cells rest is also looked for around that point, in floats; on one set of wheels what is found is decided

@@ -292,7 +292,9 @@ def _nearer(surface: Polynomial, points: Floats) -> Floats:
     return np.asarray(points - steps[:, None] * slopes)
 
 
-# ---- the claims about a function V of a plain system, or about all functions of a basis, as the checker derives them
+# ---- the claims about a function V of a plain system ---------------------------------------------
+#
+# The claims about a function V of a plain system, or about all functions of a basis, as the checker derives them.
 
 
 class Collected(Proofs):

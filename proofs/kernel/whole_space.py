@@ -45,7 +45,9 @@ from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, m
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-# ---- proposals for a V that is positive and falls in the whole space: polynomials, and logarithms, by sums of squares
+# ---- proposals for a V that is positive and falls in the whole space -----------------------------
+#
+# Proposals for a V that is positive and falls in the whole space: polynomials, and logarithms, by sums of squares.
 #
 # With fields f that are polynomials, of one cell, both are asked without a domain,
 #

@@ -24,12 +24,13 @@ from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece, Place, polygon_about
 from nonsmooth.proofs.robust.plane_minimum import BoxCorners, Proposal
 from nonsmooth.proofs.robust.rings import PRECISION, RingProof
-from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
-# ---- one wheel of an array under rule ``box`` over a box of parameters: its slips, and the power of its forces
+# ---- one wheel of an array under rule ``box`` over a box of parameters ---------------------------
+#
+# One wheel of an array under rule ``box`` over a box of parameters: its slips, and the power of its forces.
 #
 # With the friction axis a, ``b = J a`` and the turn eta of the wheel within its tolerance, the slips of a twist are ::
 #

@@ -25,10 +25,9 @@ from nonsmooth.proofs.robust.drift import largest_spin
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
 from nonsmooth.proofs.robust.rings import root_above
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, TouchingRings, rings_about
+from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.support_polygon import outer_positions, support_polygon
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
 

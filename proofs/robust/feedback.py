@@ -31,9 +31,8 @@ from nonsmooth.proofs.robust.box import BoxBound, BoxWheel, box_wheels
 from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS, BoxCorners
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 if TYPE_CHECKING:

@@ -19,8 +19,7 @@ from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple, force_law
 from nonsmooth.proofs.robust.box import box_wheels
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist

@@ -36,8 +36,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon
 from nonsmooth.proofs.boxes.enclosures import UNIT, Jet, parameters, turned_by
 from nonsmooth.proofs.robust.box import half_widths
 from nonsmooth.proofs.robust.rings import BoundedCell, root_above, squared_radius
-from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.plane import around

@@ -24,7 +24,9 @@ from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
 
-# ---- the rows of an array and the limits of its friction forces, in floats: what proofs look at to find their guesses
+# ---- the rows of an array and the limits of its friction forces ----------------------------------
+#
+# The rows of an array and the limits of its friction forces, in floats: what proofs look at to find their guesses.
 
 
 class ArrayRows:
@@ -163,7 +165,9 @@ def _middle(piece: AnnulusPiece) -> tuple[float, float]:
     return radius * math.cos(angle), radius * math.sin(angle)
 
 
-# ---- twists at the corners of D under rule ``box``, in floats: what balances a push.  No proof rests on them
+# ---- twists at the corners of D under rule ``box`` -----------------------------------------------
+#
+# Twists at the corners of D under rule ``box``, in floats: what balances a push.  No proof rests on them.
 #
 # ``D - G . xi`` is convex and linear in pieces, so that where it has a least value one is at a corner, a twist that
 # satisfies three independent rows.  Which twists are corners depends neither on the loads nor on the push G.

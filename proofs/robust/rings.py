@@ -21,7 +21,7 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.polygon import Polygon
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece, ring
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Tolerance
 from nonsmooth.symbolic.messages.under_way import tell, tell_count
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number_text import float_text

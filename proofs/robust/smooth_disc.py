@@ -32,8 +32,7 @@ from nonsmooth.proofs.robust.box import box_wheels
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 
 SHARES = (0.4, 0.05)  # of the rate of the scene itself, tried one after the other

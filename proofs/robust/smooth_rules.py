@@ -45,8 +45,7 @@ from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.array_forces import rollers
 from nonsmooth.proofs.robust.box import half_widths
-from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 PRECISION = 64  # bits of the balls

@@ -25,8 +25,7 @@ from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPiec
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.rings import root_above, squared_radius
 from nonsmooth.symbolic.mechanics.friction_set import Box
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.figures.style import figure_bytes
-from nonsmooth.reports.output.choices import Drawing
 from nonsmooth.reports.output.document import Block, Paragraph
+from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.numbers.number_text import brief_text
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
-from nonsmooth.reports.output.choices import LawName, RegionSearch
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import notice, progress, steps
 from nonsmooth.reports.output.refusals import RefusedError, UnwrittenError, bad_input, refusals_named
-from nonsmooth.reports.output.study_options import FAIL, Options, option
+from nonsmooth.reports.output.study_options import FAIL, LawName, Options, RegionSearch, option
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown

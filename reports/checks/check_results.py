@@ -243,7 +243,7 @@ class CheckResult(ArrayAnswers):
             ValueError: for another name.
         """
         from nonsmooth.reports.laws.law_program import law_of
-        from nonsmooth.reports.output.choices import LawName
+        from nonsmooth.reports.output.study_options import LawName
 
         return law_of(self.evidence, LawName(name))
 

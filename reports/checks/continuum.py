@@ -13,8 +13,7 @@ from nonsmooth.reports.output.document import Section, display, table
 from nonsmooth.reports.output.facts import Record, with_exact
 from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.output.terminal import header_table
-from nonsmooth.symbolic.mechanics.body import outline_text
-from nonsmooth.symbolic.mechanics.continuum import ContinuousField, Disc
+from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, outline_text
 from nonsmooth.symbolic.numbers.number_text import float_text, short_text
 
 HEADER = ("what moves", "position", "rotation")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.reports.checks.check import CHECK
-from nonsmooth.reports.output.options import SceneTexts
+from nonsmooth.reports.output.study_options import SceneTexts
 from nonsmooth.reports.studies.study_command import command
 
 check = command(

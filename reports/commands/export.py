@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.output.console import write
-from nonsmooth.reports.output.options import SceneText
 from nonsmooth.reports.output.refusals import RefusedError, beyond_floats_named, refusals_named
-from nonsmooth.reports.output.study_options import SceneOptions
+from nonsmooth.reports.output.study_options import SceneOptions, SceneText
 from nonsmooth.reports.studies.study_command import offered
 
 if TYPE_CHECKING:
@@ -63,8 +62,7 @@ def export(
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.reports.engine.mjcf import export_scene
-    from nonsmooth.reports.engine.mjcf_world import export_world
+    from nonsmooth.reports.engine.mjcf import export_scene, export_world
     from nonsmooth.reports.exchange.exports import EXPORTS
     from nonsmooth.reports.output.files import output_path, write_whole
     from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document

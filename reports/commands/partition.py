@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.proofs.clauses.every_load.possible_twists import PossibleTwist
-from nonsmooth.reports.output.choices import Drawing
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record, with_exact
 from nonsmooth.reports.output.files import PICTURES
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import refusals_named
-from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.output.study_options import Drawing, Options, option
 from nonsmooth.reports.output.terminal import later_notes
 from nonsmooth.reports.studies.result import DataTable, Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.reports.output.options import complete_study
 from nonsmooth.reports.output.refusals import RefusedError
-from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.output.study_options import Options, complete_study, option
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.studies.study_command import command

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.reports.output.console import write_json, write_views
-from nonsmooth.reports.output.options import Json
+from nonsmooth.reports.output.study_options import Json
 
 
 def scenes(json: Json = False) -> int:

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from nonsmooth.reports.output.options import VehicleText
 from nonsmooth.reports.output.refusals import RefusedError, refusals_named
-from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.output.study_options import Options, VehicleText, option
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.studies.study_command import command

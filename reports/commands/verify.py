@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nonsmooth.reports.output.console import BAD_INPUT, write
-from nonsmooth.reports.output.options import complete_scene
 from nonsmooth.reports.output.refusals import RefusedError
-from nonsmooth.reports.output.study_options import SceneOptions
+from nonsmooth.reports.output.study_options import SceneOptions, complete_scene
 from nonsmooth.reports.studies.study_command import offered
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.output.console import broken_pipes_raised, write
-from nonsmooth.reports.output.options import complete_scene
 from nonsmooth.reports.output.refusals import RefusedError
+from nonsmooth.reports.output.study_options import complete_scene
 
 NEEDED = "workbench: required starlette and uvicorn (pip install 'nonsmooth[workbench]'), received a Python without"
 

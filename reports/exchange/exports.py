@@ -20,9 +20,7 @@ def _problem(result: Any, ending: str) -> bytes:
         SceneError: for a verdict that rests on no inequality.
     """
     from nonsmooth.proofs.checker.descriptions import describe
-    from nonsmooth.reports.exchange.keymaerax import keymaerax_text
-    from nonsmooth.reports.exchange.obligations import obligations_of
-    from nonsmooth.reports.exchange.smtlib import smtlib_text
+    from nonsmooth.reports.exchange.obligations import keymaerax_text, obligations_of, smtlib_text
 
     certificate = result.certificate()
     states = " and ".join(f"z{k} of {name}" for k, name in enumerate(result.evidence.scene.states))

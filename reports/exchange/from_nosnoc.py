@@ -54,7 +54,7 @@ def _depth(value: Any) -> int:
 def _formulas(states: Any, expressions: Any, key: str, reading: Reading) -> tuple[list[str], list[str]]:
     """Names and formulas, by the door of the library that the states come from."""
     if type(states).__module__.startswith("casadi"):
-        from nonsmooth.reports.exchange.from_casadi import formulas_of_casadi
+        from nonsmooth.reports.exchange.from_matrices import formulas_of_casadi
 
         return formulas_of_casadi(expressions, states, {}, reading)
     from nonsmooth.reports.exchange.from_sympy import SympyFormulas

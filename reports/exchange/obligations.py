@@ -26,7 +26,7 @@ from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import THEOREMS, is_of_array
 from nonsmooth.proofs.checker.tower import Field, Number
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 
 # A term or a formula: a number, a name, or an operator with its parts.  Operators are those of SMT-LIB:
 # + * ^ (a whole exponent), >= > = , and or not =>.
@@ -228,3 +228,104 @@ def _joined(operator: str, parts: Iterable[Term]) -> Term:
     """Parts under an operator, or the only part."""
     listed = list(parts)
     return listed[0] if len(listed) == 1 else (operator, *listed)
+
+
+# ---- a decided problem as an archive of KeYmaera X -----------------------------------------------
+#
+# A decided problem as an archive of KeYmaera X: a theorem of real arithmetic for each inequality, with tactic QE.
+#
+# The form is that of the archives that are published with KeYmaera X 4.9 (LS-Lab/KeYmaeraX-projects): ``Theorem``,
+# ``ProgramVariables``, ``Problem``, ``Tactic``, each ended by ``End.``
+
+
+_JOINTS = {"+": " + ", "*": "*", "and": " & ", "or": " | ", "=>": " -> ", ">=": " >= ", ">": " > ", "=": " = "}
+
+
+def keymaerax_text(obligations: Sequence[Obligation], head: Sequence[str]) -> str:
+    """The file.
+
+    Args:
+        obligations: what must be valid.
+        head: lines of the comment at the top.
+    """
+    lines = ["/*", *(f" * {_comment(line)}".rstrip() for line in head)]
+    lines += [" *", f" * {len(obligations)} theorems: the verdict is proved again where QE proves each.", " */"]
+    for number, own in enumerate(obligations, 1):
+        title = _comment(f"{number} of {len(obligations)}, {own.name}").replace('"', "'")
+        lines += ["", f'Theorem "{title}"', "", "ProgramVariables"]
+        lines += [f"  Real {name};" for name in own.variables]
+        lines += ["End.", "", "Problem"]
+        lines += ["  " + "\n  & ".join(map(kyx_term, own.hypotheses))] if own.hypotheses else ["  true"]
+        lines += ["  ->", f"  {kyx_term(own.conclusion)}", "End.", ""]
+        lines += [f'Tactic "{title}: Proof"', "  QE", "End.", "", "End."]
+    return "\n".join([*lines, ""])
+
+
+def kyx_term(term: Term) -> str:
+    """A term or a formula, each part in parentheses."""
+    match term:
+        case Fraction():
+            return str(term) if term >= 0 and term.denominator == 1 else f"({term})"
+        case str():
+            return term
+        case ("^", base, exponent):
+            return f"{kyx_term(base)}^{exponent}"
+        case ("not", inner):
+            return f"!{kyx_term(inner)}"
+        case (operator, *parts):
+            return f"({_JOINTS[operator].join(map(kyx_term, parts))})"
+    raise TypeError(f"required a term, received {term!r}")
+
+
+def _comment(line: str) -> str:
+    """A line that neither ends nor begins a comment."""
+    return one_line(line).replace("*/", "* /").replace("/*", "/ *")
+
+
+# ---- SMT-LIB 2: one query for each inequality that the verdict rests on, ``unsat`` if it holds ----
+#
+# The logic is QF_NRA, polynomial arithmetic over the reals; the form is that of the standard, version 2.6 (Barrett,
+# Fontaine, Tinelli 2017).
+
+
+def smtlib_text(obligations: Sequence[Obligation], head: Sequence[str]) -> str:
+    """The file.
+
+    Args:
+        obligations: what must be valid.
+        head: lines of the comment at the top.
+    """
+    lines = [f"; {one_line(line)}".rstrip() for line in head]
+    lines += [
+        ";",
+        f"; {len(obligations)} queries: the verdict is proved again where each answer is unsat.",
+        "; z3 FILE; cvc5 --incremental FILE",
+        "(set-logic QF_NRA)",
+    ]
+    for number, own in enumerate(obligations, 1):
+        lines += ["", f"; query {number}: {one_line(own.name)}", "(push 1)"]
+        lines += [f"(declare-const {name} Real)" for name in own.variables]
+        lines += [f"(assert {smt_term(hypothesis)})" for hypothesis in own.hypotheses]
+        lines += [f"(assert (not {smt_term(own.conclusion)}))", "(check-sat)", "(pop 1)"]
+    return "\n".join([*lines, "(exit)", ""])
+
+
+def smt_term(term: Term) -> str:
+    """A term or a formula; powers are products, since SMT-LIB has none."""
+    match term:
+        case Fraction():
+            return _smt_number(term)
+        case str():
+            return term
+        case ("^", base, exponent):
+            return f"(* {' '.join([smt_term(base)] * int(exponent))})"
+        case (operator, *parts):
+            return f"({operator} {' '.join(map(smt_term, parts))})"
+    raise TypeError(f"required a term, received {term!r}")
+
+
+def _smt_number(value: Fraction) -> str:
+    """A literal of the reals: negation and division are operators."""
+    whole = f"{abs(value.numerator)}.0"
+    size = whole if value.denominator == 1 else f"(/ {whole} {value.denominator}.0)"
+    return f"(- {size})" if value < 0 else size

@@ -30,11 +30,10 @@ from nonsmooth.reports.figures.style import (
     new_figure,
     title_axes,
 )
+from nonsmooth.symbolic.mechanics.body import Disc, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import whole
-from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.mechanics.support_polygon import support_polygon
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.scene import PythonScene
-from nonsmooth.reports.output.entries import entry, table
+from nonsmooth.reports.output.facts import entry, table
 from nonsmooth.reports.simulations.simulate_options import PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.studies.study import takes
 
@@ -181,7 +181,7 @@ class System(PythonScene):
         Raises:
             SceneError: without CasADi, and for instructions that formulas do not have.
         """
-        from nonsmooth.reports.exchange.from_casadi import formulas_of_casadi
+        from nonsmooth.reports.exchange.from_matrices import formulas_of_casadi
         from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_casadi", decimals)
@@ -217,7 +217,7 @@ class System(PythonScene):
         Raises:
             SceneError: without python-control, and for what is no such loop.
         """
-        from nonsmooth.reports.exchange.from_control import formulas_of_control
+        from nonsmooth.reports.exchange.from_matrices import formulas_of_control
         from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_control", decimals)

@@ -16,12 +16,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
+from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.analysis.minimizers.proved import proved
+from nonsmooth.analysis.minimizers.minimum import proved
 from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth

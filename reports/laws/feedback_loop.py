@@ -33,7 +33,7 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, T
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.own_paths import ContradictionError
-from nonsmooth.reports.output.choices import LawName
+from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 
 GAIN = 1.0

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.reports.laws.law_languages import Language, header, law_program
 from nonsmooth.reports.laws.law_table import LawTable, law_table
-from nonsmooth.reports.output.choices import LawName
 from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.numbers.number_text import short_text
 

@@ -32,11 +32,10 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS, ultimat
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
-from nonsmooth.reports.output.choices import LawName
+from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.mechanics.constraints import RowKind
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
-from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text, lower_text, upper_text
 

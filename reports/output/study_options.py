@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, fields
-from enum import Enum
-from typing import Any, get_type_hints
+from enum import Enum, StrEnum
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import typer
 
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED
 
@@ -84,3 +87,89 @@ def types_of(options: type[Options]) -> dict[str, Any]:
     """What the command line reads for each option."""
     hints = get_type_hints(options)
     return {name: own.typed or hints[name] for name, own in options_of(options).items()}
+
+
+# ---- arguments that commands share, and what the shell completes ---------------------------------
+
+
+def complete_scene(incomplete: str) -> list[str]:
+    """Built-in names and scene files that begin as typed, for the shell."""
+    from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
+
+    folder = Path(incomplete).parent if "/" in incomplete else Path()
+    files = [str(folder / path.name) for path in sorted(folder.glob("*.toml"))]
+    return [name for name in (*builtin_scenes(), *builtin_systems(), *files) if name.startswith(incomplete)]
+
+
+def complete_vehicle(incomplete: str) -> list[str]:
+    """Built-in vehicles and scene files that begin as typed, for the shell."""
+    from nonsmooth.symbolic.files.scene_file import builtin_vehicles
+
+    files = [name for name in complete_scene(incomplete) if name.endswith(".toml")]
+    return [*(name for name in builtin_vehicles() if name.startswith(incomplete)), *files]
+
+
+def complete_study(incomplete: str) -> list[str]:
+    """Names of studies, for the shell."""
+    from nonsmooth.proofs.measurements import STUDIES, SYSTEM_STUDIES
+
+    return [study.name for study in (*STUDIES, *SYSTEM_STUDIES) if study.name.startswith(incomplete)]
+
+
+SceneText = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="A scene file (TOML) or a built-in name.", autocompletion=complete_scene),
+]
+SceneTexts = Annotated[
+    list[str],
+    typer.Argument(metavar="SCENE...", help="Scene files (TOML) or built-in names.", autocompletion=complete_scene),
+]
+VehicleText = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE", help="A scene file with [vehicle] or a built-in name.", autocompletion=complete_vehicle
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+
+
+# ---- what a command line offers by name; light, so that ``--help`` loads no mathematics ----------
+
+
+class LawName(StrEnum):
+    """A feedback law of rule ``nearest``; ``certified`` stands for the one that the feedback clause certifies."""
+
+    CERTIFIED = "certified"
+    CORRECTED = "corrected"
+    PRINTED = "printed"
+    GRADIENT = "gradient"
+    CASCADE = "cascade"
+
+
+class PathMethod(StrEnum):
+    """How the solution is followed."""
+
+    EVENTS = "events"
+    HYSTERESIS = "hysteresis"
+    SMOOTHED = "smoothed"
+    DYNAMICS = "dynamics"
+
+
+class Drawing(StrEnum):
+    """What a picture of an array shows."""
+
+    CELLS = "cells"
+    ARRAY = "array"
+    RATES = "rates"
+
+
+class RegionSearch(StrEnum):
+    """How much is done for the region, beyond a level set of the V that decides.
+
+    ``auto`` is ``fast`` for a plain system in two states and more, and ``none`` for everything else.
+    """
+
+    AUTO = "auto"
+    NONE = "none"
+    FAST = "fast"
+    BEST = "best"

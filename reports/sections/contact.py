@@ -23,7 +23,7 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import listed, paragraph, prose
-from nonsmooth.symbolic.formulas.linear_formulas import number_latex
+from nonsmooth.symbolic.formulas.surfaces import number_latex
 from nonsmooth.symbolic.mechanics.constraints import constraint_matrix
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.equations import Coordinates, GoverningEquations, governing_equations

@@ -51,7 +51,7 @@ from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.simulations.paths import follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.formulas.formula_text import tidied
-from nonsmooth.symbolic.formulas.linear_formulas import symbol_latex
+from nonsmooth.symbolic.formulas.surfaces import symbol_latex
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -21,7 +21,6 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks.cells import CellsResult
 from nonsmooth.reports.checks.subject import ArraySubject
-from nonsmooth.reports.output.choices import Drawing
 from nonsmooth.reports.output.document import (
     Block,
     Bullets,
@@ -38,6 +37,7 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import listed, paragraph, prose, with_formulas
+from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.sections.feedback import feedback_blocks
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy

@@ -49,9 +49,8 @@ from nonsmooth.reports.simulations.maps import (
 from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, fastest_rim, heading_text, range_text, size_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record
-from nonsmooth.symbolic.mechanics.body import Body
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point, standing, whole
-from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text

@@ -29,9 +29,9 @@ from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, in_unit
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.symbolic.mechanics.body import support_polygon, widest_square
 from nonsmooth.symbolic.mechanics.contact_set import NoLoadsError, accuracy_at_point, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.support_polygon import support_polygon, widest_square
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text

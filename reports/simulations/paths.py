@@ -36,11 +36,11 @@ from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
-from nonsmooth.reports.output.choices import LawName, PathMethod
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.files import FILMS, output_path, write_whole
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
+from nonsmooth.reports.output.study_options import LawName, PathMethod
 from nonsmooth.reports.simulations.path_ends import (
     ArrayPathEnd,
     is_at_point,

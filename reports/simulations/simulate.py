@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.output.choices import PathMethod
 from nonsmooth.reports.output.files import FILMS
 from nonsmooth.reports.output.refusals import OptionError, RefusedError, bad_input
+from nonsmooth.reports.output.study_options import PathMethod
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.messages.scene_kind import SceneKind

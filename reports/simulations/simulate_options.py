@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.output.choices import LawName, PathMethod
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.output.study_options import LawName, Options, PathMethod, option
 from nonsmooth.symbolic.mechanics.units import AngleUnit
 
 if TYPE_CHECKING:

@@ -9,10 +9,10 @@ from typing import Annotated, Any
 
 import typer
 
-from nonsmooth.reports.output import options as shared
+from nonsmooth.reports.output import study_options as shared
 from nonsmooth.reports.output.study_options import OfferedOption, Options, SceneOptions, flag_of, options_of, types_of
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.messages.suggestions import is_meant
+from nonsmooth.symbolic.messages.scene_error import is_meant
 
 
 def command(study: SceneStudy[Any], name: str, words: str, scene: Any = shared.SceneText) -> Callable[..., int]:

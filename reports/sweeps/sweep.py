@@ -154,7 +154,7 @@ def _workers(work: Work, means: Means) -> Workers:
     """A cluster where one is named, else this machine."""
     if means.scheduler is None:
         return local_workers(work, means.processes)
-    from nonsmooth.reports.sweeps.cluster import Cluster
+    from nonsmooth.reports.sweeps.workers import Cluster
 
     return Cluster(work, means.scheduler)
 

@@ -29,13 +29,13 @@ from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.output.facts import fact_lines, fact_record, floats
-from nonsmooth.reports.workbench.paths import path_records
 from nonsmooth.reports.workbench.shapes import (
     body_record,
     cells_record,
     contact_record,
     edges_record,
     loads_at_point,
+    path_records,
     point,
     square_record,
     wheels_record,

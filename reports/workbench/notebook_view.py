@@ -21,7 +21,7 @@ from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.system import System
 from nonsmooth.reports.output.processes import CancelledError
 from nonsmooth.reports.workbench.documents import expanded, opened
-from nonsmooth.reports.workbench.paths import UNTIL
+from nonsmooth.reports.workbench.shapes import UNTIL
 from nonsmooth.reports.workbench.worker import CANCELLED, answers
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ import numpy as np
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
 from nonsmooth.reports.interface.system import System
-from nonsmooth.reports.workbench.paths import path_records
-from nonsmooth.reports.workbench.shapes import point
+from nonsmooth.reports.workbench.shapes import path_records, point
 from nonsmooth.symbolic.numbers.number_text import brief_text
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import Annotated, Literal
 from pydantic import PlainValidator
 
 from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numbers, OptionalExact, TomlTable, read_pair
-from nonsmooth.symbolic.mechanics.body import Body, BodyInertia, is_convex
-from nonsmooth.symbolic.mechanics.continuum import Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.mechanics.body import Body, BodyInertia, Disc, Footprint, PolygonShape, is_convex
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, same_direction

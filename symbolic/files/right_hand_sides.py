@@ -16,11 +16,10 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
+from nonsmooth.symbolic.files.layouts import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
-from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
+from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
-from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave, enclosing_formulas, has_waves, named_formulas
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement

@@ -23,9 +23,8 @@ from nonsmooth.symbolic.files.scene_values import (
 )
 from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
 from nonsmooth.symbolic.mechanics.rule import DEFAULT_RULE
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import LoopErrors, Tolerance
 from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, SpeedUnit, Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
@@ -121,7 +120,7 @@ class ContactTable(TomlTable):
 class CheckTable(TomlTable):
     """``[check]``: the equilibrium, the square's half-width, a Lyapunov function V, a length l, and an accuracy.
 
-    Without a radius it comes from the array (:func:`nonsmooth.symbolic.mechanics.support_polygon.default_radius`), and
+    Without a radius it comes from the array (:func:`nonsmooth.symbolic.mechanics.body.default_radius`), and
     so does the length (:func:`nonsmooth.symbolic.mechanics.characteristic_length.default_length`), and the accuracy,
     how near a body must come (:attr:`nonsmooth.symbolic.mechanics.scene.Scene.accuracy`).
     """

@@ -25,11 +25,9 @@ from nonsmooth.symbolic.files.scene_document import (
     build_loop_errors,
     build_tolerance,
 )
-from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
-from nonsmooth.symbolic.files.scene_validation import validate
+from nonsmooth.symbolic.files.scene_validation import angle_hints, unit_hints, validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
-from nonsmooth.symbolic.files.unit_hints import angle_hints, unit_hints
-from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
+from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -29,7 +29,6 @@ from nonsmooth.symbolic.files.scene_file import (
     read_document,
     stated_units,
 )
-from nonsmooth.symbolic.files.scene_parts import build_contact
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import (
     ExactField,
@@ -42,10 +41,10 @@ from nonsmooth.symbolic.files.scene_values import (
     field_of,
 )
 from nonsmooth.symbolic.files.velocity_fields import Uniform
-from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
+from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_contact
+from nonsmooth.symbolic.mechanics.body import default_radius
 from nonsmooth.symbolic.mechanics.characteristic_length import default_length
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene, Wheel
-from nonsmooth.symbolic.mechanics.support_polygon import default_radius
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number

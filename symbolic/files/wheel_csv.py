@@ -21,8 +21,7 @@ from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_e
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.mechanics.rule import read_rule
 from nonsmooth.symbolic.mechanics.units import AngleUnit
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.messages.suggestions import is_meant
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, is_meant, requirement
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
 NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")

@@ -14,7 +14,7 @@ from fractions import Fraction
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.symbolic.mechanics.support_polygon import extent, outer_positions
+from nonsmooth.symbolic.mechanics.body import extent, outer_positions
 from nonsmooth.symbolic.numbers.coefficients import as_fraction, rational_ball
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector, minus

@@ -17,8 +17,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from nonsmooth.symbolic.mechanics.body import Body
-from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from nonsmooth.symbolic.formulas.linear_formulas import LINE_BREAK, Formula, Monomial
+from nonsmooth.symbolic.formulas.surfaces import LINE_BREAK, Formula, Monomial
 from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple, constraint_matrix
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, regular_states
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel

@@ -12,7 +12,7 @@ ones.  Such an array has the rule :data:`MIXED`, which nobody names.
 
 from __future__ import annotations
 
-from nonsmooth.symbolic.messages.suggestions import is_meant
+from nonsmooth.symbolic.messages.scene_error import is_meant
 
 DEFAULT_RULE = "nearest"
 MIXED = "mixed"

@@ -14,18 +14,15 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import ClassVar, Literal, Self
 
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.mechanics.body import Body, BodyInertia
+from nonsmooth.symbolic.mechanics.body import Body, BodyInertia, ContinuousField
 from nonsmooth.symbolic.mechanics.characteristic_length import default_length
-from nonsmooth.symbolic.mechanics.continuum import ContinuousField
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, X
-from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.notebook import ShortRepr
@@ -36,6 +33,70 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import Vector, cross, dot, turned
 from nonsmooth.symbolic.numbers.rounded import Rounded
+
+# ---- how far the array that is built may be from the scene: a box of parameters ------------------
+#
+# Every number says by how much a value may differ, up or down, for each wheel on its own.
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A box of parameters around a scene; all entries are at least zero.
+
+    Attributes:
+        position: of each coordinate of each wheel (length).
+        heading: of each rim direction, as ``pi * turn`` (radian).
+        speed: of each surface speed, as a share of it.
+        mu_roll: of each coefficient of friction along the axis, as a share of it.
+        mu_side: the same across the axis.
+        centre_of_mass: of each coordinate of the body's centre of mass in its own frame (length).
+    """
+
+    position: Number
+    heading: Fraction
+    speed: Number
+    mu_roll: Number
+    mu_side: Number
+    centre_of_mass: Number
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The entries that are not zero."""
+        return tuple(entry.name for entry in fields(self) if getattr(self, entry.name))
+
+    def times(self, factor: Fraction) -> Tolerance:
+        """Every entry times a factor that is not negative."""
+        return Tolerance(**{entry.name: getattr(self, entry.name) * factor for entry in fields(self)})
+
+    def without(self, name: str) -> Tolerance:
+        """The same with one entry zero."""
+        return replace(self, **{name: getattr(self, name) * 0})
+
+    def scaled(self, factor: Fraction) -> Tolerance:
+        """In another unit of length: lengths times a factor."""
+        return replace(self, position=self.position * factor, centre_of_mass=self.centre_of_mass * factor)
+
+
+# ---- what a feedback loop does not know in time, or not exactly ----------------------------------
+
+
+@dataclass(frozen=True)
+class LoopErrors:
+    """How old the pose is that the law acts on, and how far it may be off; all entries are at least zero.
+
+    Attributes:
+        delay: age of the pose (time).
+        position: largest distance of the place that the law is given from the true one (length).
+        heading: largest difference of the heading that it is given, as ``pi * turn`` (radian).
+    """
+
+    delay: Number
+    position: Number
+    heading: Fraction
+
+
+# ---- the scene -----------------------------------------------------------------------------------
+
 
 DEFAULT_ACCURACY = Fraction(3, 100)  # of the root mean square distance of the wheels
 

@@ -13,11 +13,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
-from nonsmooth.symbolic.mechanics.body import Body
-from nonsmooth.symbolic.mechanics.continuum import Disc, Footprint
+from nonsmooth.symbolic.mechanics.body import Body, Disc, Footprint, extent, outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.mechanics.support_polygon import extent, outer_positions, support_polygon
 
 
 def with_wheels(scene: Scene, change: Callable[[Wheel], Wheel]) -> Scene:

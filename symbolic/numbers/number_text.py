@@ -13,7 +13,7 @@
 | :func:`power_text` | a power of ten | ``1e-9`` |
 | :func:`percent_text` | a share | four significant digits |
 
-Formulas are written by :mod:`nonsmooth.symbolic.formulas.linear_formulas`, numbers of a report by
+Formulas are written by :mod:`nonsmooth.symbolic.formulas.surfaces`, numbers of a report by
 :mod:`nonsmooth.reports.output.document`; both take their decimals from here.
 """
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.bodies.many_contacts import RowsOfWheels, elastic_loads_of, widest_gaps
 from nonsmooth.analysis.bodies.many_paths import (
     BodyEnd,
     CellMotions,
@@ -16,6 +15,7 @@ from nonsmooth.analysis.bodies.many_paths import (
     ManyRates,
     destinations,
 )
+from nonsmooth.analysis.bodies.motions_on_sets import RowsOfWheels, elastic_loads_of, widest_gaps
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import BodyPath

@@ -24,7 +24,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import Arrays, WheelData

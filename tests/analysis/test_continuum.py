@@ -26,7 +26,7 @@ from nonsmooth.analysis.bodies.continuum import (
 from nonsmooth.analysis.fields.plane_arrays import Floats
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.continuum import ContinuousField, Disc, PolygonShape
+from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -9,9 +9,9 @@ from cvxpy.atoms.quad_over_lin import quad_over_lin
 
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import (
     EllipseFriction,
+    MovingLoads,
     NewtonEuler,
     RigidBody,
     array_size,

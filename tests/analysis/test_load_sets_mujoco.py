@@ -10,8 +10,7 @@ import pytest
 
 from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.body import Body
-from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.body_engine import SETTLING, SLOW, THICK, Floats, plate_engine

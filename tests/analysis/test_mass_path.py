@@ -14,8 +14,8 @@ from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import whole
-from nonsmooth.symbolic.mechanics.continuum import Disc
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData
 from tests.oracles.small_steps import small_steps_of_mass

@@ -16,8 +16,7 @@ from scipy.integrate import solve_ivp
 import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits import search
-from nonsmooth.analysis.orbits.orbit import Orbit
-from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.analysis.trajectories import smooth_path
 from nonsmooth.analysis.trajectories.result import EndReason

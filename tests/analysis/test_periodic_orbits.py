@@ -14,8 +14,7 @@ from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.orbits.orbit import Orbit
-from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit, shoot, single_turn
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival, matrix

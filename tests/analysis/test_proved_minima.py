@@ -22,9 +22,8 @@ from nonsmooth.analysis.minimizers.agreement import compare_rules
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.minimum import Minima, free_motions, minima_without_proof, proved
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.analysis.minimizers.proved import free_motions, minima_without_proof, proved
 from nonsmooth.analysis.minimizers.sampled_feedback import SampledLaw
 from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.analysis.trajectories.result import TrajectoryError

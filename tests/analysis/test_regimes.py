@@ -9,10 +9,8 @@ import pytest
 
 from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, with_drag
 from nonsmooth.analysis.fields.contact_model import ContactModel
-from nonsmooth.analysis.minimizers.cut_newton import CutNewton
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
-from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
+from nonsmooth.analysis.minimizers.smooth_newton import CutNewton, SmoothNewton, smallest_forces
 from tests.thorough import few, keep
 
 SAME = 1e-9  # of twists of order one

@@ -12,8 +12,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.bodies.mass_study import body_of
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody
+from nonsmooth.analysis.dynamics.newton_euler import CREEP, MovingLoads, NewtonEuler, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.proofs.answers.inertia import inertia_answer, near_rest
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -18,8 +18,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.reports.exchange.obligations import Obligation, obligations_of
-from nonsmooth.reports.exchange.smtlib import smtlib_text
+from nonsmooth.reports.exchange.obligations import Obligation, obligations_of, smtlib_text
 from tests.reports.exchange.exchanged import NAMES, system
 from tests.reports.exchange.provers import z3_answers
 

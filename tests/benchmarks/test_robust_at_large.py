@@ -13,8 +13,7 @@ from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.robust.test_box_bounds import drawn, small_box, twists
 from tests.proofs.robust.test_smooth_bounds import drawn as smooth_array

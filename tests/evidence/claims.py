@@ -22,7 +22,7 @@ from nonsmooth.reports.checks.equilibrium_headings import headings_record
 from nonsmooth.reports.checks.records import check_record
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
-from nonsmooth.symbolic.mechanics.continuum import ContinuousField, PolygonShape
+from nonsmooth.symbolic.mechanics.body import ContinuousField, PolygonShape
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.evidence.comparison import Comparison, published

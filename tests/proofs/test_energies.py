@@ -11,7 +11,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.energies import energies, falling_energies
-from nonsmooth.symbolic.formulas.float_formulas import float_value
+from nonsmooth.symbolic.formulas.cleared_fractions import float_value
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from tests.plain import built
 

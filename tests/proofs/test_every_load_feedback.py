@@ -23,8 +23,7 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed, ultimat
 from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
-from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
-from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.scene import Contact, LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.measured_arrays import Kind, measured_array

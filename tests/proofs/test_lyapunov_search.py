@@ -21,7 +21,7 @@ from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_ly
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
-from nonsmooth.symbolic.formulas.float_formulas import float_value
+from nonsmooth.symbolic.formulas.cleared_fractions import float_value
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.proofs.conftest import Load

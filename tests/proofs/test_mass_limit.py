@@ -14,8 +14,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.cells.loads import load_regions
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody
+from nonsmooth.analysis.dynamics.newton_euler import CREEP, MovingLoads, NewtonEuler, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.proofs.answers.answer import at_least
 from nonsmooth.proofs.answers.inertia import inertia_answer

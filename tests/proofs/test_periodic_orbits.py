@@ -14,8 +14,7 @@ from flint import arb
 
 import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.orbits.orbit import Orbit
-from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit

@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.proved import proved
+from nonsmooth.analysis.minimizers.minimum import proved
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.feedback.balanced_twists import (

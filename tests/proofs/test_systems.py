@@ -47,8 +47,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import hull_holds_zero
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, scaled_system, with_rate_ratio
 from tests.built_in import decided, planar_systems
 from tests.proofs.conftest import Load
 from tests.thorough import examples, few, keep, thorough

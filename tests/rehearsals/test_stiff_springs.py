@@ -13,14 +13,13 @@ import pytest
 from flint import arb
 from scipy.optimize import minimize
 
-from nonsmooth.analysis.bodies.many_contacts import loads_of
 from nonsmooth.analysis.bodies.many_paths import ManyPaths
 from nonsmooth.analysis.bodies.mass_path import MassPath
+from nonsmooth.analysis.bodies.motions_on_sets import loads_of
 from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
 from nonsmooth.analysis.cells.contact_rule import CellRule, contact_rule, smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody
+from nonsmooth.analysis.dynamics.newton_euler import MovingLoads, RigidBody
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at

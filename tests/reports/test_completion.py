@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.reports.derivations.derivation import complete_part
-from nonsmooth.reports.output.options import complete_scene, complete_study
+from nonsmooth.reports.output.study_options import complete_scene, complete_study
 
 
 def test_sections_are_completed_after_a_comma() -> None:

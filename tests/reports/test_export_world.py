@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.reports.engine.mjcf_world import WorldExport, export_world
+from nonsmooth.reports.engine.mjcf import WorldExport, export_world
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.body import Body
-from nonsmooth.symbolic.mechanics.continuum import Disc
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Friction, Scene
 from tests.conftest import Arrays, WheelData
 from tests.reports.conftest import Invoke

@@ -16,7 +16,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
-from nonsmooth.reports.output.choices import PathMethod
+from nonsmooth.reports.output.study_options import PathMethod
 from nonsmooth.reports.simulations.paths import PathResult, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from tests.thorough import thorough

@@ -23,7 +23,7 @@ def test_the_help_names_every_command_and_imports_none() -> None:
         "import sys; from nonsmooth.reports.cli import app; from nonsmooth.reports.output.console import run; "
         "run(app, ['--help']); "
         "heavy = {'rich', 'pydantic', 'flint', 'numpy', 'sympy', 'nonsmooth.analysis'}; "
-        "heavy |= {'nonsmooth.reports.output.options'}; "
+        "heavy |= {'nonsmooth.reports.output.study_options'}; "
         "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)

@@ -16,8 +16,7 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import ultimate_bound
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
 

@@ -27,7 +27,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.reports.laws.law_table import LawKind
-from nonsmooth.reports.output.choices import LawName
+from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.mechanics.units import Units

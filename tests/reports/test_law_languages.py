@@ -32,7 +32,7 @@ from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_languages import Language
 from nonsmooth.reports.laws.law_program import LawResult, law_of
 from nonsmooth.reports.laws.law_table import LawKind, NoLawError
-from nonsmooth.reports.output.choices import LawName
+from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene

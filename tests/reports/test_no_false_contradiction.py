@@ -8,7 +8,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.reports.laws.feedback_loop import build_loop
-from nonsmooth.reports.output.choices import LawName
+from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.paths import follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from tests.conftest import Arrays, WheelData

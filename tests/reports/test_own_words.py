@@ -16,7 +16,7 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.figures.wheels import wheel_labels
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
-from nonsmooth.symbolic.formulas.linear_formulas import constant
+from nonsmooth.symbolic.formulas.surfaces import constant
 from nonsmooth.symbolic.mechanics.scene import WheelNumber
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_text import brief_text, numbers_text, short_text

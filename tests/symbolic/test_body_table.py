@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.continuum import Disc, Footprint, PolygonShape
+from nonsmooth.symbolic.mechanics.body import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 

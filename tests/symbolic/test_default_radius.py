@@ -10,8 +10,8 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.mechanics.body import FEW, default_radius, outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.support_polygon import FEW, default_radius, outer_positions, support_polygon
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import Vector, cross, minus
 

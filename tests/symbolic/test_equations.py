@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.formulas.expression import parse
-from nonsmooth.symbolic.formulas.linear_formulas import LINE_BREAK, Formula, constant, number_latex
+from nonsmooth.symbolic.formulas.surfaces import LINE_BREAK, Formula, constant, number_latex
 from nonsmooth.symbolic.mechanics.constraints import side_row
 from nonsmooth.symbolic.mechanics.contact_states import regular_states, solve_rows
 from nonsmooth.symbolic.mechanics.equations import (

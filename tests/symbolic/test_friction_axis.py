@@ -14,8 +14,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import Twist, combine, rows_with_friction, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import regular_states, take_census, triples_with_friction
 from nonsmooth.symbolic.mechanics.equations import input_symbol, wheel_constraints
-from nonsmooth.symbolic.mechanics.free_motions import free_text, free_twists
-from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists, with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -10,7 +10,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.mechanics.scene import LoadTable
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
-from nonsmooth.symbolic.systems.similar_systems import scaled_system, with_rate_ratio
+from nonsmooth.symbolic.systems.switched_system import scaled_system, with_rate_ratio
 from tests.conftest import Arrays
 
 FACTOR = Fraction(10) ** -9

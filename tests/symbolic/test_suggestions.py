@@ -14,7 +14,7 @@ from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.files.start_values import read_start_angle
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
-from nonsmooth.symbolic.messages.suggestions import RULES, is_meant
+from nonsmooth.symbolic.messages.scene_error import RULES, is_meant
 
 SCENE = """
 name = "guess"

@@ -48,7 +48,9 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import cross, separating_direction
 
-# ---- sets of loads in floats: the least of linear functions over them with bounds of their errors, and samples
+# ---- sets of loads in floats ---------------------------------------------------------------------
+#
+# Sets of loads in floats: the least of linear functions over them with bounds of their errors, and samples.
 
 
 INSIDE = 2.0**-10  # part of the middle in samples: at a corner wheels carry nothing
@@ -102,7 +104,9 @@ def _array(rows: tuple[tuple[object, ...], ...], count: int) -> Floats:
     return np.array([[float(x) for x in row] for row in rows]).reshape(-1, count)  # type: ignore[arg-type]
 
 
-# ---- what every wheel adds to the slope and to the curvature of D, per unit of its load, about a spin at the point
+# ---- what every wheel adds to the slope and to the curvature of D --------------------------------
+#
+# What every wheel adds to the slope and to the curvature of D, per unit of its load, about a spin at the point.
 #
 # For ``D = sum N_i f_i`` about the twist ``xi_0 = (0, 0, omega)`` (centred scene)::
 #

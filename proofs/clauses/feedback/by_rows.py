@@ -67,7 +67,9 @@ from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, turned
 from nonsmooth.symbolic.numbers.rounded import either_way
 
-# ---- how far the contact state may be in doubt: up to which distance from a cell's side one common input still serves
+# ---- how far the contact state may be in doubt ---------------------------------------------------
+#
+# How far the contact state may be in doubt: up to which distance from a cell's side one common input still serves.
 #
 # Let V be a control Lyapunov function and let c be known to within ``sigma |c|``, so that any cell within this distance
 # may be the true one.  A common input (one speed for each wheel) lowers V in several cells iff zero is not in the hull

@@ -45,8 +45,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.rational_bounds import confirmed, rounded_down, rounded_up
 from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.mechanics.constraints import inner
-from nonsmooth.symbolic.mechanics.loop_errors import LoopErrors
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign

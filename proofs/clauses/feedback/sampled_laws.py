@@ -8,7 +8,7 @@ from dataclasses import replace
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.dissipation import functional_of
-from nonsmooth.analysis.minimizers.proved import free_motions
+from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample, SampledLaw, sample_closed_loop
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.output.document import Block, Math, Paragraph, Section, display
 from nonsmooth.reports.output.prose import listed, paragraph, prose
-from nonsmooth.symbolic.formulas.linear_formulas import Formula, number_latex
+from nonsmooth.symbolic.formulas.surfaces import Formula, number_latex
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import cross

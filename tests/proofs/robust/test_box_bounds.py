@@ -21,8 +21,7 @@ from nonsmooth.proofs.robust.level_sets import AnnulusPiece, polygon_about, ring
 from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from tests.thorough import few, keep, thorough
 

@@ -18,8 +18,7 @@ from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from tests.array_certificates import check_certificate, said, say, subject
 from tests.oracles.earlier_arrays import refusal_of_version_1
 from tests.oracles.rebuilt_arrays import Decoder, rebuilt

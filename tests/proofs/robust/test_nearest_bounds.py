@@ -22,8 +22,7 @@ from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust,
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
 from nonsmooth.proofs.robust.rings import PARTS, _last_slow, is_slow
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.plane import between
 from tests.conftest import Arrays as Builders
 from tests.thorough import few, thorough

@@ -18,9 +18,8 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.robust.feedback import decide_robust_loop
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
 from tests.built_in import checked
 from tests.proofs.robust.test_box_bounds import Floats, small_box
 from tests.proofs.robust.test_smooth_discs import box_of

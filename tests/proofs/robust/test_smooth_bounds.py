@@ -22,8 +22,7 @@ from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from tests.outlined import on, polygon_of
 from tests.thorough import few, keep, thorough

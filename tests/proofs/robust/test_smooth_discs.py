@@ -27,8 +27,7 @@ from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.tolerances import Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from tests.proofs.robust.test_smooth_bounds import Floats, drawn
 from tests.thorough import thorough
 

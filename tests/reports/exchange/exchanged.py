@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import nonsmooth as ns
+from nonsmooth.symbolic.formulas.cleared_fractions import float_value
 from nonsmooth.symbolic.formulas.expression import parse_tree
-from nonsmooth.symbolic.formulas.float_formulas import float_value
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
 
 BUILT_IN = (

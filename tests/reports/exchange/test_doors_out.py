@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.exchange.obligations import obligations_of
-from nonsmooth.reports.exchange.smtlib import smtlib_text
+from nonsmooth.reports.exchange.obligations import obligations_of, smtlib_text
 from tests.reports.conftest import Invoke
 from tests.reports.exchange.exchanged import NAMES, points, system, values
 from tests.reports.exchange.provers import Kyx, kyx_problems, random_point, z3_answers

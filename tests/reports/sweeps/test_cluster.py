@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.reports.sweeps import cluster
+from nonsmooth.reports.sweeps import workers
 from nonsmooth.reports.sweeps.store import Store
 from tests.reports.conftest import Invoke
 
@@ -94,7 +94,7 @@ def test_a_scheduler_that_is_not_there_is_one_line_in_time(invoke: Invoke, addre
     started = time.monotonic()
     done = invoke(*SWEEP, "--scheduler", address)
     assert time.monotonic() - started < 10
-    required = f"required a Dask scheduler that answers within {cluster.ANSWER} s, received none"
+    required = f"required a Dask scheduler that answers within {workers.ANSWER} s, received none"
     assert (done.status, done.out, done.err) == (2, "", f"nonsmooth: --scheduler: {address}: {required}\n")
 
 

@@ -59,7 +59,7 @@ def test_the_token_does_not_count_in_the_address(server: Workbench) -> None:
 @pytest.mark.parametrize(
     "path",
     [
-        "/page/../safety.py",
+        "/page/../app.py",
         "/page/..%2fsafety.py",
         "/page/%2e%2e/app.py",
         "/page//etc/passwd",
