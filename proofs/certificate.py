@@ -37,8 +37,8 @@ from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.clause_registry import conclude, decide_clauses
 from nonsmooth.proofs.clauses.equilibrium.clause import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
-from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.gradient_law import SLACK
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import SIMPLE, CertifiedDisc, certified_disc

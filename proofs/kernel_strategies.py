@@ -26,13 +26,12 @@ from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
-from nonsmooth.proofs.many_states.circles import find_energy_on_circles
 from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function, search_growth
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
-from nonsmooth.proofs.many_states.weak_functions import find_weak_growth, find_weak_lyapunov
+from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles, find_weak_growth, find_weak_lyapunov
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import Domain, cube_text
@@ -44,11 +43,11 @@ from nonsmooth.proofs.systems.findings import (
     Finding,
     Known,
     Method,
+    PlaneFunction,
     weak_finding,
 )
 from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -19,8 +19,8 @@ from nonsmooth.proofs.kernel.bounds import formula
 from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, stated_cells
 from nonsmooth.proofs.kernel.written import as_checked
 from nonsmooth.proofs.systems.findings import DecidedSystem
-from nonsmooth.symbolic.files.layouts import with_parameters
 from nonsmooth.symbolic.files.system_builder import part_of, stated_lists
+from nonsmooth.symbolic.files.system_document import with_parameters
 from nonsmooth.symbolic.formulas.expression import parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, no_sign
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -36,9 +36,8 @@ from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroEr
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import RISES, Decrease, Refutation, examine, refutations
 from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
-from nonsmooth.proofs.systems.findings import ExaminedFunction
+from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise

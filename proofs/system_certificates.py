@@ -34,7 +34,6 @@ from nonsmooth.proofs.kernel.subject import (
 )
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.parts import Parts
-from nonsmooth.proofs.scalar_theorems import scalar_theorem
 from nonsmooth.proofs.stated_functions import growth_hypotheses, stated_function
 from nonsmooth.proofs.system_facts import (
     gain_words,
@@ -49,7 +48,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, Reach
 from nonsmooth.proofs.systems.scalar_stability import distance_hypotheses
-from nonsmooth.proofs.theorem_searches import show_verdict
+from nonsmooth.proofs.theorem_searches import scalar_theorem, show_verdict
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.files.system_builder import with_order
 from nonsmooth.symbolic.messages.scene_error import one_line

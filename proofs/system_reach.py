@@ -26,9 +26,8 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.energies import energies
-from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Reach
+from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, PlaneFunction, Reach
 from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.system_stability import has_rooted_axis
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number

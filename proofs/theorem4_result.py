@@ -17,7 +17,7 @@ from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.clauses.authority import Authority
 from nonsmooth.proofs.clauses.clause import Clause, JudgedEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, EquilibriumResult
-from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
+from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, rotation_bound
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult

@@ -27,8 +27,7 @@ from functools import partial
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
-from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
+from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics, squared_radius_of_plate
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE, smooth_path
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -260,7 +259,7 @@ def body_of(scene: Scene, mass: float) -> RigidBody:
 
 
 def plate(outlined: Body, mass: float) -> RigidBody:
-    """``I = m rho^2`` of a uniform plate (:func:`nonsmooth.analysis.bodies.gyration.squared_radius_of_plate`)."""
+    """``I = m rho^2`` of a uniform plate (:func:`nonsmooth.analysis.bodies.mass_path.squared_radius_of_plate`)."""
     return RigidBody(mass, mass * float(squared_radius_of_plate(outlined)))
 
 

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, rounding_error
-from nonsmooth.analysis.minimizers.force_balance import balance_forces
-from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
 from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, SAME_VERTEX, distinct
 
 TOGETHER = 40  # points in one linear program: beyond, the time of the simplex method grows faster than their number

@@ -16,8 +16,7 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats, contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.force_balance import balance_forces
-from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
 from nonsmooth.analysis.minimizers.sum_of_supports import SETTLED, SupportSums, by_smoothing, finished
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -21,8 +21,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.force_balance import balance_forces
-from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.

@@ -1,4 +1,4 @@
-"""The minimizer of a sum of norms, one after the other along a path: plain Newton steps.
+"""The minimizer of D, one after the other along a path: plain Newton steps on a sum of norms, cut or not.
 
 ``D(xi) = sum_i N_i |w_i|``, ``w_i = (mu_R r_i, mu_S s_i)``, has the gradient ``sum_i N_i W_i^T e_i`` with
 ``e_i = w_i/|w_i|``, and the Hessian ``sum_i N_i/|w_i| W_i^T (1 - e_i e_i^T) W_i``.  That is smooth but for contacts

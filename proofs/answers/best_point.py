@@ -19,13 +19,12 @@ from nonsmooth.proofs.answers.destinations import sampled_destinations, shares_a
 from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
-from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilibria
 from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
-from nonsmooth.proofs.theorem4 import CHECK_UNITS
+from nonsmooth.proofs.theorem4 import CHECK_UNITS, judge_equilibria
 from nonsmooth.symbolic.mechanics.contact_set import alone, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -17,7 +17,7 @@ from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, upper
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 
 DIGITS = 4  # of an error
 ROOTS = 10**9  # roots are rounded down to its parts

@@ -10,7 +10,7 @@ from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity
 from nonsmooth.symbolic.mechanics.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
     from nonsmooth.proofs.robust.decide import Robust
     from nonsmooth.proofs.robust.feedback import RobustLoop
 

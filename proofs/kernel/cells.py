@@ -467,7 +467,7 @@ def _is_shown(stated: StatedCells, mark: str, subject: System, search: Search) -
     return True
 
 
-# ---- denominators of a plain system are proved positive on the checked cube before anything is decided there
+# ---- denominators: proved positive on the checked cube before anything is decided there ----------
 #
 # Then the field times them has the same paths, at other speeds.  For what is said of the whole space they must be
 # positive there.

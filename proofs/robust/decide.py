@@ -19,8 +19,7 @@ from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS
 from nonsmooth.proofs.robust.rings import RingProof, root_above
-from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
-from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
+from nonsmooth.proofs.robust.smooth_rules import SmoothDisc, equilibrium_box
 from nonsmooth.symbolic.mechanics.contact_set import contact_set
 from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance

@@ -36,8 +36,8 @@ from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
     from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
-    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
     from nonsmooth.symbolic.mechanics.constraints import Triple
 
 PRECISION = 64  # bits of the balls

@@ -17,13 +17,15 @@ a)/f``.  Over the box of its own parameters it is enclosed by the mean value the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, ctx
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
@@ -41,11 +43,16 @@ from nonsmooth.proofs.boxes.enclosures import (
     turned_by,
     unit_vector,
 )
+from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.proofs.robust.array_forces import rollers
-from nonsmooth.proofs.robust.box import half_widths
+from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple, force_law, rollers
+from nonsmooth.proofs.robust.box import box_wheels, half_widths
+from nonsmooth.proofs.robust.level_sets import AnnulusPiece
+from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
+from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 PRECISION = 64  # bits of the balls
@@ -215,3 +222,190 @@ def _attracting(balance: _Balance, box: arb_mat) -> EquilibriumBox | None:
     if linear_stability(motion.tolist()) is not Translation.ASYMPTOTICALLY_STABLE:
         return None
     return EquilibriumBox(-rational_below(-(x * x + y * y)), -rational_below(-abs(omega)))
+
+
+# ---- rules ``ellipse`` and ``roller`` over a box of parameters: where every body comes nearer ----
+#
+# At a place c with ``e = c/|c|`` the body moves with a twist that minimizes D.  Look at D on the plane ``e . v =
+# -kappa`` first.  At a least value there some subgradient is ``g = lambda (e, 0)``; where lambda is positive, ``D(xi')
+# >= D + lambda (e . v' + kappa)`` for every twist xi', so that all minimizers of D have ``e . v < -kappa``.
+#
+# - *Where the least value is.* On the border of a square about a guess ``xi^`` let ``g . (xi - xi^) > 0`` for every
+#   subgradient.  Then D increases outward there, and, being convex, has all its least values on the plane inside.
+# - *The sign of lambda.* On each part of the square some direction zeta with ``zeta . (e, 0) > 0`` has ``g . zeta > 0``
+#   for every subgradient of every array.  Where ``g = lambda (e, 0)``, that makes lambda positive.
+#
+# The directions come from floats; they may differ from part to part, and they are what makes the bound sharp: along one
+# that no wheel's friction changes much, arrays differ little.  All places of a quadrangle and all arrays of the box are
+# taken at once, in intervals.  Every parameter of a wheel enters its own force only, and forces are added with loads
+# that are affine in c.  Twists are about the origin: ``c . v`` is the same for the velocity of the centre of mass.
+
+
+SHARES = (0.4, 0.05)  # of the rate of the scene itself, tried one after the other
+SQUARES = (1.2, 1.5, 2.0, 3.0)  # of the least square that may do
+LEAST_SQUARE = 2.0**-40  # half-width of a square, in units in which D curves by one
+AT_ONCE = 8  # quadrangles
+SIDE_PARTS = 12  # of each side of the border
+SQUARE_PARTS = 6  # of each side of the square, at first
+DIVISIONS = 5  # of a part into four
+MOST_PARTS = 1000  # of one square at a time
+LEANINGS = (-2.5, -0.7, 0.0, 0.7, 2.5)  # of a direction, across e and by rotation
+ANGLES = 12  # of directions nearly in the plane
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+class SmoothDisc(RingProof[ArrayBox]):
+    """A centred scene under a rule with friction sets; what floats propose for it is kept for all boxes about it."""
+
+    widest = Fraction(1, 5)
+    growth = 2
+    halvings = 3
+    starts = (Fraction(1), Fraction(3, 4), Fraction(1, 2))
+    sectors = 32
+    depth = 1
+
+    def __init__(self, scene: Scene) -> None:
+        """For a scene whose loads are known."""
+        self._scene = scene
+        self._minima = PlaneMinima(scene)
+
+    def over(self, box: Tolerance) -> ArrayBox | None:
+        """The arrays of a box; None where springs may not fix the loads."""
+        loads = load_box(self._scene, box.position.ball())
+        return None if loads is None else ArrayBox(box_wheels(self._scene, box), loads, force_law(self._scene))
+
+    def rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece], *, at_any: bool) -> Iterator[arb | None]:
+        """A few at a time: where one fails in the end, the others are not looked at."""
+        shares = sorted(SHARES) if at_any else SHARES  # small ones are shown with less work
+        for k in range(0, len(pieces), AT_ONCE):
+            yield from self._rates(bound, pieces[k : k + AT_ONCE], shares)
+
+    def _rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece], shares: Sequence[float]) -> list[arb | None]:
+        """The first share of the scene's own rate that is shown on each."""
+        shown: dict[AnnulusPiece, float] = {}
+        nearer = zip(pieces, self._minima.radial(pieces), strict=True)
+        open_ones = [piece for piece, rate in nearer if rate is not None and _is_carried(bound, piece)]
+        for share in shares:
+            guesses = [(piece, self._minima.on_plane(piece, share)) for piece in open_ones if piece not in shown]
+            known = [(piece, guess) for piece, guess in guesses if guess is not None]
+            if known:
+                found = _come_nearer(bound, [piece for piece, _ in known], [guess for _, guess in known])
+                shown |= {piece: guess.kappa for (piece, guess), near in zip(known, found, strict=True) if near}
+        return [arb(shown[piece]) if piece in shown else None for piece in pieces]
+
+
+def _is_carried(bound: ArrayBox, piece: AnnulusPiece) -> bool:
+    """Whether every wheel of every array carries all over a quadrangle; loads are affine."""
+    corners = [(arb(as_fmpq(x)), arb(as_fmpq(y))) for x, y in piece.corners]
+    return all(load > 0 for corner in corners for load in bound.loads.at(corner))
+
+
+def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[PlaneMinimum]) -> NDArray[np.bool_]:
+    """Whether all minimizers have ``e . v < -kappa`` on each of several quadrangles."""
+    plan, forces = np.array(guesses), PieceForces.of(bound, pieces)
+    nothing = Intervals.of(np.zeros((len(pieces), 1)))
+    radial, across, moment = forces.wrench(forces.forces(_twists(plan, forces, nothing, nothing)))
+    a, b, c, d = (Intervals.of(plan[:, k, None]) for k in range(3, 7))
+    sideways = forces.turn[0] * across - forces.turn[1] * radial
+    pull = ((a * sideways + c * moment).square + (b * sideways + d * moment).square).sqrt().high[:, 0]
+    enclosed, sizes = np.zeros(len(pieces), dtype=bool), np.zeros(len(pieces))
+    for inflation in SQUARES:
+        left = np.flatnonzero(~enclosed)
+        if len(left):
+            size = inflation * pull[left] + LEAST_SQUARE
+            inside = _is_outward(plan[left], forces.at(left), size)
+            enclosed[left[inside]], sizes[left[inside]] = True, size[inside]
+    left = np.flatnonzero(enclosed)
+    nearer = np.zeros(len(pieces), dtype=bool)
+    if len(left):
+        nearer[left] = _is_positive(plan[left], forces.at(left), sizes[left])
+    return nearer
+
+
+def _is_outward(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+    """Whether D increases outward all along the border of each square."""
+    ends = np.linspace(-1.0, 1.0, SIDE_PARTS + 1)
+    part, one = Intervals(ends[:-1], ends[1:]), Intervals.of(np.ones(SIDE_PARTS))
+    wide = Intervals.of(size[:, None])
+    first, second = Intervals.joined([part, part, one, -one]) * wide, Intervals.joined([one, -one, part, part]) * wide
+    lateral, spin = _offset(plan, first, second)
+    middle = Intervals.of(lateral.middle), Intervals.of(spin.middle)
+    pulls = forces.forces(_twists(plan, forces, first, second))
+    radial, across, moment = forces.wrench(pulls)
+    (cosine, sine), zero = forces.turn, Intervals.of(np.zeros((1, 1)))
+    # forces nearly cancel: T z is split into its middle, the rest, and what turning it from e_0 to the place adds
+    at_middle = forces.power(pulls, (zero, *middle))
+    rest = (lateral - middle[0]) * across + (spin - middle[1]) * moment
+    turned = lateral * ((cosine - Intervals.of(1.0)) * across - sine * radial)
+    return np.asarray(((at_middle + rest + turned).low > 0).all(axis=1))
+
+
+def _is_positive(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+    """Whether on each part of each square ``g . zeta > 0``, with a direction zeta that serves; parts are divided."""
+    count, grid = len(size), np.indices((SQUARE_PARTS, SQUARE_PARTS)).reshape(2, -1)
+    middles = (2 * grid + 1 - SQUARE_PARTS) / SQUARE_PARTS
+    owner = np.repeat(np.arange(count), len(middles[0]))
+    first, second = np.tile(middles[0], count), np.tile(middles[1], count)
+    half = 1 / SQUARE_PARTS
+    for _ in range(DIVISIONS):
+        shown = _are_positive(plan[owner], forces.at(owner), size[owner], (first, second), half)
+        owner, first, second = owner[~shown], first[~shown], second[~shown]
+        if not len(owner) or len(owner) > MOST_PARTS * count:
+            break
+        half /= 2
+        owner = np.tile(owner, 4)
+        first = np.concatenate([first + i * half for i in (-1, 1) for _ in range(2)])
+        second = np.concatenate([second + j * half for _ in range(2) for j in (-1, 1)])
+    found = np.ones(count, dtype=bool)
+    found[owner] = False
+    return found
+
+
+def _are_positive(
+    plan: Floats, forces: PieceForces, size: Floats, middles: tuple[Floats, Floats], half: float
+) -> NDArray[np.bool_]:
+    """The same for one part of each square."""
+    wide = Intervals.of(size[:, None])
+    first, second = (Intervals(entry - half, entry + half).widened[:, None] * wide for entry in middles)
+    pulls = forces.forces(_twists(plan, forces, first, second))
+    zeta = _directions(forces, pulls)
+    along = zeta[0] * forces.turn[0] + zeta[1] * forces.turn[1]
+    return np.asarray(((along.low > 0) & (forces.power(pulls, zeta).low > 0))[:, 0])
+
+
+def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals, Intervals]:
+    """For each part the direction along which the least power is largest; (pieces, 1) each."""
+    zeta = _candidates(2 * forces.turn[1].high[:, 0], forces.length)
+    value = forces.least_power(pulls, zeta) / np.linalg.norm(zeta, axis=-1)
+    best = np.take_along_axis(zeta, value.argmax(axis=1)[:, None, None], axis=1)
+    first, second, third = (Intervals.of(best[..., k]) for k in range(3))
+    return first, second, third
+
+
+def _candidates(tilt: Floats, length: float) -> Floats:
+    """Directions ``(along e, across e, rotation)``, (pieces, choices, 3); of the last ones ``tilt`` is along e."""
+    leaning = [(1.0, across, turn / length) for across in LEANINGS for turn in LEANINGS]
+    angles = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    found = np.zeros((len(tilt), len(leaning) + ANGLES, 3))
+    found[:, : len(leaning)] = leaning
+    found[:, len(leaning) :, 0] = tilt[:, None]
+    found[:, len(leaning) :, 1:] = np.column_stack([np.cos(angles), np.sin(angles) / length])
+    return found
+
+
+# Guesses are columns: kappa, lateral velocity and spin of xi^, and T two by two; (pieces, 7).
+
+
+def _offset(plan: Floats, first: Intervals, second: Intervals) -> tuple[Intervals, Intervals]:
+    """``T z``: lateral velocity and spin."""
+    a, b, c, d = (Intervals.of(plan[:, k, None]) for k in range(3, 7))
+    return a * first + b * second, c * first + d * second
+
+
+def _twists(plan: Floats, forces: PieceForces, first: Intervals, second: Intervals) -> Triple:
+    """``xi^ + T z``, for every e of the quadrangle."""
+    (lateral, spin), (cosine, sine) = _offset(plan, first, second), forces.turn
+    kappa, at_lateral, at_spin = (Intervals.of(plan[:, k, None]) for k in range(3))
+    lateral, spin = lateral + at_lateral, spin + at_spin
+    return -(kappa * cosine) - lateral * sine, lateral * cosine - kappa * sine, spin

@@ -227,11 +227,12 @@ def _symmetric(values: NDArray[np.float64], start: int, size: int) -> NDArray[np
     return gram
 
 
-# ---- from a Gram matrix in floats to one in rationals that satisfies the equations exactly (Peyrl and Parrilo 2008)
+# ---- from a Gram matrix in floats to one in rationals --------------------------------------------
 #
-# Entries are rounded; then the least change of the entries beside guards repairs the monomials that the plain sum of
-# squares does not reach, and the rest of the error, divided among the entries of each monomial, goes into the plain sum
-# of squares.  If the floats lie inside the cone, so does the result for fine enough fractions: ``L D L^T`` tells.
+# It then satisfies the equations exactly (Peyrl and Parrilo 2008).  Entries are rounded; then the least change of the
+# entries beside guards repairs the monomials that the plain sum of squares does not reach, and the rest of the error,
+# divided among the entries of each monomial, goes into the plain sum of squares.  If the floats lie inside the cone, so
+# does the result for fine enough fractions: ``L D L^T`` tells.
 #
 # Parameters of several conditions are rounded so that every condition can still be met exactly: monomials that no plain
 # sum of squares reaches (of too low or too high a degree) tie parameters to the numbers beside guards by linear

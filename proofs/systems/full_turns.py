@@ -39,7 +39,7 @@ from nonsmooth.analysis.cells.fan import Wedge, by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, between_rays, positive_roots, separated
-from nonsmooth.proofs.systems.tangent_fan import Frame, TangentCone, TangentFan, build_tangent_fan, turning
+from nonsmooth.proofs.systems.ray_moves import Frame, TangentCone, TangentFan, build_tangent_fan, turning
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text

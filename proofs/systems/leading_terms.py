@@ -35,7 +35,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
 )
 from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth, WorstTurn, fused_focus, turn_growth, worst_turn
 from nonsmooth.proofs.systems.lyapunov_rows import lines_through
-from nonsmooth.proofs.systems.tangent_fan import (
+from nonsmooth.proofs.systems.ray_moves import (
     UNWEIGHTED,
     Frame,
     TangentCone,

@@ -39,6 +39,7 @@ from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prov
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.energies import falling_energies
+from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
@@ -54,7 +55,6 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
     rows_at,
     smooth_functions,
 )
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -30,6 +30,7 @@ from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain
+from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
@@ -39,7 +40,6 @@ from nonsmooth.proofs.systems.lyapunov_search import (
     in_time,
     square_cells,
 )
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction

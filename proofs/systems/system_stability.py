@@ -32,7 +32,16 @@ from nonsmooth.proofs.kernel.cells import require_denominators
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
-from nonsmooth.proofs.systems.findings import KEPT, CheckedPoint, Finding, Known, Method, Reach, weak_finding
+from nonsmooth.proofs.systems.findings import (
+    KEPT,
+    CheckedPoint,
+    Finding,
+    Known,
+    Method,
+    PlaneFunction,
+    Reach,
+    weak_finding,
+)
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import (
     LeadingTerms,
@@ -41,12 +50,12 @@ from nonsmooth.proofs.systems.leading_terms import (
     needs_no_other_terms,
 )
 from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov, has_curves
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
     RayKind,
     RayMove,
     are_cones,
+    build_tangent_fan,
     conic_germ,
     decide_constant_fan,
     decide_equilibrium,
@@ -54,7 +63,6 @@ from nonsmooth.proofs.systems.ray_moves import (
     resting_edges,
 )
 from nonsmooth.proofs.systems.search import search_lyapunov
-from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers

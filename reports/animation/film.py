@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
-from nonsmooth.analysis.motion.twists import last_time, poses_at
+from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames, last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.style import Floats
 from nonsmooth.reports.figures.wheels import outline_of, placed

@@ -11,9 +11,8 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Position, at_least, has_dynamics, of_length
-from nonsmooth.proofs.answers.answers import Answers
+from nonsmooth.proofs.answers.answers import Answers, OtherRule
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
-from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.checks.equilibrium_headings import headings_blocks, headings_record

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.minimizers.sampled_field import SampledField, sample_field
+from nonsmooth.analysis.minimizers.sampling import SampledField, sample_field
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines

@@ -17,8 +17,7 @@ from nonsmooth.reports.checks.continuum import continuum_section
 from nonsmooth.reports.checks.subject import ArraySubject, ReportPart, ReportSubject
 from nonsmooth.reports.output.document import Bullets, Section, Text
 from nonsmooth.reports.output.prose import paragraph
-from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
-from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import sign_form_section, without_sign_form
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import is_paper_array, sign_form_section, without_sign_form
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.contact import (
     cells_section,

@@ -1,4 +1,4 @@
-"""Matrices as formulas: linear, switched-linear, conewise-linear and piecewise-affine systems."""
+"""Matrices, state spaces of python-control and functions of CasADi as formulas of plain systems."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
-from nonsmooth.analysis.minimizers.sampled_field import SampledField
+from nonsmooth.analysis.minimizers.sampling import SampledField
 from nonsmooth.reports.figures.style import (
     INK,
     LABEL,

@@ -12,7 +12,7 @@ from nonsmooth.reports.checks.check import ALL_RULES, AUTO, CHECK, CheckOptions
 from nonsmooth.reports.designs.design import DesignOptions
 from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.interface.wheel import Wheel
-from nonsmooth.reports.output.facts import entry, table
+from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.simulations.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.studies.study import takes

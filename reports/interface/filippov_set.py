@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.reports.output.document import Block, Paragraph, table
-from nonsmooth.reports.output.facts import entry
+from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.numbers.number import sign

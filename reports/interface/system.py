@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.scene import PythonScene
-from nonsmooth.reports.output.facts import entry, table
+from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.simulations.simulate_options import PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.studies.study import takes
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.checks.vehicles import VehicleResult
-from nonsmooth.reports.output.facts import table
+from nonsmooth.reports.output.entries import table
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.wheel import Wheel

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.reports.output.facts import table
+from nonsmooth.reports.output.entries import table
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ from nonsmooth.proofs.answers.pose import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
+from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
-from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS, ultimate_bound
 from nonsmooth.proofs.findings.verdicts import Feedback

@@ -1,4 +1,4 @@
-"""The options of a study, stated once: a dataclass whose fields say how the command line and Python offer them."""
+"""Options of commands: those of a study, fields of a dataclass, for the command line and Python, and shared ones."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.answers.answer import Answer, of_length
-from nonsmooth.proofs.answers.other_rules import OtherRule
+from nonsmooth.proofs.answers.answers import OtherRule
 from nonsmooth.reports.checks.answers import THEOREM, StatedAnswers, destinations_table, stated_answers
 from nonsmooth.reports.checks.equilibrium_headings import headings_table, notes, title
 from nonsmooth.reports.checks.subject import ArraySubject

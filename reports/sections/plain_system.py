@@ -21,8 +21,7 @@ from nonsmooth.proofs.system_facts import (
     system_facts,
 )
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
-from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
+from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method, PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
 from nonsmooth.reports.checks import references
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait

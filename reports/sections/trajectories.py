@@ -36,7 +36,7 @@ from nonsmooth.reports.laws.feedback_loop import GAIN, FeedbackLoop, build_loop,
 from nonsmooth.reports.output.document import Block, Code, Entry, Figure, Frame, Math, Section, decimal, table
 from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.reports.output.study_options import LawName
-from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array, law_of_section_3_3
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import is_paper_array, law_of_section_3_3
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
 from nonsmooth.reports.simulations.path_ends import pose_text, shown_angle
 from nonsmooth.reports.simulations.paths import ArrayPath, follow_cells

@@ -15,8 +15,17 @@ from nonsmooth.reports.output.progress import ProgressCall, silent
 from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.sweeps.base import Base, entries_of, require_heard
 from nonsmooth.reports.sweeps.borders import Border, find_borders
-from nonsmooth.reports.sweeps.certified import Cells, CertifiedCell, certified_cell, exact_base, planned_cells
-from nonsmooth.reports.sweeps.outcome import REFUSED, Outcome, outcome_of, questions_of
+from nonsmooth.reports.sweeps.outcome import (
+    REFUSED,
+    Cells,
+    CertifiedCell,
+    Outcome,
+    certified_cell,
+    exact_base,
+    outcome_of,
+    planned_cells,
+    questions_of,
+)
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan
 from nonsmooth.reports.sweeps.values import Entry, SweepError

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.reports.output.document import Block
-from nonsmooth.reports.output.facts import entry
+from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.output.files import PICTURES, write_whole
 from nonsmooth.reports.output.refusals import RefusedError, option_named
 from nonsmooth.reports.output.study_options import Options, option

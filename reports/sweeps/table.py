@@ -11,8 +11,15 @@ from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.checks.records import FAILURE
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.sweeps.borders import Border
-from nonsmooth.reports.sweeps.certified import CertifiedCell
-from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, SYSTEM_COLUMNS, SYSTEM_NUMBERS, Outcome
+from nonsmooth.reports.sweeps.outcome import (
+    CLAUSES,
+    NUMBERS,
+    QUESTIONS,
+    SYSTEM_COLUMNS,
+    SYSTEM_NUMBERS,
+    CertifiedCell,
+    Outcome,
+)
 from nonsmooth.reports.sweeps.sweep import Sweep
 from nonsmooth.reports.sweeps.sweep_plan import Point
 from nonsmooth.symbolic.messages.scene_error import one_line

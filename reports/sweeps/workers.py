@@ -24,8 +24,7 @@ from typing import Any, NamedTuple, Protocol
 
 from nonsmooth.reports.output.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base, program_hash
-from nonsmooth.reports.sweeps.certified import cell_outcome
-from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused
+from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcome_of, refused
 from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.symbolic.files.key_paths import Path
 

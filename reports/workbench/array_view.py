@@ -16,15 +16,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.minimizers.sampled_field import sample_field
+from nonsmooth.analysis.minimizers.sampling import sample_field
 from nonsmooth.proofs.answers.answer import Answer, Heading, Position, has_dynamics
+from nonsmooth.proofs.answers.answers import OtherRule, other_rules
 from nonsmooth.proofs.answers.inertia import inertia_answer
-from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
-from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilibria
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.theorem4 import SEARCH_UNITS
+from nonsmooth.proofs.theorem4 import SEARCH_UNITS, judge_equilibria
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.interface.array import Array

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.designs.toml_text import toml_text
-from nonsmooth.reports.output.facts import as_json
+from nonsmooth.reports.output.entries import as_json
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.files.scene_file import toml_excess, wheel_table
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels

@@ -16,8 +16,8 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from nonsmooth.symbolic.files.layouts import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
+from nonsmooth.symbolic.files.system_document import parameter_texts, with_parameters
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise

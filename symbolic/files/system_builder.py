@@ -14,11 +14,17 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.symbolic.files.layouts import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.right_hand_sides import float_point, intervals_in, read_right_hand_sides, split_intervals
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
-from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument, regions_as_formulas
+from nonsmooth.symbolic.files.system_document import (
+    RESERVED,
+    SystemCheckTable,
+    SystemDocument,
+    parameter_texts,
+    regions_as_formulas,
+    with_parameters,
+)
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise

@@ -43,8 +43,7 @@ from nonsmooth.symbolic.files.scene_values import (
 from nonsmooth.symbolic.files.velocity_fields import Uniform
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_contact
 from nonsmooth.symbolic.mechanics.body import default_radius
-from nonsmooth.symbolic.mechanics.characteristic_length import default_length
-from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene, Wheel, default_length
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number

@@ -1,4 +1,4 @@
-"""Wheels from places: each takes what it does not name from the scene's field and friction."""
+"""Wheels and other parts of a scene from the tables of its document; what they do not name is the scene's."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from nonsmooth.symbolic.files.scene_document import ContactTable, SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import INWARD, LINEAR_KINDS
 from nonsmooth.symbolic.mechanics.body import ContinuousField, chosen, default_radius
-from nonsmooth.symbolic.mechanics.characteristic_length import default_length
 from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
-from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Wheel, WheelNumber
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Wheel, WheelNumber, default_length
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import short_text

@@ -1,4 +1,4 @@
-"""The rigid body on the array: its outline, its centre of mass and its heading at the checked pose.
+"""What lies on the array: the body, its outline and heading, the polygon that supports it, and fields of force.
 
 A wheel carries the body iff it lies strictly under the outline.  Without a body every wheel of an array carries, at
 every pose: the paper's idealization.

@@ -17,9 +17,8 @@ from math import hypot, isqrt
 from flint import arb, fmpq
 
 from nonsmooth.symbolic.mechanics.body import Body, Disc, chosen, default_radius, outer_positions, support_polygon
-from nonsmooth.symbolic.mechanics.characteristic_length import default_length
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
-from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel, default_length
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_below
 from nonsmooth.symbolic.numbers.number import Number

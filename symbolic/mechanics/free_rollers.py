@@ -1,4 +1,4 @@
-"""Wheels on rollers that turn freely, as wheels without rollers.
+"""Wheels on rollers that turn freely, as wheels without rollers; and motions that nothing resists.
 
 A wheel with a friction axis ``a_i`` and no friction across it constrains ``a_i . v(p_i) = u_i a_i . d_i`` and nothing
 else.  So does a wheel whose rim points along ``a_i`` and runs at ``u_i a_i . d_i``: a mecanum wheel is an omniwheel

@@ -24,8 +24,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, free_motions, minima_without_proof, proved
 from nonsmooth.analysis.minimizers.point_location import PointLocator
-from nonsmooth.analysis.minimizers.sampled_feedback import SampledLaw
-from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
+from nonsmooth.analysis.minimizers.sampling import SampledLaw, sample_smooth_derivative
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth

@@ -11,7 +11,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius
-from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
+from nonsmooth.proofs.robust.smooth_rules import SmoothDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from tests.benchmarks.conftest import Stopwatch

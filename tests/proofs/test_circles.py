@@ -12,7 +12,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.proofs.many_states.circles import find_energy_on_circles
+from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method

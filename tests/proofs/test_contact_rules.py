@@ -14,8 +14,12 @@ from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.sampled_feedback import SampledLaw, relative_rates, sample_closed_loop
-from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
+from nonsmooth.analysis.minimizers.sampling import (
+    SampledLaw,
+    relative_rates,
+    sample_closed_loop,
+    sample_smooth_derivative,
+)
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area

@@ -17,7 +17,7 @@ from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Trend, Trends, l
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, derivatives_at, examine
 from nonsmooth.proofs.systems.domain import plane_cells
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
+from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number

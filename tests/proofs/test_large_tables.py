@@ -10,7 +10,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.clauses.equilibrium import judged_equilibria
+from nonsmooth.proofs import theorem4
 from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 from nonsmooth.symbolic.mechanics.constraints import Triple, independent
@@ -39,8 +39,8 @@ def test_equilibria_are_judged_among_few_wheels(arrays: Arrays, monkeypatch: pyt
         sizes.append(len(own.wheels))
         return build(own, **options)
 
-    monkeypatch.setattr(judged_equilibria, "build_partition", counted)
-    judged_equilibria.judge_equilibria(scene, found)
+    monkeypatch.setattr(theorem4, "build_partition", counted)
+    theorem4.judge_equilibria(scene, found)
     assert sizes
     assert max(sizes) < 30
 

@@ -13,7 +13,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth
 from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
-from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
+from nonsmooth.proofs.systems.ray_moves import build_tangent_fan
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

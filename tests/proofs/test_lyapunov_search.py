@@ -15,10 +15,9 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, in_time, propose
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.symbolic.formulas.cleared_fractions import float_value

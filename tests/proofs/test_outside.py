@@ -23,10 +23,9 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
-from nonsmooth.proofs.systems.basin import EFFORTS
+from nonsmooth.proofs.systems.basin import AXES, EFFORTS, find_borders, left_of
 from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, next_ring
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, other_rests, ring_of
-from nonsmooth.proofs.systems.saddle_borders import AXES, find_borders, left_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.plain import refused

@@ -8,7 +8,7 @@ import pytest
 
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
+from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.proofs.system_families import Known, families

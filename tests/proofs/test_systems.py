@@ -32,8 +32,7 @@ from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import plane_cells
-from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.systems.plane_function import PlaneFunction
+from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.reports.derivations.derivation import derive_report

@@ -14,7 +14,7 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, u
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
-from nonsmooth.proofs.answers.other_rules import other_rules
+from nonsmooth.proofs.answers.answers import other_rules
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 import nonsmooth as ns
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.sampled_field import sample_field
+from nonsmooth.analysis.minimizers.sampling import sample_field
 from tests.reports.conftest import Invoke
 from tests.thorough import few
 

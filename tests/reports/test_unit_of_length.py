@@ -27,8 +27,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_fee
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.characteristic_length import default_length
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene, default_length
 from tests.array_certificates import check_certificate, proofs, said
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.mechanics.characteristic_length import default_length, rational_size
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import Scene, default_length, rational_size
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, moved, scaled
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField

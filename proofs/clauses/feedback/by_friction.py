@@ -21,11 +21,11 @@ in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's 
   with the loads of a whole disc at once; about each of its points, and for every member of what was rounded, the same
   twists then make a law, with ``(c - c_1, theta)`` for g (:func:`decided_around`).
 - *Not stabilizable.*  Let all twists that speeds can impose at c* lie in a plane.  Near c* there are no others, so
-  Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.feedback.obstruction`).
+  Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.feedback.control_fields`).
 
 Between the two stand, under rule ``box``, an exact balance of frictions at c* (a slope of D that vanishes there), and
 under rules without cells twists that are neither proved nor excluded.  Two laws of the field are sampled beside that
-(:mod:`nonsmooth.analysis.minimizers.sampled_feedback`); samples decide nothing.
+(:mod:`nonsmooth.analysis.minimizers.sampling`); samples decide nothing.
 """
 
 from __future__ import annotations
@@ -47,7 +47,12 @@ from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.balanced_twists import PRECISION, BalancedTwist, exclude_twist
-from nonsmooth.proofs.clauses.feedback.control_fields import askew_reason, side_friction_rules
+from nonsmooth.proofs.clauses.feedback.control_fields import (
+    askew_reason,
+    common_normal,
+    obstruction_text,
+    side_friction_rules,
+)
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     LawCone,
@@ -56,7 +61,6 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     certified_gain,
     in_scene,
 )
-from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     BoxTwist,
@@ -81,7 +85,7 @@ from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample
+    from nonsmooth.analysis.minimizers.sampling import LoopSample
     from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"

@@ -38,6 +38,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import (
     InputCell,
     RowInputs,
     lever,
+    obstruction_text,
     side_friction_rules,
     why_not_followed,
 )
@@ -57,7 +58,6 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import (
     build_limited_rate,
     certified_rate,
 )
-from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.mechanics.constraints import Triple, independent
 from nonsmooth.symbolic.mechanics.scene import Wheel

@@ -52,7 +52,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
-    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 
 FEW_ROUNDINGS = Fraction(1, 2**40)  # more than a few roundings of a quotient or product of floats
 PI = Fraction(355, 113)  # above pi

@@ -9,7 +9,7 @@ from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.dissipation import functional_of
 from nonsmooth.analysis.minimizers.minimum import free_motions
-from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample, SampledLaw, sample_closed_loop
+from nonsmooth.analysis.minimizers.sampling import LoopSample, SampledLaw, sample_closed_loop
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length

@@ -18,9 +18,10 @@ from nonsmooth.symbolic.mechanics.constraints import cross_product, inner
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import dot
 
-# ---- whether (x, y) decays under every load, where one spin minimizes D smoothly at the point under all of them
+# ---- whether (x, y) decays under every load ------------------------------------------------------
 #
-# With B, ``pull_i``, ``bend_i`` and ``w_i`` of module ``every_load.point``, ``xi_0 = (0, 0, omega)``:
+# One spin minimizes D smoothly at the point under all of them.  With B, ``pull_i``, ``bend_i`` and ``w_i`` of module
+# ``every_load.point``, ``xi_0 = (0, 0, omega)``:
 #
 # *Forces to the middle*, ``B c = (beta c, 0)`` with ``beta > 0``.  D is convex, so at every centre of mass c, under
 # every admissible load and for every minimizer ``xi = (v, omega')`` ::

@@ -20,8 +20,15 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import GOOD, Answer, Heading, Inertia, Pose, Position
-from nonsmooth.proofs.answers.answers import QUESTIONS, Answers, answers_of, exit_status, full_answers
-from nonsmooth.proofs.answers.other_rules import TAKES_LONG, other_rules
+from nonsmooth.proofs.answers.answers import (
+    QUESTIONS,
+    TAKES_LONG,
+    Answers,
+    answers_of,
+    exit_status,
+    full_answers,
+    other_rules,
+)
 from nonsmooth.proofs.findings.verdicts import Fact
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import Theorem4Result
@@ -191,7 +198,7 @@ def test_the_other_rules_say_what_their_own_checks_say(name: str) -> None:
 def test_other_rules_are_not_asked_of_large_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = load_scene("ring-6")
     assert not any(other.why_not == TAKES_LONG for other in other_rules(scene))
-    monkeypatch.setattr("nonsmooth.proofs.answers.other_rules.FEW_WHEELS", 5)
+    monkeypatch.setattr("nonsmooth.proofs.answers.answers.FEW_WHEELS", 5)
     assert {other.why_not for other in other_rules(scene)} == {TAKES_LONG}
 
 

@@ -17,8 +17,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof, decide_robust
-from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
-from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
+from nonsmooth.proofs.robust.smooth_rules import SmoothDisc, equilibrium_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet

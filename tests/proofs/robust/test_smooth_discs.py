@@ -23,8 +23,7 @@ from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima
 from nonsmooth.proofs.robust.rings import EndDisc, RingProof
-from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
-from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
+from nonsmooth.proofs.robust.smooth_rules import SmoothDisc, equilibrium_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance

@@ -39,12 +39,12 @@ from nonsmooth.reports.papers.murphey_burdick_2001.audit import (
     rests,
     sign_sets,
 )
-from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     EQUATION_3,
     EQUATION_4,
     THEOREM_4_KINEMATICS,
     THEOREM_4_RATE,
+    is_paper_array,
 )
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.conftest import Arrays
