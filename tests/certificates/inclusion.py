@@ -224,7 +224,10 @@ def judge_equilibrium(own: FloatInclusion, said: bool, half: float) -> str:
 def judge_region(own: FloatInclusion, said: Any, half: float) -> str:
     """Polygons from the region stay in it, and do not rise; from anywhere, where no region is named."""
     if said == "everywhere":
-        grown = own.drift(own.sphere(10.0), 1e4)[-1].max() / 10
+        starts = own.sphere(10.0)
+        grown = own.drift(starts, 1e4)[-1].max() / 10
+        if grown > 5:  # on the way back from far out, perhaps: its steps are short, those in proportion are not
+            grown = np.linalg.norm(own.follow(starts, 4 * STEPS)[0][-1], axis=1).max() / 10
         return f"a polygon ends {grown:.3g} times as far" if grown > 5 else ""
     if "mesh" in said:
         return judge_mesh(own, said)
