@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Position as Position
     from nonsmooth.reports.checks.agreement import ComparisonResult as ComparisonResult
     from nonsmooth.reports.checks.cells import CellsResult as CellsResult
+    from nonsmooth.reports.checks.cells import FieldResult as FieldResult
     from nonsmooth.reports.checks.check_results import CheckResult as CheckResult
-    from nonsmooth.reports.checks.sampled_field import FieldResult as FieldResult
     from nonsmooth.reports.checks.system_results import SystemCheckResult as SystemCheckResult
     from nonsmooth.reports.checks.vehicles import VehicleResult as VehicleResult
     from nonsmooth.reports.derivations.derivation import ReportResult as ReportResult
@@ -51,7 +51,7 @@ _MODULES = {
     "CheckResult": "reports.checks.check_results",
     "ComparisonResult": "reports.checks.agreement",
     "DesignResult": "reports.designs.design",
-    "FieldResult": "reports.checks.sampled_field",
+    "FieldResult": "reports.checks.cells",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
     "LawResult": "reports.laws.law_program",

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, cast
 
 from flint import arb, arb_mat
 
-from nonsmooth.analysis.bodies.set_guesses import SetGuess, SetGuesses
+from nonsmooth.analysis.bodies.set_motion import SetGuess, SetGuesses
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -46,7 +46,7 @@ from nonsmooth.symbolic.numbers.plane import Vector, cross
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.bodies.set_guesses import SetGuesses
+    from nonsmooth.analysis.bodies.set_motion import SetGuesses
 
 NEEDED = ("equilibrium", "translation", "rotation")
 UNITS = 400_000  # of exact arithmetic for one set of wheels: half a second or so
@@ -128,7 +128,7 @@ class StaysAt:
         if self.rule is None:
             return "a rule with cells, or loads of one set of wheels"
         if self._guesses is None:
-            from nonsmooth.analysis.bodies.set_guesses import SetGuesses  # floats: only where exact clauses leave open
+            from nonsmooth.analysis.bodies.set_motion import SetGuesses  # floats: only where exact clauses leave open
 
             self._guesses = SetGuesses(self.scene, self.rule)
         key = tuple(numbers)

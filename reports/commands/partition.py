@@ -104,7 +104,7 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
 
             return PossibleMotions(scene, possible_twists(scene))
     if isinstance(rule_of(scene), SmoothRule):
-        from nonsmooth.reports.checks.sampled_field import field_of
+        from nonsmooth.reports.checks.cells import field_of
 
         with steps(f"field of rule {scene.contact.rule}"):
             return field_of(scene)

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.reports.checks.agreement import ComparisonResult
-    from nonsmooth.reports.checks.cells import CellsResult
+    from nonsmooth.reports.checks.cells import CellsResult, FieldResult
     from nonsmooth.reports.checks.check_results import CheckResult
-    from nonsmooth.reports.checks.sampled_field import FieldResult
     from nonsmooth.reports.designs.design import DesignResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.simulations.maps import MapResult
@@ -392,7 +391,7 @@ class Array(PythonScene):
             TypeError: for a rule with cells.
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.checks.sampled_field import field_of
+        from nonsmooth.reports.checks.cells import field_of
 
         return field_of(self._standing)
 

@@ -27,7 +27,7 @@ from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried, rest_balance
 from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
-from nonsmooth.proofs.findings.verdicts import Equilibrium
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     Triple,
@@ -43,6 +43,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 )
 from nonsmooth.symbolic.mechanics.measured_loads import carried_table
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
@@ -472,3 +473,23 @@ def is_driven_away(scene: Scene, load: Loads) -> bool:
         velocities = [twist.velocity for twist in filippov_twists(partition, (zero, zero))]
         return separating_direction(velocities) is not None
     return False
+
+
+# ---- what is said of loads that are unknown ------------------------------------------------------
+#
+# What is said of loads that are unknown: which are meant, and the load for which a clause fails.
+
+
+def load_facts(scene: Scene) -> Iterator[Fact]:
+    """Which loads the verdicts speak of; nothing where they are known."""
+    unknown = scene.contact.loads
+    if isinstance(unknown, UnknownLoads):
+        words = f"loads: {unknown.words}"
+        if not rule_of(scene).needs_loads:
+            words = f"rule {scene.contact.rule} asks for no loads: what it says holds for all of them"
+        yield Fact("loads", unknown.words, words)
+
+
+def witness_load(loads: Loads | None) -> Fact:
+    """The load for which a clause fails, wheel by wheel, as shares of the weight."""
+    return Fact("load", Quantity(loads))

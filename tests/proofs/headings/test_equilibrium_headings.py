@@ -13,7 +13,7 @@ import pytest
 from flint import arb, arb_mat, ctx
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.set_guesses import SetGuesses
+from nonsmooth.analysis.bodies.set_motion import SetGuesses
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
