@@ -351,7 +351,7 @@ class CheckedSquare:
     ``lyapunov`` is the V that an audit judges, a formula in the displacement ``(x, y)`` from ``c*``, if the scene
     names one; the clauses of Theorem 4 find their own.  ``length`` is the l of ``V = |c - c*|^2 + l^2 theta^2``, by
     which feedback weighs headings against places; ``has_default_length`` says that it follows the point (module
-    ``characteristic_length``), ``has_default_radius`` that the radius follows the wheels that carry the body.
+    :func:`default_length`), ``has_default_radius`` that the radius follows the wheels that carry the body.
     ``accuracy`` is how near a body must come (length); None where it is not stated (:attr:`Scene.accuracy`).
     ``wider`` is the radius that the scene states where the square is smaller, so that no wheel enters or leaves.
     """

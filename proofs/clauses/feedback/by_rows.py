@@ -11,7 +11,7 @@ cell holds a nonzero c with ``c . d_i = 0``; that is decided by the signs of ``c
   module ``gradient_law``, and :class:`InputMargin`;
 - where no V of this form serves, a law that takes theta first may (module ``cascade_law``);
 - with a side row third only ``u_i`` acts and V' vanishes on a plane.  That there is no such V refutes no other; but
-  where all control fields at the equilibrium lie in one plane no static feedback does (module ``obstruction``).
+  where all control fields at the equilibrium lie in one plane no static feedback does (module ``control_fields``).
 """
 
 from __future__ import annotations
