@@ -39,6 +39,21 @@ class Surface:
     flat: bool = False
 
 
+class ScalarVelocity:
+    """A velocity that does not depend on time, in single floats: arrays of few states cost several times as much.
+
+    Attributes:
+        rates: the time derivatives of all states from the states, one by one.
+    """
+
+    def __init__(self, rates: Callable[..., tuple[float, ...]]) -> None:
+        self.rates = rates
+
+    def __call__(self, t: float, x: Vector) -> Vector:
+        """The rates as an array."""
+        return np.array(self.rates(*x.tolist()))
+
+
 def affine_surface(name: str, normal: Sequence[float], offset: float = 0.0) -> Surface:
     """``normal . x - offset``."""
     vector = np.array(normal, dtype=float)
