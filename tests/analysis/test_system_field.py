@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
@@ -50,6 +51,14 @@ def test_relays_may_ask_for_patterns_without_a_cell() -> None:
     field = system_field(load_system("eq-4"))
     for signs in product((-1, 1), repeat=len(field.surfaces)):
         assert np.isfinite(field.flow(signs)(0.0, np.array([0.1, 0.2]))).all()
+
+
+@pytest.mark.parametrize("power", [2, 16])  # the first is written out, the second has 1785 factors: too many for that
+def test_polynomials_are_those_stated(power: int) -> None:
+    velocity = system_field(ns.System(["x", "y"], [f"(x/2 + y + 1)**{power} - x", "y**2*x/3 - 3/7"]).system).flow(())
+    for x, y in np.random.default_rng(power).uniform(-1, 1, (20, 2)):
+        stated = ((x / 2 + y + 1) ** power - x, y**2 * x / 3 - 3 / 7)
+        assert velocity(0.0, np.array([x, y])) == pytest.approx(stated, abs=1e-14 * 2.5**power)
 
 
 @pytest.mark.parametrize("name", [name for name in planar_systems() if name not in {"flower", "stick-slip"}])
