@@ -6,6 +6,8 @@ of least norm is taken.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import (
@@ -114,4 +116,5 @@ class FaceMotion:
 
 def largest(fields: Vector) -> float:
     """Largest entry in absolute value."""
-    return float(np.abs(fields).max(initial=0.0))
+    entries = fields.ravel().tolist()  # of few entries NumPy takes longer
+    return math.nan if any(map(math.isnan, entries)) else max(map(abs, entries), default=0.0)

@@ -340,7 +340,10 @@ def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:
         if largest(move) > size:
             break
         x = x - move
-    return x if x is start else np.where(np.abs(x) <= CANCELLED * np.abs(start), 0.0, x)
+    if x is start:
+        return x
+    both = zip(x.tolist(), start.tolist(), strict=True)
+    return np.array([0.0 if abs(now) <= CANCELLED * abs(before) else now for now, before in both])
 
 
 # ---- accumulating switches -----------------------------------------------------------------------
