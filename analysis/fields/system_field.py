@@ -101,24 +101,34 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
     """
     named = dict(zip(system.states, states, strict=True))
     members = _Polynomials([part for member in system.members for part in member.velocity(sign_of, states)])
-    arguments = [parse_piecewise(w.argument, system.states).polynomial(named, sign_of) for w in system.waves]
-    inner = _Polynomials(arguments) if arguments else None
-    scale = _Polynomials([system.scale.polynomial(named, sign_of)]) if system.scale is not None else None
-    count = len(system.states)
+    arguments = [parse_piecewise(wave.argument, system.states).polynomial(named, sign_of) for wave in system.waves]
+    rates = _mixed(system, members, arguments)
+    if system.scale is None:
+        return ScalarVelocity(rates)
+    scale = _Polynomials([system.scale.polynomial(named, sign_of)]).at
 
-    def rates(*x: float) -> tuple[float, ...]:
+    def divided(*x: float) -> Numbers:
+        (factor,) = scale(*x)
+        return tuple([value / factor if factor else value * inf for value in rates(*x)])
+
+    return ScalarVelocity(divided)
+
+
+def _mixed(system: SwitchedSystem, members: _Polynomials, arguments: Sequence[Polynomial]) -> Callable[..., Numbers]:
+    """The rates of a system by those of its members, one after the other: two for each sine that is enclosed."""
+    if not arguments:
+        return members.at
+    inner, count = _Polynomials(arguments).at, len(system.states)
+
+    def rates(*x: float) -> Numbers:
         weights = [1.0]
-        for wave, v in zip(system.waves, inner.at(*x) if inner is not None else (), strict=True):
+        for wave, v in zip(system.waves, inner(*x), strict=True):
             e = wave_weight(wave, v)
             weights = [weight * share for weight in weights for share in (1.0 - e, e)]
         values = members.at(*x)
-        mixed = tuple(sum(map(mul, weights, values[k::count])) for k in range(count))
-        if scale is None:
-            return mixed
-        (factor,) = scale.at(*x)
-        return tuple(value / factor if factor else value * inf for value in mixed)
+        return tuple([sum(map(mul, weights, values[k::count])) for k in range(count)])
 
-    return ScalarVelocity(rates)
+    return rates
 
 
 def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantField | None:
