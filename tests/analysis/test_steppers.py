@@ -13,6 +13,7 @@ from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector
 from nonsmooth.analysis.measurements.harness import log_slope
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import STAGES, Dop853, ScalarDop853, StiffAware
+from nonsmooth.analysis.trajectories.written_out import written_out
 
 TOLERANCES = {"rtol": 1e-9, "atol": 1e-11}
 
@@ -111,6 +112,11 @@ def test_fields_in_single_floats_are_followed_in_them() -> None:
     assert steps[-1].last == pytest.approx([np.cos(3.0), -np.sin(3.0)], abs=1e-8)
     assert len(steps) > 5
     assert max(asked) < steps[0].end
+
+
+def test_written_steps_name_two_functions_alone() -> None:
+    names = {name for function in written_out(3) for name in function.__code__.co_names}
+    assert names == {"abs", "max"}
 
 
 def test_rates_in_single_floats_may_overflow() -> None:
