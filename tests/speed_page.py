@@ -141,18 +141,11 @@ def events_beside_hysteresis() -> tuple[Work, Work]:
 
 
 def events_beside_scipy() -> tuple[Work, Work]:
-    from nonsmooth.analysis.fields.sign_field import SignField
-    from nonsmooth.analysis.fields.switched_field import affine_surface
-    from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
-    from nonsmooth.analysis.trajectories.steppers import StiffAware
-    from tests.benchmarks.test_trajectory_speed import ATOL, FLOWER, RTOL, UNTIL, linear, scipy_events
+    from nonsmooth.analysis.fields.system_field import system_field
+    from nonsmooth.symbolic.files.system_file import load_system
+    from tests.benchmarks.test_trajectory_speed import flower_path, scipy_events
 
-    surfaces = (affine_surface("x - y", (1, -1)), affine_surface("x + y", (1, 1)))
-    field = SignField(("x", "y"), surfaces, lambda s: partial(linear, FLOWER[0] if s[0] * s[1] > 0 else FLOWER[1]))
-    return (
-        lambda: follow_smooth(field, (1.0, 0.2), UNTIL * 10, stepper=StiffAware(RTOL, ATOL, field.size)),
-        lambda: scipy_events(dense=False),
-    )
+    return partial(flower_path, system_field(load_system("flower"))), partial(scipy_events, dense=False)
 
 
 def audit_beside_z3() -> tuple[Work, Work]:
@@ -206,7 +199,7 @@ PAIRS = (
         "40 regular triples of rows, exactly",
         "SymPy, LUsolve and simplify",
         triples_beside_sympy,
-        250,
+        400,
         400,
         "test_symbolic_derivation",
     ),
@@ -241,7 +234,7 @@ PAIRS = (
         "26 crossings by DOP853",
         "SciPy, events without dense output",
         events_beside_scipy,
-        0.8,
+        2,
         5,
         "test_trajectory_speed",
         repeats=1,

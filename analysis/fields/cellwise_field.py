@@ -17,10 +17,11 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
-from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import Member, ScalarVelocity, Vector, Velocity
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 
-Speeds: TypeAlias = Callable[[Vector], Mapping[int, float]]  # pose to surface speed by wheel index
+Pose: TypeAlias = Vector | tuple[float, ...]  # (x, y, theta): paths are followed in single floats
+Speeds: TypeAlias = Callable[[Pose], Mapping[int, float]]  # pose to surface speed by wheel index
 StateLaw: TypeAlias = Callable[[ContactState], Speeds]  # what is constant in a cell is prepared once
 
 
@@ -59,6 +60,14 @@ class CellwiseField(PolygonField):
 
 
 def _in_unit(velocity: Velocity, length: float) -> Velocity:
+    if isinstance(velocity, ScalarVelocity):
+        rates = velocity.rates
+
+        def in_unit(x: float, y: float, theta: float) -> tuple[float, ...]:
+            along_x, along_y, turning = rates(x * length, y * length, theta)
+            return along_x / length, along_y / length, turning
+
+        return ScalarVelocity(in_unit)
     units = np.array([length, length, 1.0])
     return lambda t, x: np.asarray(velocity(t, x * units) / units)
 
@@ -96,13 +105,13 @@ def _controlled(cell: Cell, law: StateLaw, kinematics: Kinematics, centre: tuple
     speeds = law(state)
     turning = kinematics is Kinematics.EXACT
 
-    def velocity(t: float, x: Vector) -> Vector:
-        given = speeds(x)
-        v_x = v_y = omega = 0.0  # single floats: arrays of three cost several times as much
+    def rates(x: float, y: float, theta: float) -> tuple[float, ...]:
+        given = speeds((x, y, theta))
+        v_x = v_y = omega = 0.0
         for wheel, a, b, c in columns:
             speed = given[wheel]
             v_x, v_y, omega = v_x + speed * a, v_y + speed * b, omega + speed * c
-        x_of, y_of = (float(x[0]), float(x[1])) if turning else centre
-        return np.array([v_x - omega * y_of, v_y + omega * x_of, omega])
+        x_of, y_of = (x, y) if turning else centre
+        return v_x - omega * y_of, v_y + omega * x_of, omega
 
-    return Member(f"cell {cell.index}", velocity)
+    return Member(f"cell {cell.index}", ScalarVelocity(rates))

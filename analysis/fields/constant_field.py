@@ -25,7 +25,7 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
-from nonsmooth.analysis.fields.switched_field import Velocity
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Velocity
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number_text import place_text
@@ -59,7 +59,7 @@ class Flow:
     def of_pose(self) -> Velocity:
         """The motion as a field of the pose, in floats."""
         vx, vy, omega, turn = (float(value) for value in (self.vx, self.vy, self.omega, self.turn))
-        return lambda t, x: np.array([vx - turn * x[1], vy + turn * x[0], omega])
+        return ScalarVelocity(lambda x, y, theta: (vx - turn * y, vy + turn * x, omega))
 
 
 @dataclass(frozen=True, repr=False)

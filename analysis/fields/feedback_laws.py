@@ -16,16 +16,16 @@ The last two impose a motion with ``n_i . v + (n_i . J p_i) omega = 0`` by ``u_w
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
-import numpy as np
-
-from nonsmooth.analysis.fields.cellwise_field import Speeds, StateLaw
-from nonsmooth.analysis.fields.plane_arrays import turned
-from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds, StateLaw
 from nonsmooth.symbolic.mechanics.constraints import RowKind
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import dot, turned
+
+Imposed: TypeAlias = tuple[float, float, float]  # (v_x, v_y, omega)
 
 
 def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> StateLaw:
@@ -43,8 +43,8 @@ def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: f
     def prepare(state: ContactState) -> Speeds:
         fields = [(wheel, float(a), float(b), float(c)) for wheel, (a, b, c) in state.control_fields.items()]
 
-        def speeds(pose: Vector) -> Mapping[int, float]:
-            x, y, theta = pose.tolist()
+        def speeds(pose: Pose) -> Mapping[int, float]:
+            x, y, theta = map(float, pose)
             along, across = (1 + e) * x + f * y, f * x + (1 - e) * y
             turning = weight * theta + across * x - along * y
             return {wheel: -gain * (a * along + b * across + c * turning) for wheel, a, b, c in fields}
@@ -88,14 +88,15 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> StateLaw:
     def prepare(state: ContactState) -> Speeds:
         _require_a_pair(state)
         wheel = state.rows[0].wheel
-        d, p = _floats(wheel.unit_direction), _floats(wheel.position)
-        n = turned(d)
-        lever, sign = n @ turned(p), signs.get(wheel.index)
+        (d_x, d_y), (p_x, p_y) = map(float, wheel.unit_direction), map(float, wheel.position)
+        (n_x, n_y), sign = turned((d_x, d_y)), signs.get(wheel.index)
+        lever = dot((n_x, n_y), turned((p_x, p_y)))
 
-        def twist(c: Vector, theta: float) -> Vector:
+        def twist(x: float, y: float, theta: float) -> Imposed:
             omega = -gain * theta
-            along = -c @ d if sign is None else sign * np.hypot(*c)
-            return np.array([*(gain * along * d - lever * omega * n), omega])
+            along = gain * (-x * d_x - y * d_y if sign is None else sign * math.hypot(x, y))
+            across = -lever * omega
+            return along * d_x + across * n_x, along * d_y + across * n_y, omega
 
         return _imposed(state, twist)
 
@@ -112,32 +113,32 @@ def tangential_law(gain: float, length: float) -> StateLaw:
 
     def prepare(state: ContactState) -> Speeds:
         _require_a_pair(state)
-        p = _floats(state.rows[0].wheel.position)
-        out = p / np.hypot(*p)
-        across = turned(out)
+        x_of, y_of = map(float, state.rows[0].wheel.position)
+        out_x, out_y = x_of / math.hypot(x_of, y_of), y_of / math.hypot(x_of, y_of)
 
-        def twist(c: Vector, theta: float) -> Vector:
-            r, s = c @ out, c @ across
+        def twist(x: float, y: float, theta: float) -> Imposed:
+            r, s = x * out_x + y * out_y, y * out_x - x * out_y
             lead = s * s / (2 * r * length) if r > 0 else 0.0
             omega = gain * (s / length - (theta - lead))
-            return np.array([*((gain - omega) * r * across), omega])
+            across = (gain - omega) * r
+            return -across * out_y, across * out_x, omega
 
         return _imposed(state, twist)
 
     return prepare
 
 
-def _imposed(state: ContactState, twist: Callable[[Vector, float], Vector]) -> Speeds:
+def _imposed(state: ContactState, twist: Callable[[float, float, float], Imposed]) -> Speeds:
     """The speeds at which the wheels that act impose a twist which the nearest wheel's side row allows.
 
     With a side row in third place, as it may be away from the equilibrium, the nearest wheel alone does its part.
     """
     acting = [row for row in (state.rows[0], state.rows[2]) if row.kind is RowKind.ROLL]
-    rows = {row.wheel.index: _floats(row.unit_normal) for row in acting}
+    rows = [(row.wheel.index, tuple(map(float, row.unit_normal))) for row in acting]
 
-    def speeds(pose: Vector) -> Mapping[int, float]:
-        wanted = twist(np.asarray(pose[:2], dtype=float), float(pose[2]))
-        return {wheel: float(row @ wanted) for wheel, row in rows.items()}
+    def speeds(pose: Pose) -> Mapping[int, float]:
+        v_x, v_y, omega = twist(*map(float, pose))
+        return {wheel: a * v_x + b * v_y + c * omega for wheel, (a, b, c) in rows}
 
     return speeds
 
@@ -158,10 +159,6 @@ def _require_two_inputs(state: ContactState) -> None:
         raise ValueError(f"required a roll row in third place (mu_side < mu_roll), received {state.name}")
 
 
-def _floats(values: Iterable[Number]) -> Vector:
-    return np.array([float(x) for x in values])
-
-
 def _paper_law(gain: float, length: float, *, corrected: bool) -> StateLaw:
     def prepare(state: ContactState) -> Speeds:
         _require_two_inputs(state)
@@ -169,9 +166,9 @@ def _paper_law(gain: float, length: float, *, corrected: bool) -> StateLaw:
         torque = state.control_fields[second][2]
         turn = -gain * length * (torque.sign() if corrected else 1)
 
-        def speeds(pose: Vector) -> Mapping[int, float]:
+        def speeds(pose: Pose) -> Mapping[int, float]:
             steer = turn * float(pose[2])
-            return {nearest: abs(steer) + gain * float(np.hypot(pose[0], pose[1])), second: steer}
+            return {nearest: abs(steer) + gain * math.hypot(pose[0], pose[1]), second: steer}
 
         return speeds
 

@@ -21,7 +21,6 @@ from nonsmooth.analysis.fields.switched_field import (
     Surface,
     Vector,
     Velocity,
-    length,
     unit_normal,
 )
 from nonsmooth.analysis.fields.tangent_cones import sign_patterns, span
@@ -62,7 +61,7 @@ class SignField:
         near = [self._active(surface, x, value) for surface, value in zip(self.surfaces, values, strict=True)]
         active = tuple(k for k, close in enumerate(near) if close)
         sides = tuple(0 if close else (1 if v > 0 else -1) for v, close in zip(values, near, strict=True))
-        patterns = sign_patterns([unit_normal(self.surfaces[k], x) for k in active])
+        patterns = sign_patterns([self.surfaces[k].normal(x) for k in active])
         key = (sides, patterns)
         if key not in self._known:
             self._known[key] = [self._face(_filled(sides, active, p), patterns, active) for p in patterns]
@@ -73,6 +72,8 @@ class SignField:
 
         Where the normals span the whole space, the tangent cone of a pattern without points is empty with a margin.
         """
+        if all(surface.flat for surface in self.surfaces):
+            return False
         active = [s for s in self.surfaces if self._active(s, x, s.value(x))]
         subsets = (chosen for count in range(2, len(active) + 1) for chosen in combinations(active, count))
         return any(_touch(chosen, x) for chosen in subsets)
@@ -83,7 +84,7 @@ class SignField:
 
     def _active(self, surface: Surface, x: Vector, value: float) -> bool:
         """Whether a state is within the slack of a surface."""
-        steepness = length(surface.gradient(x))
+        steepness = surface.steepness(x)
         if abs(value) > SURFACE_SLACK * self.size * steepness:
             return False
         if steepness <= SURFACE_SLACK:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -37,12 +37,42 @@ class Surface:
     value: Callable[[Vector], float]
     gradient: Callable[[Vector], Vector]
     flat: bool = False
+    _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False)  # of a flat surface
+
+    def steepness(self, x: Vector) -> float:
+        """The length of the gradient."""
+        return self._kept.get("steepness") or self._keep("steepness", length(self.gradient(x)))
+
+    def normal(self, x: Vector) -> Vector:
+        """The gradient of unit length."""
+        found = self._kept.get("normal")
+        return self._keep("normal", self.gradient(x) / self.steepness(x)) if found is None else found
+
+    def _keep(self, name: str, found: Any) -> Any:
+        if self.flat:
+            self._kept[name] = found
+        return found
+
+
+class ScalarVelocity:
+    """A velocity that does not depend on time, in single floats: arrays of few states cost several times as much.
+
+    Attributes:
+        rates: the time derivatives of all states from the states, one by one.
+    """
+
+    def __init__(self, rates: Callable[..., tuple[float, ...]]) -> None:
+        self.rates = rates
+
+    def __call__(self, t: float, x: Vector) -> Vector:
+        """The rates as an array."""
+        return np.array(self.rates(*x.tolist()))
 
 
 def affine_surface(name: str, normal: Sequence[float], offset: float = 0.0) -> Surface:
     """``normal . x - offset``."""
     vector = np.array(normal, dtype=float)
-    return Surface(name, lambda x: float(vector @ x) - offset, lambda x: vector, flat=True)
+    return Surface(name, lambda x: float(vector.dot(x)) - offset, lambda x: vector, flat=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +102,12 @@ class Face:
 
 def length(vector: Vector) -> float:
     """Euclidean norm."""
-    return math.sqrt(float(vector @ vector))
+    return math.sqrt(vector.dot(vector))
 
 
 def unit_normal(surface: Surface, x: Vector) -> Vector:
     """Gradient of unit length."""
-    gradient = surface.gradient(x)
-    return gradient / length(gradient)
+    return surface.normal(x)
 
 
 class FacedField(Protocol):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from math import cos, sin
+from math import cos, inf, isfinite, sin, sqrt
+from operator import mul
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,8 +14,16 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
+from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, names, weighted
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Surface, Vector, Velocity, affine_surface
+from nonsmooth.analysis.fields.switched_field import (
+    SURFACE_SLACK,
+    ScalarVelocity,
+    Surface,
+    Vector,
+    Velocity,
+    affine_surface,
+)
 from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave
@@ -49,8 +59,7 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
         if system.written:
             return _as_stated(system, sign_of, states)
-        value = _Polynomials(system.velocity(sign_of, states))
-        return lambda t, x: value(x)
+        return _Polynomials(system.velocity(sign_of, states)).velocity
 
     size = max(float(system.check.radius), *(abs(float(value)) for value in start), 0.0)
     return SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
@@ -92,20 +101,34 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
     """
     named = dict(zip(system.states, states, strict=True))
     members = _Polynomials([part for member in system.members for part in member.velocity(sign_of, states)])
-    arguments = [parse_piecewise(w.argument, system.states).polynomial(named, sign_of) for w in system.waves]
-    inner = _Polynomials(arguments) if arguments else None
-    scale = _Polynomials([system.scale.polynomial(named, sign_of)]) if system.scale is not None else None
-    shape = len(system.members), len(system.states)
+    arguments = [parse_piecewise(wave.argument, system.states).polynomial(named, sign_of) for wave in system.waves]
+    rates = _mixed(system, members, arguments)
+    if system.scale is None:
+        return ScalarVelocity(rates)
+    scale = _Polynomials([system.scale.polynomial(named, sign_of)]).at
 
-    def velocity(t: float, x: Vector) -> Vector:
+    def divided(*x: float) -> Numbers:
+        (factor,) = scale(*x)
+        return tuple([value / factor if factor else value * inf for value in rates(*x)])
+
+    return ScalarVelocity(divided)
+
+
+def _mixed(system: SwitchedSystem, members: _Polynomials, arguments: Sequence[Polynomial]) -> Callable[..., Numbers]:
+    """The rates of a system by those of its members, one after the other: two for each sine that is enclosed."""
+    if not arguments:
+        return members.at
+    inner, count = _Polynomials(arguments).at, len(system.states)
+
+    def rates(*x: float) -> Numbers:
         weights = [1.0]
-        for wave, v in zip(system.waves, inner(x) if inner is not None else (), strict=True):
-            e = wave_weight(wave, float(v))
+        for wave, v in zip(system.waves, inner(*x), strict=True):
+            e = wave_weight(wave, v)
             weights = [weight * share for weight in weights for share in (1.0 - e, e)]
-        value = np.array(weights) @ members(x).reshape(shape)
-        return np.asarray(value if scale is None else value / scale(x)[0])
+        values = members.at(*x)
+        return tuple([sum(map(mul, weights, values[k::count])) for k in range(count)])
 
-    return velocity
+    return rates
 
 
 def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantField | None:
@@ -127,33 +150,58 @@ def _half_planes(cell: FieldCell) -> list[HalfPlane]:
 
 def _surface(polynomial: Polynomial) -> Surface:
     """A switching function with its exact gradient."""
-    value = _Polynomials([polynomial])
+    at = _Polynomials([polynomial]).at
     gradient = _Polynomials([polynomial.derivative(name) for name in polynomial.variables])
-    return Surface(str(polynomial), lambda x: float(value(x)[0]), gradient, flat=polynomial.degree <= 1)
+    return Surface(str(polynomial), lambda x: at(*x.tolist())[0], gradient, flat=polynomial.degree <= 1)
+
+
+Terms: TypeAlias = Sequence[tuple[float, tuple[int, ...]]]  # coefficients and exponents
+MOST_FACTORS = 500  # of polynomials that are written out: longer text takes long to compile
 
 
 class _Polynomials:
-    """Values of some polynomials at a state: coefficients, each rounded once, times monomials.
+    """Values of some polynomials at a state: coefficients, each rounded once, times powers of the states.
+
+    Attributes:
+        at: the values, in order, from the states one by one.
+        velocity: the values as a field.
 
     Raises:
         RefusalError: for coefficients that floats do not hold.
     """
 
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:
-        exponents = list(dict.fromkeys(e for p in polynomials for e in p.terms))
-        self._exponents = np.array(exponents, dtype=float).reshape(-1, len(polynomials[0].variables))
-        self._coefficients = np.array(
-            [[float(p.terms[e]) if e in p.terms else 0.0 for e in exponents] for p in polynomials]
-        ).reshape(len(polynomials), -1)
-        if not np.isfinite(self._coefficients).all():
+        sums = [[(float(c), exponents) for exponents, c in p.terms.items()] for p in polynomials]
+        terms = [term for own in sums for term in own]
+        if not all(isfinite(c) for c, _ in terms):
             raise RefusalError("required coefficients within the range of floats, to follow paths: one is above 1e308")
-        self._constant = None if self._exponents.any() else self._coefficients.sum(axis=1)
+        count = len(polynomials[0].variables)
+        factors = sum(1 + sum(exponents) for _, exponents in terms)
+        self.at = (_written_out if factors <= MOST_FACTORS else _in_arrays)(count, sums)
+        self.velocity: Velocity = ScalarVelocity(self.at)
+        self._constant = None if any(any(e) for _, e in terms) else np.array(self.at(*[0.0] * count))
 
     def __call__(self, x: Vector) -> Vector:
         """The values, in order."""
-        if self._constant is not None:
-            return self._constant
-        return np.asarray(self._coefficients @ np.multiply.reduce(x**self._exponents, axis=1))
+        return np.array(self.at(*x.tolist())) if self._constant is None else self._constant
+
+
+def _written_out(count: int, sums: Sequence[Terms]) -> Callable[..., Numbers]:
+    """The values as a function of x0, x1, ...; powers are products, which may overflow."""
+    x = names("x", count)
+    products = ([(c, [x[k] for k, power in enumerate(e) for _ in range(power)]) for c, e in own] for own in sums)
+    return compiled(", ".join(x), f"return {listed(map(weighted, products))}")
+
+
+def _in_arrays(count: int, sums: Sequence[Terms]) -> Callable[..., Numbers]:
+    """The same for polynomials of many terms: coefficients times monomials."""
+    exponents = list(dict.fromkeys(e for terms in sums for _, e in terms))
+    powers = np.array(exponents, dtype=float).reshape(-1, count)
+    coefficients = np.zeros((len(sums), len(exponents)))
+    for row, terms in zip(coefficients, sums, strict=True):
+        for c, e in terms:
+            row[exponents.index(e)] = c
+    return lambda *x: tuple((coefficients @ np.multiply.reduce(np.array(x) ** powers, axis=1)).tolist())
 
 
 # ---- weights of waves ----------------------------------------------------------------------------
@@ -215,7 +263,10 @@ def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surfac
 
     def flow(signs: Signs) -> Velocity:
         velocity = extended.flow(signs[: len(known)])
-        return lambda t, x: velocity(t, _with_roots(x, places))[:own]
+        if not isinstance(velocity, ScalarVelocity):
+            return lambda t, x: velocity(t, _with_roots(x, places))[:own]
+        rates = velocity.rates
+        return ScalarVelocity(lambda *x: rates(*x, *[sqrt(abs(x[place])) for place in places])[:own])
 
     return SignField(roots.states, surfaces, flow, extended.size * SMALL_SCALE)
 

@@ -15,10 +15,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 
-import numpy as np
-
-from nonsmooth.analysis.fields.cellwise_field import Speeds, StateLaw
-from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds, StateLaw
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import Event, EventKind, Piece, State, Trajectory
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
@@ -42,7 +39,7 @@ def limited_law(law: StateLaw, limits: Mapping[int, float]) -> StateLaw:
     def prepare(state: ContactState) -> Speeds:
         wanted = law(state)
 
-        def speeds(pose: Vector) -> Mapping[int, float]:
+        def speeds(pose: Pose) -> Mapping[int, float]:
             given = wanted(pose)
             size = demand(given, limits)
             if size <= 1:
@@ -99,7 +96,7 @@ def _changes(piece: Piece, speeds: list[Speeds], limits: Mapping[int, float], *,
     start = float(piece.start)
 
     def excess(since: float) -> float:
-        pose = np.array([float(value) for value in piece.state(since)])
+        pose = tuple(float(value) for value in piece.state(since))
         return max((demand(own(pose), limits) for own in speeds), default=0.0) - 1
 
     own = [float(time) - start for time in piece.times]
@@ -122,7 +119,7 @@ def _passing(excess: Demand, side: float, before: tuple[float, float], after: tu
 
 def _at_limit(piece: Piece, at: float, speeds: list[Speeds], limits: Mapping[int, float]) -> tuple[int, ...]:
     """The wheels that ask for the most of what they can do."""
-    pose = np.array([float(value) for value in piece.state(at)])
+    pose = tuple(float(value) for value in piece.state(at))
     shares = [(abs(speed) / limits[w], w) for own in speeds for w, speed in own(pose).items() if w in limits]
     most = max(shares)[0]
     return tuple(sorted({wheel for share, wheel in shares if share >= most * SAME_SHARE}))

@@ -9,14 +9,15 @@ orbits attract that repel.  What is found is an orbit forwards in time in any ca
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_field import Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector, Velocity
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, follow_turn, newton_system
 from nonsmooth.analysis.trajectories.face_motion import largest
 from nonsmooth.analysis.trajectories.follow import find_root
@@ -116,15 +117,19 @@ def _limited(field: SignField) -> Iterator[SignField]:
     meter = WorkMeter(EVALUATIONS)
     counts = True
 
-    def flow(signs: Signs) -> Velocity:
-        velocity = field.flow(signs)
-
-        def counted(t: float, x: Vector) -> Vector:
+    def counted(evaluate: Callable[..., Any]) -> Callable[..., Any]:
+        def evaluated(*place: Any) -> Any:
             if counts:
                 meter.spend(1)
-            return velocity(t, x)
+            return evaluate(*place)
 
-        return counted
+        return evaluated
+
+    def flow(signs: Signs) -> Velocity:
+        velocity = field.flow(signs)
+        if isinstance(velocity, ScalarVelocity):
+            return ScalarVelocity(counted(velocity.rates))
+        return counted(velocity)
 
     try:
         yield replace(field, flow=flow)
@@ -160,6 +165,9 @@ def _reversed(field: SignField) -> SignField:
 
     def flow(signs: Signs) -> Velocity:
         forwards = field.flow(signs)
+        if isinstance(forwards, ScalarVelocity):
+            rates = forwards.rates
+            return ScalarVelocity(lambda *x: tuple([-rate for rate in rates(*x)]))
         return lambda t, x: -forwards(t, x)
 
     return replace(field, flow=flow)

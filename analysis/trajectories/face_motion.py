@@ -6,6 +6,11 @@ of least norm is taken.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from operator import mul
+
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import (
@@ -14,7 +19,8 @@ from nonsmooth.analysis.fields.convex_weights import (
     least_mix,
     least_norm_weights,
 )
-from nonsmooth.analysis.fields.switched_field import Face, Vector, Velocity, unit_normal
+from nonsmooth.analysis.fields.float_code import Numbers
+from nonsmooth.analysis.fields.switched_field import Face, ScalarVelocity, Vector, Velocity, unit_normal
 
 # Relative to the fields around a point: normal speeds below are zero, since a state found on a surface is off by some
 # 1e-12 of its size and gradients by difference err by 1e-11.
@@ -81,8 +87,21 @@ class FaceMotion:
 
     @property
     def velocity(self) -> Velocity:
-        """The cheapest callable form: a single member's own field."""
+        """The cheapest callable form: a single member's own field, and of a slide in single floats where both are."""
+        own = [m.velocity.rates for m in self.face.members if isinstance(m.velocity, ScalarVelocity)]
+        if self.is_pair and not self.weights_open and len(own) == 2:
+            return ScalarVelocity(partial(self._slide, own))
         return self._single or self
+
+    def _slide(self, members: Sequence[Callable[..., Numbers]], *x: float) -> Numbers:
+        """The motion of a slide between two fields in single floats."""
+        fields = [rates(*x) for rates in members]
+        normal = self.face.keep[0].normal(np.array(x)).tolist()
+        from_first, from_second = (sum(map(mul, normal, rates)) for rates in fields)
+        if from_first == from_second:
+            return tuple(self(0.0, np.array(x)).tolist())
+        share = from_second / (from_second - from_first)
+        return tuple(share * a + (1 - share) * b for a, b in zip(*fields, strict=True))
 
     @property
     def weights_open(self) -> bool:
@@ -114,4 +133,5 @@ class FaceMotion:
 
 def largest(fields: Vector) -> float:
     """Largest entry in absolute value."""
-    return float(np.abs(fields).max(initial=0.0))
+    entries = fields.ravel().tolist()  # of few entries NumPy takes longer
+    return math.nan if any(map(math.isnan, entries)) else max(map(abs, entries), default=0.0)

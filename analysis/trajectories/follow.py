@@ -14,6 +14,7 @@ none of them follows anything itself.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
@@ -76,9 +77,14 @@ class DenseStep:
 
     def __call__(self, times: Any) -> Vector:
         """State at a time within the step, (n,), or states at many, (n, m)."""
+        return np.asarray(self.between(times))
+
+    @property
+    def between(self) -> Interpolant:
+        """The solution within the step."""
         if self._interpolant is None:
             self._interpolant = self._dense()
-        return np.asarray(self._interpolant(times))
+        return self._interpolant
 
 
 class Stepper(Protocol):
@@ -162,6 +168,10 @@ class Guards(ABC):
         """One of them at a time and a state."""
         return self.at(t, x)[k]
 
+    def along(self, k: int, step: DenseStep) -> Callable[[float], float]:
+        """One of them as a function of time within a step."""
+        return lambda t: self.one(k, t, step(t))
+
     def slope(self, k: int, t: float, x: Vector, rate: Vector) -> float:
         """The derivative of one of them along the motion; zero where nobody asks for dips."""
         return 0.0
@@ -185,10 +195,12 @@ def first_event(
         return next(((step.end, k) for k, value in enumerate(after) if value <= 0), None)
     parts = SAMPLED_PARTS if step.easy else guards.looks
     if parts == 1:
-        marks, rows = [step.start, step.end], [before, after]
         searched = [
             k for k, slack in enumerate(guards.slacks) if after[k] < -slack or (step.slopes and _turns(guards, k, step))
         ]
+        if not searched:
+            return None
+        marks, rows = [step.start, step.end], [before, after]
     else:
         marks, rows = _looked_at(guards, before, after, step, parts)
         fallen = (np.array(rows[1:]) < -np.array(guards.slacks)).any(axis=0)
@@ -212,10 +224,7 @@ def _looked_at(
 
 def _first_fall(guards: Guards, k: int, known: list[tuple[float, float]], step: DenseStep) -> float | None:
     """The first time at which one guard is below zero, from its values at some times of a step."""
-    slack = guards.slacks[k]
-
-    def value(t: float) -> float:
-        return guards.one(k, t, step(t))
+    slack, value = guards.slacks[k], guards.along(k, step)
 
     for place, (before, after) in enumerate(pairwise(known)):
         if after[1] < -slack:
@@ -275,7 +284,7 @@ def find_root(value: Callable[[float], float], before: tuple[float, float], afte
 
     if before[1] <= 0:
         return before[0]
-    ends, finest = dict([before, after]), float(np.spacing(after[0]))
+    ends, finest = dict([before, after]), math.ulp(after[0])
     root = brentq(lambda t: ends[t] if t in ends else value(t), before[0], after[0], xtol=finest, rtol=RELATIVE_ULPS)
     return float(root)
 

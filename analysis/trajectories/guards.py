@@ -16,8 +16,9 @@ from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
 from nonsmooth.analysis.fields.switched_field import FacedField, Surface, Vector, length, unit_normal
 from nonsmooth.analysis.trajectories.face_motion import LOOK_AHEAD, SMALLEST_SPEED, TANGENT_SLACK, FaceMotion
 from nonsmooth.analysis.trajectories.faces import FaceChoice
-from nonsmooth.analysis.trajectories.follow import Guards
+from nonsmooth.analysis.trajectories.follow import DenseStep, Guards
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.steppers import ScalarInterpolant
 from nonsmooth.analysis.trajectories.two_fold import BECOMES_TANGENT, CLEAR_OF_TANGENCY, IS_TANGENT, tangency
 from nonsmooth.analysis.trajectories.whirls import WhirlMotion
 
@@ -27,12 +28,17 @@ GUARD_SLACK = 1e-12
 
 @dataclass(frozen=True)
 class Guard:
-    """Positive on the face; ``slope`` is its derivative along the motion, exact where that is cheap."""
+    """Positive on the face; ``slope`` is its derivative along the motion, exact where that is cheap.
+
+    Attributes:
+        normal: its gradient, where that is the same everywhere.
+    """
 
     value: Callable[[float, Vector], float]
     slack: float
     slope: Callable[[float, Vector, Vector], float]
     surface: Surface | None = None
+    normal: Vector | None = None
 
 
 class FaceGuards(Guards):
@@ -64,7 +70,15 @@ class FaceGuards(Guards):
 
     def slope(self, k: int, t: float, x: Vector, rate: Vector) -> float:
         """The derivative of one along the motion."""
-        return self._own[k].slope(t, x, rate)
+        own = self._own[k]
+        return own.slope(t, x, rate) if own.normal is None else float(own.normal.dot(rate))
+
+    def along(self, k: int, step: DenseStep) -> Callable[[float], float]:
+        """One as a function of time; of a flat surface its distance from that where the step begins."""
+        own, between = self._own[k], step.between
+        if own.normal is None or not isinstance(between, ScalarInterpolant):
+            return super().along(k, step)
+        return between.along(own.normal.tolist(), own.value(step.start, step.first))
 
 
 def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
@@ -85,10 +99,14 @@ def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Vector) -> lis
 
 
 def _bound(surface: Surface, side: int, slack: float, x: Vector) -> Guard:
-    def slope(t: float, x: Vector, velocity: Vector) -> float:
-        return side * float(surface.gradient(x) @ velocity)
+    def value(t: float, x: Vector) -> float:
+        return side * surface.value(x)
 
-    return Guard(lambda t, x: side * surface.value(x), slack * length(surface.gradient(x)), slope, surface)
+    def slope(t: float, x: Vector, velocity: Vector) -> float:
+        return side * float(surface.gradient(x).dot(velocity))
+
+    normal = side * surface.gradient(x) if surface.flat else None
+    return Guard(value, slack * surface.steepness(x), slope, surface, normal)
 
 
 def _exits(field: FacedField, choice: FaceChoice, scale: float) -> list[Guard]:

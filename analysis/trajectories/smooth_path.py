@@ -167,6 +167,7 @@ class FilippovFaces(HybridField):
         self.before: Face | None = None
         self.legs: list[Leg] = []
         self._stalled = 0
+        self._cells: dict[Face, _FaceMode] = {}
         self._mean: FaceChoice | None = None  # of turns around a corner, which is followed next
         self._forget()
 
@@ -199,7 +200,15 @@ class FilippovFaces(HybridField):
             self._say(path, choices)
             choice = choices[0]
         self.before = choice.motion.face
-        return _FaceMode(self.field, choice, path, self.meter)
+        return self._mode(choice, path)
+
+    def _mode(self, choice: FaceChoice, path: Path) -> _FaceMode:
+        """The mode of a choice; that of a cell with flat bounds is the same wherever the path enters it."""
+        face = choice.motion.face
+        mode = self._cells.get(face) or _FaceMode(self.field, choice, path, self.meter)
+        if not face.keep and all(surface.flat for surface, _ in face.bounds):
+            self._cells[face] = mode
+        return mode
 
     def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
         """Onto the surface that was met; after a loop of crossings, on to its limit."""
@@ -340,7 +349,10 @@ def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:
         if largest(move) > size:
             break
         x = x - move
-    return x if x is start else np.where(np.abs(x) <= CANCELLED * np.abs(start), 0.0, x)
+    if x is start:
+        return x
+    both = zip(x.tolist(), start.tolist(), strict=True)
+    return np.array([0.0 if abs(now) <= CANCELLED * abs(before) else now for now, before in both])
 
 
 # ---- accumulating switches -----------------------------------------------------------------------

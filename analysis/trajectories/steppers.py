@@ -14,16 +14,19 @@ Another method is a class with ``steps``, as in ``tests/rehearsals/midpoint.py``
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from functools import partial
-from itertools import cycle
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
+from itertools import chain, cycle
+from operator import mul
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.fields.float_code import Numbers
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.written_out import MOST_STATES, written_out
 
 STAGES = 12  # of DOP853, without the rate at the end of the step
 # Of DOP853's steps: a part of what the error allows, within these bounds.
@@ -40,6 +43,10 @@ DIFFERENCE = 1e-8  # step of the differences, relative to the states: half the d
 # Step of the differences for Radau, relative to the size of the states, however small a state is: SciPy's own shrinks
 # with each state, and finds but rounding once one of them is zero and others are not.
 JACOBIAN_STEP = 1e-11
+
+# A step that may be too long: the state at its end, the rate there, the error of the state in tolerances, and what
+# makes its dense output.
+Trial: TypeAlias = tuple[Vector, Vector, float, Callable[[], Interpolant]]
 
 
 def stepped(solver: Any, *, easy: bool = False) -> DenseStep:
@@ -139,10 +146,6 @@ class Dop853:
         else:
             self.slope = rate(t, y)
         self.following = first_step
-        self._stages = np.empty((STAGES + 1, len(y)))
-        self._tableau = [
-            (k, self._stages[:k].T, DOP853.A[k, :k], float(DOP853.C[k])) for k in range(1, STAGES)
-        ]  # number of a stage, the rates before, and what it takes of them and of the step
 
     def step(self) -> DenseStep:
         """The next step that meets the tolerances.
@@ -157,32 +160,96 @@ class Dop853:
                 raise TrajectoryError(f"the integrator stopped at t = {self.t:.6g}: {self._method.TOO_SMALL_STEP}")
             end, trials = min(self.t + length, self._until), trials + 1
             h = end - self.t
-            last, error = self._trial(end, h)
+            last, slope, error, between = self._trial(end, h)
             growth = SAFETY * error**-0.125 if error else MOST_GROWTH
             if error < 1:
                 break
             length, most = h * max(LEAST_GROWTH, growth), 1.0
-        stages = self._stages.copy()
-        between = partial(_dop853_between, self._rate, self.t, self.y, h, last, stages)
-        step = DenseStep((self.t, self.y), (end, last), between, slopes=(self.slope, stages[STAGES]))
+        step = DenseStep((self.t, self.y), (end, last), between, slopes=(self.slope, slope))
         self.step_size, self.following = h, h * min(most, growth)
         step.easy, step.work = self.following >= EASY_GROWTH * h, STAGES * trials
-        self.t, self.y, self.slope = end, last, stages[STAGES]
+        self.t, self.y, self.slope = end, last, slope
         return step
 
-    def _trial(self, end: float, h: float) -> tuple[Vector, float]:
-        """The state at the end, with the rates at all stages noted, and its error in tolerances."""
-        method, (rtol, atol), y, stages = self._method, self._tolerances, self.y, self._stages
+    def _trial(self, end: float, h: float) -> Trial:
+        """A step to a time, of a length."""
+        method, (rtol, atol), y = self._method, self._tolerances, self.y
+        stages = np.empty((STAGES + 1, len(y)))
         stages[0] = self.slope
-        for k, before, row, share in self._tableau:
-            stages[k] = self._rate(self.t + share * h, y + before.dot(row) * h)
+        for k, row, share in _tableau():
+            stages[k] = self._rate(self.t + share * h, y + stages[:k].T.dot(row) * h)
         last = y + h * stages[:STAGES].T.dot(method.B)
         stages[STAGES] = self._rate(end, last)
         scale = atol + np.maximum(np.abs(y), np.abs(last)) * rtol
         third, fifth = (stages.T.dot(weights) / scale for weights in (method.E3, method.E5))
         of_third, of_fifth = (math.sqrt(error.dot(error)) ** 2 for error in (third, fifth))
-        denominator = of_fifth + 0.01 * of_third
-        return last, h * of_fifth / math.sqrt(denominator * len(y)) if denominator else 0.0
+        between = partial(_dop853_between, self._rate, self.t, y, h, last, stages)
+        return last, stages[STAGES], _error(h, of_third, of_fifth, len(y)), between
+
+
+class ScalarDop853(Dop853):
+    """The same method for a rate of few states in single floats, in code that is written out for so many.
+
+    Its sums are rounded in another order, which is all that differs.
+    """
+
+    def __init__(self, rate: ScalarVelocity, t: float, y: Vector, *others: Any, **named: Any) -> None:
+        super().__init__(rate, t, y, *others, **named)
+        self._rates, self._code = rate.rates, written_out(len(y))
+
+    def _trial(self, end: float, h: float) -> Trial:
+        x = self.y.tolist()
+        last, stages, third, fifth = self._code.trial(self._rates, h, *self._tolerances, *x, *self.slope.tolist())
+        between = partial(self._between, self.t, h, x, stages, last)
+        return np.array(last), np.array(stages[STAGES]), _error(h, third, fifth, len(x)), between
+
+    def _between(self, t: float, h: float, x: Sequence[float], stages: Sequence[Numbers], last: Numbers) -> Interpolant:
+        return ScalarInterpolant(t, h, self._code.inner(self._rates, h, *x, *chain.from_iterable(stages), *last))
+
+
+class ScalarInterpolant:
+    """The polynomials of degree 7 through a step, one for each state.
+
+    Args:
+        t: time at which the step begins.
+        h: its length.
+        states: coefficients of each state, as :class:`nonsmooth.analysis.trajectories.written_out.WrittenOut` says.
+    """
+
+    def __init__(self, t: float, h: float, states: Sequence[Numbers]) -> None:
+        self._start, self._length, self._states = t, h, states
+
+    def __call__(self, times: Any) -> Vector:
+        """The state at a time, or at many."""
+        share = (times - self._start) / self._length
+        return np.array([_value(share, own) for own in self._states])
+
+    def along(self, normal: Sequence[float], first: float) -> Callable[[float], float]:
+        """A linear function of the state with a gradient, and a value where the step begins, as a function of time."""
+        _, *others = (sum(map(mul, normal, coefficients)) for coefficients in zip(*self._states, strict=True))
+        start, length, own = self._start, self._length, (first, *others)
+        return lambda time: _value((time - start) / length, own)
+
+
+def _value(s: Any, coefficients: Numbers) -> Any:
+    """The polynomial of a step where a share s of it is passed, in the order of SciPy's."""
+    x, a, b, c, d, e, f, g = coefficients
+    r = 1 - s
+    return x + s * (a + r * (b + s * (c + r * (d + s * (e + r * (f + s * g))))))
+
+
+@cache
+def _tableau() -> list[tuple[int, Vector, float]]:
+    """The number of each stage but the first, and what it takes of the rates before and of the step."""
+    from scipy.integrate import DOP853
+
+    return [(k, DOP853.A[k, :k], float(DOP853.C[k])) for k in range(1, STAGES)]
+
+
+def _error(h: float, of_third: float, of_fifth: float, count: int) -> float:
+    """The error of a step in tolerances, by the squares of both estimates over h, summed over so many states."""
+    denominator = of_fifth + 0.01 * of_third
+    return h * of_fifth / math.sqrt(denominator * count) if denominator else 0.0
 
 
 def _dop853_between(rate: Rate, t: float, y: Vector, h: float, last: Vector, known: Vector) -> Interpolant:
@@ -222,10 +289,11 @@ class StiffAware:
         self._step: float | None = None  # of the last stretch, to begin the next one with
         self.was_stiff = False
 
-    def steps(self, rate: Rate, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
+    def steps(self, rate: Any, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
         """Steps up to the last time."""
         first = None if self._step is None else min(self._step, until - t)
-        solver, taken = Dop853(rate, t, x, until, first, **self._tolerances), 1
+        method = ScalarDop853 if isinstance(rate, ScalarVelocity) and len(x) <= MOST_STATES else Dop853
+        solver, taken = method(rate, t, x, until, first, **self._tolerances), 1
         while solver.t < until and (taken % PROBED or not holds_the_step(rate, solver, until, self._size)):
             step = solver.step()
             self._step = step.end - step.start

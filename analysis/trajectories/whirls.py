@@ -102,12 +102,16 @@ def last_turn(crossings: Iterable[SurfaceCrossing], size: float) -> Sequence[Sur
     known = list(crossings)
     places = [crossing.place for crossing in known]
     for loop in range(2, WHIRL_LOOP + 1):
-        if len(places) <= 2 * loop or places[-loop:] != places[-2 * loop : -loop]:
+        if len(places) <= 2 * loop:
+            break
+        if places[-loop:] != places[-2 * loop : -loop]:
             continue
         first, second = (known[k].time - known[k - loop].time for k in (-1 - loop, -1))
-        extent = largest(np.ptp([crossing.x for crossing in known[-loop:]], axis=0))
-        small = extent <= WHIRL_EXTENT * size
-        return known[-1 - loop :] if small and WHIRL_RATIO * first < second < first else ()
+        if not WHIRL_RATIO * first < second < first:
+            return ()
+        coordinates = zip(*(crossing.x.tolist() for crossing in known[-loop:]), strict=True)
+        extent = max(max(values) - min(values) for values in coordinates)
+        return known[-1 - loop :] if extent <= WHIRL_EXTENT * size else ()
     return ()
 
 

@@ -16,7 +16,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, StateLaw, feedback_field
+from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Pose, Speeds, StateLaw, feedback_field
 from nonsmooth.analysis.fields.feedback_laws import (
     cascade_law,
     corrected_law,
@@ -25,7 +25,6 @@ from nonsmooth.analysis.fields.feedback_laws import (
     tangential_law,
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.motion.saturation import limited_law, with_saturation
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
@@ -188,14 +187,14 @@ class FeedbackLoop:
 
     def _law_in(self, partition: Partition, own: StateLaw) -> StateLaw:
         """A law of poses in the scene's own coordinates."""
-        centre = np.array([*map(float, partition.scene.check.equilibrium), 0.0])
+        x, y = map(float, partition.scene.check.equilibrium)
         centred = {state.name: state for cell in self.partition.cells for state in cell.states}
 
         def law(state: ContactState) -> Speeds:
             speeds = own(centred[state.name])
 
-            def shifted(pose: Vector) -> Mapping[int, float]:
-                return speeds(np.asarray(pose, dtype=float) - centre)
+            def shifted(pose: Pose) -> Mapping[int, float]:
+                return speeds((float(pose[0]) - x, float(pose[1]) - y, float(pose[2])))
 
             return shifted
 

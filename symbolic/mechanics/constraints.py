@@ -183,17 +183,18 @@ def leading_one(vector: Triple) -> Triple:
 def combine(weights: Iterable[Number], columns: Iterable[Triple]) -> Triple:
     """``sum_k weights[k] columns[k]``, skipping zero weights."""
     total: list[Number] | None = None
-    zero: Triple | None = None
+    zero: Number | None = None
     for weight, column in zip(weights, columns, strict=True):
-        zero = column if zero is None else zero
         if weight:
             part = [weight * entry for entry in column]
             total = part if total is None else [s + t for s, t in zip(total, part, strict=True)]
-    if total is None:
-        if zero is None:
-            raise ValueError("required at least one column, received none")
-        return zero[0] * 0, zero[0] * 0, zero[0] * 0
-    return total[0], total[1], total[2]
+        elif zero is None:
+            zero = weight * column[0]
+    if total is not None:
+        return total[0], total[1], total[2]
+    if zero is None:
+        raise ValueError("required at least one column, received none")
+    return zero, zero, zero
 
 
 def complement(basis: Sequence[Triple]) -> tuple[Triple, ...]:

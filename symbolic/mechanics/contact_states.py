@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
 from math import comb
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 
-Solution: TypeAlias = tuple[tuple[Triple, Triple, Triple], Number]
+Solution: TypeAlias = tuple[tuple[Triple, Triple, Triple], Number]  # in plain rationals where all normals are rational
 
 
 @dataclass(frozen=True, repr=False)
@@ -93,9 +93,12 @@ def solve_rows(rows: tuple[Row, Row, Row]) -> ContactState | None:
     determinant = inner(rows[0].normal, columns[0])
     if not determinant:
         return None
-    inverse = determinant.inverse()
-    x, y, z = combine([row.rhs for row in rows], columns)
-    return ContactState(rows, Twist(x * inverse, y * inverse, z * inverse))
+    return ContactState(rows, _twist(rows, columns, determinant.inverse()))
+
+
+def _twist(rows: tuple[Row, Row, Row], columns: tuple[Triple, Triple, Triple], inverse: Number) -> Twist:
+    """``sum_k (rhs_k/det) column_k``; most rows say zero, so that they take no part."""
+    return Twist(*combine([row.rhs * inverse for row in rows], columns))
 
 
 @dataclass(frozen=True)
@@ -132,19 +135,24 @@ def triples_with_friction(scene: Scene) -> int:
 def regular_states(scene: Scene) -> list[ContactState]:
     """Every regular triple of rows with friction, in lexicographic order."""
     rows = list(rows_with_friction(scene))
-    crosses = {(i, j): cross_product(rows[i].normal, rows[j].normal) for i, j in combinations(range(len(rows)), 2)}
+    normals = [_rational(row.normal) for row in rows]
+    crosses = {(i, j): cross_product(normals[i], normals[j]) for i, j in combinations(range(len(rows)), 2)}
+    crosses |= {(j, i): (-x, -y, -z) for (i, j), (x, y, z) in crosses.items()}
     states: list[ContactState] = []
     for i, j, k in combinations(range(len(rows)), 3):
-        determinant = inner(rows[i].normal, crosses[j, k])
+        determinant = inner(normals[i], crosses[j, k])
         if not determinant:
             continue
-        inverse = determinant.inverse()
-        opposite = crosses[i, k]
-        columns = (crosses[j, k], (-opposite[0], -opposite[1], -opposite[2]), crosses[i, j])
-        x, y, z = combine([rows[m].rhs for m in (i, j, k)], columns)
-        twist = Twist(x * inverse, y * inverse, z * inverse)
-        states.append(ContactState((rows[i], rows[j], rows[k]), twist, (columns, inverse)))
+        inverse = determinant.inverse() if isinstance(determinant, Number) else 1 / determinant
+        own, columns = (rows[i], rows[j], rows[k]), (crosses[j, k], crosses[k, i], crosses[i, j])
+        states.append(ContactState(own, _twist(own, columns, inverse), (columns, inverse)))
     return states
+
+
+def _rational(vector: Triple) -> Any:
+    """The same vector in plain rationals, with which one computes fast, where it has no other entry."""
+    entries = [entry.as_rational() if type(entry) is Number else None for entry in vector]
+    return vector if None in entries else tuple(entries)
 
 
 def take_census(scene: Scene) -> ContactCensus:

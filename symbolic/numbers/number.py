@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     import sympy
 
 _FLOAT_BITS = 53
-_ONE = {0: fmpq(1)}
 _FILTER_BITS = 40  # float filter: sums of < 2^10 terms lose < 13 bits of 53, so 40 bits are safe
 TINY, HUGE = 2.0**-900, 2.0**900  # outside this range floats may under- or overflow: use balls
 _FIRST_PRECISION = 128
@@ -80,7 +79,7 @@ class Number(ExactReal):
             return NotImplemented
         if not other.terms:
             return self
-        terms = dict(self.terms)
+        terms = self.terms.copy()
         for mask, c in other.terms.items():
             total = terms[mask] + c if mask in terms else c
             if total:
@@ -95,7 +94,7 @@ class Number(ExactReal):
             return NotImplemented
         if not other.terms:
             return self
-        terms = dict(self.terms)
+        terms = self.terms.copy()
         for mask, c in other.terms.items():
             total = terms[mask] - c if mask in terms else -c
             if total:
@@ -106,26 +105,35 @@ class Number(ExactReal):
 
     def __neg__(self) -> Number:
         if len(self.terms) == 1:  # by far the most; a comprehension is a call
-            ((mask, c),) = self.terms.items()
-            return Number(self.field, {mask: -c})
+            (mask,) = self.terms
+            return Number(self.field, {mask: -self.terms[mask]})
         return Number(self.field, {mask: -c for mask, c in self.terms.items()})
 
     def __mul__(self, value: Any) -> Number:
-        other = value if type(value) is Number and value.field is self.field else self._operand(value)
+        if type(value) is Number and value.field is self.field:
+            other: Number | None = value
+        elif type(value) in (int, fmpq) and self.field.modulus is None:
+            return self._multiple(fmpq(value))
+        else:
+            other = self._operand(value)
         if other is None:
             return NotImplemented
-        field, modulus = self.field, self.field.modulus
-        if not self.terms or not other.terms:
+        field, own, others = self.field, self.terms, other.terms
+        if not own or not others:
             return field.zero
-        if modulus is None and len(self.terms) == 1 == len(other.terms):
-            ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
-            factor = field.radicand_product(s & t).terms if s & t else _ONE
-            if len(factor) == 1 and 0 in factor:  # a rational number times different roots: nothing to collect
+        modulus = field.modulus
+        if modulus is None and len(own) == 1 == len(others):
+            (s,), (t,) = own, others
+            common = field.rational_radicand(s & t) if s & t else 1
+            if common is not None:  # a rational number times different roots: nothing to collect
                 if field.meter is not None:
-                    field.meter.spend(1 + (a.height_bits() + b.height_bits()) // UNIT_BITS)
-                return Number(field, {s ^ t: a * b * factor[0] if s & t else a * b})
-        elif modulus is None and (is_rational(self.terms) or is_rational(other.terms)):
-            return self._multiple(other)
+                    field.meter.spend(1 + (own[s].height_bits() + others[t].height_bits()) // UNIT_BITS)
+                product = own[s] * others[t]
+                return Number(field, {s ^ t: product * common if s & t else product})
+        elif modulus is None and is_rational(own):
+            return other._multiple(own[0])
+        elif modulus is None and is_rational(others):
+            return self._multiple(others[0])
         if field.meter is not None:
             field.meter.spend(product_units(self.terms, other.terms, self.field.base_degree))
         terms: dict[int, Coefficient] = {}
@@ -147,13 +155,17 @@ class Number(ExactReal):
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def _multiple(self, other: Number) -> Number:
-        """The product over the rationals where one of both is rational: nothing to collect."""
-        if self.field.meter is not None:
-            self.field.meter.spend(product_units(self.terms, other.terms, self.field.base_degree))
-        one, many = (self, other) if is_rational(self.terms) else (other, self)
-        factor = one.terms[0]
-        return Number(self.field, {mask: c * factor for mask, c in many.terms.items()})
+    def _multiple(self, factor: fmpq) -> Number:
+        """The product over the rationals by one of them: nothing to collect."""
+        field, own = self.field, self.terms
+        if not own or not factor:
+            return field.zero
+        if field.meter is not None:
+            field.meter.spend(product_units(own, {0: factor}, field.base_degree))
+        if len(own) == 1:  # by far the most; a comprehension is a call
+            (mask,) = own
+            return Number(field, {mask: own[mask] * factor})
+        return Number(field, {mask: c * factor for mask, c in own.items()})
 
     def __pow__(self, exponent: int) -> Number:
         return super().__pow__(exponent) if exponent >= 0 else self.inverse() ** -exponent
@@ -377,6 +389,7 @@ class Tower(ABC):
         self.root_floats: list[float] = []
         self.square_roots: dict[Number, Number] = {}
         self._radicand_products: dict[int, Number] = {}
+        self._rational_radicands: dict[int, fmpq | None] = {}
         self._float_products: dict[int, float] = {}
         self._root_balls: dict[tuple[int, int], arb] = {}
         self.meter: WorkMeter | None = None  # counts products while a limit is set
@@ -432,6 +445,12 @@ class Tower(ABC):
                 product = product * self.radicands[i]
             self._radicand_products[mask] = product
         return self._radicand_products[mask]
+
+    def rational_radicand(self, mask: int) -> fmpq | None:
+        """``prod_{i in mask} g_i`` over the rationals; None where it is irrational."""
+        if mask not in self._rational_radicands:
+            self._rational_radicands[mask] = self.radicand_product(mask).as_rational()
+        return self._rational_radicands[mask]
 
     def float_product(self, mask: int) -> float:
         """``prod_{i in mask} sqrt(g_i)`` in floats."""

@@ -9,8 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.switched_field import Vector
+import nonsmooth as ns
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
+from nonsmooth.analysis.trajectories import faces as faces_module
+from nonsmooth.analysis.trajectories.face_motion import FaceMotion
+from nonsmooth.analysis.trajectories.faces import face_choices
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.built_in import planar_systems
@@ -45,11 +49,57 @@ def test_modes_are_the_formulas_off_the_surfaces(name: str) -> None:
         assert field.flow(field.mode_at(x))(0.0, x) == pytest.approx(LITERAL[name](x[0], x[1]), abs=ROUNDING)
 
 
+@pytest.mark.parametrize("surface", ["x + y/3", "x**2 + y - 1/4"], ids=("flat", "curved"))
+def test_slides_in_single_floats_are_those_of_arrays(surface: str) -> None:
+    field = system_field(ns.System(["x", "y"], [f"y - 2*sign({surface})", f"x*y - sign({surface})"]).system)
+    for x in np.random.default_rng(3).uniform(-0.5, 0.5, 20):
+        place = np.array([x, -3 * x if surface == "x + y/3" else 0.25 - x**2])
+        motion = FaceMotion(field.faces_at(place)[0])
+        velocity = motion.velocity
+        assert motion.is_pair
+        assert isinstance(velocity, ScalarVelocity)
+        assert velocity(0.0, place) == pytest.approx(motion(0.0, place), abs=ROUNDING)
+        assert float(motion.face.keep[0].normal(place) @ velocity(0.0, place)) == pytest.approx(0, abs=ROUNDING)
+
+
+def test_crossings_taken_at_once_are_those_that_trials_find(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside them the places where the field slides, escapes or nearly touches, which trials decide in any case."""
+    rhs = ["y - 2*sign(x + y/3) + x*sign(x - y)", "x*y - sign(x + y/3)/3 - sign(x - y)/2"]
+    field, crossings = system_field(ns.System(["x", "y"], rhs).system), 0
+    for x in np.random.default_rng(4).uniform(-1, 1, 60):
+        for place in (np.array([x, -3 * x]), np.array([x, x])):
+            faces, at_once = field.faces_at(place), faces_module._crossing(field.faces_at(place), 0.0, place)
+            with monkeypatch.context() as without:
+                without.setattr(faces_module, "_crossing", lambda *_: None)
+                tried = face_choices(field, faces, 0.0, place)
+            if at_once is not None:
+                crossings += 1
+                assert [choice.motion.face for choice in tried] == [at_once.motion.face]
+                assert (tried[0].sure, tried[0].free, tried[0].orders) == (at_once.sure, at_once.free, at_once.orders)
+    assert 40 < crossings < 110
+
+
+def test_written_polynomials_name_their_arguments_alone() -> None:
+    """No word of a scene gets into the code that is compiled."""
+    velocity = system_field(ns.System(["abs_x", "max_y"], ["max_y - abs_x**3/7", "-abs_x"]).system).flow(())
+    assert isinstance(velocity, ScalarVelocity)
+    assert velocity.rates.__code__.co_varnames == ("x0", "x1")
+    assert velocity.rates.__code__.co_names == ()
+
+
 def test_relays_may_ask_for_patterns_without_a_cell() -> None:
     """Beside the corner of eq. (4) hysteresis keeps x < 0 while |y| > |x| has changed: no cell, but a motion."""
     field = system_field(load_system("eq-4"))
     for signs in product((-1, 1), repeat=len(field.surfaces)):
         assert np.isfinite(field.flow(signs)(0.0, np.array([0.1, 0.2]))).all()
+
+
+@pytest.mark.parametrize("power", [2, 16])  # the first is written out, the second has 1785 factors: too many for that
+def test_polynomials_are_those_stated(power: int) -> None:
+    velocity = system_field(ns.System(["x", "y"], [f"(x/2 + y + 1)**{power} - x", "y**2*x/3 - 3/7"]).system).flow(())
+    for x, y in np.random.default_rng(power).uniform(-1, 1, (20, 2)):
+        stated = ((x / 2 + y + 1) ** power - x, y**2 * x / 3 - 3 / 7)
+        assert velocity(0.0, np.array([x, y])) == pytest.approx(stated, abs=1e-14 * 2.5**power)
 
 
 @pytest.mark.parametrize("name", [name for name in planar_systems() if name not in {"flower", "stick-slip"}])

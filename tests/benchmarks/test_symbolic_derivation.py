@@ -12,7 +12,7 @@ from nonsmooth.symbolic.mechanics.contact_states import regular_states
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
 
-REQUIRED_SPEEDUP = 10
+REQUIRED_SPEEDUP = 200
 ROUNDING = 1e-12  # entries are of order 1
 
 Field = tuple[tuple[str, ...], int]  # names of the three rows, wheel of the input

@@ -14,13 +14,15 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import affine_surface
+from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
 from nonsmooth.analysis.trajectories.maps import grid_starts, settle_map
+from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.system_file import load_system
 from tests.benchmarks.conftest import Stopwatch
 
 START, UNTIL = (0.8, 0.3, 0.0), 1.0
@@ -53,11 +55,12 @@ def test_events_against_hysteresis(kinematics: Kinematics, stopwatch: Stopwatch)
 
 
 def linear(matrix: np.ndarray, t: float, x: np.ndarray) -> np.ndarray:
-    return np.asarray(matrix @ x)
+    """The fastest form for SciPy of those tried: with ``matrix @ x``, or sums of single floats, it takes longer."""
+    return np.asarray(matrix.dot(x))
 
 
 def height(normal: np.ndarray, t: float, x: np.ndarray) -> float:
-    return float(normal @ x)
+    return float(normal.dot(x))
 
 
 def scipy_events(dense: bool) -> np.ndarray:
@@ -78,15 +81,20 @@ def scipy_events(dense: bool) -> np.ndarray:
     return np.asarray(x)
 
 
+def flower_path(field: SignField) -> Trajectory:
+    """The same path by our events."""
+    return follow_smooth(field, (1.0, 0.2), UNTIL * 10, stepper=StiffAware(RTOL, ATOL, field.size))
+
+
 def test_dop853_with_events_against_scipy(stopwatch: Stopwatch) -> None:
-    """26 crossings, no sliding; medians of ratios of alternating runs.  Our path can be evaluated anywhere."""
-    surfaces = (affine_surface("x - y", (1, -1)), affine_surface("x + y", (1, 1)))
-    field = SignField(("x", "y"), surfaces, lambda s: partial(linear, FLOWER[0] if s[0] * s[1] > 0 else FLOWER[1]))
+    """26 crossings, no sliding; medians of ratios of alternating runs.  Our path can be evaluated anywhere.
+
+    Ours is the built-in system as it is stated.
+    """
+    field = system_field(load_system("flower"))
 
     def ours() -> np.ndarray:
-        return np.array(
-            follow_smooth(field, (1.0, 0.2), UNTIL * 10, stepper=StiffAware(RTOL, ATOL, field.size)).end.state
-        )
+        return np.array(flower_path(field).end.state)
 
     assert ours() == pytest.approx(scipy_events(dense=False), abs=1e-9)
     ratios: dict[bool, list[float]] = {True: [], False: []}
@@ -100,10 +108,10 @@ def test_dop853_with_events_against_scipy(stopwatch: Stopwatch) -> None:
             values.append((time.perf_counter() - start) / own)
     stopwatch.report(
         f"SciPy's events take {median(ratios[True]):.2f} times as long with dense output, "
-        f"{median(ratios[False]):.2f} times without (required 1)"
+        f"{median(ratios[False]):.2f} times without (required 2)"
     )
-    assert median(ratios[True]) >= 1
-    assert median(ratios[False]) >= 1
+    assert median(ratios[True]) >= 2
+    assert median(ratios[False]) >= 2
 
 
 @pytest.mark.parametrize("name", ["four-wheel", "spiral-30"])

@@ -30,6 +30,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
     solve_rows,
     take_census,
 )
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays
@@ -68,6 +69,31 @@ def test_a_twist_satisfies_its_three_rows_exactly(arrays: Arrays, seed: int) -> 
     for state in regular_states(arrays.random(seed, 4)):
         assert all(not row.residual(state.twist) for row in state.rows)
         assert len(independent([row.normal for row in state.rows])) == 3
+
+
+@pytest.mark.parametrize("turned", [0, 1, 4], ids=("rational", "mixed", "irrational"))
+@pytest.mark.parametrize("speed", [0, Fraction(2, 3)])
+def test_all_triples_are_those_solved_one_by_one(turned: int, speed: Fraction) -> None:
+    """Also where some normals are rational, and are computed with as such, and others are not; in the field's numbers.
+
+    The first wheels are turned by a sixth of pi.
+    """
+    field = NumberField()
+    rim = (field.sqrt(3), field.one)
+    positions = [(field(x), field(y)) for x, y in ((1, 1), (-1, 1), (-1, -1), (2, -1))]
+    wheels = [
+        Wheel(k, place, rim if k <= turned else (field(1), field(k - 2)), field(speed), Friction(field(1), field(2)))
+        for k, place in enumerate(positions, 1)
+    ]
+    check = CheckedSquare((field.zero, field.zero), field.one)
+    states = regular_states(Scene("four", field, tuple(wheels), Contact("nearest"), check))
+    assert len(states) > 40
+    for state in states:
+        alone = solve_rows((state.rows[0], state.rows[1], state.rows[2]))
+        assert alone is not None
+        assert (state.twist, state.control_fields) == (alone.twist, alone.control_fields)
+        entries = [*state.twist, *(entry for own in state.control_fields.values() for entry in own)]
+        assert {type(entry) for entry in entries} == {Number}
 
 
 @pytest.mark.parametrize("seed", SEEDS)

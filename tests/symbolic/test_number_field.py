@@ -126,6 +126,7 @@ def test_ring_axioms(name: str, count: int) -> None:
         assert not a - a
         assert a - b == -(b - a)
         assert a**3 == a * a * a
+        assert a * 3 == fmpq(3) * a == a + a + a
         assert hash((a + b) - b) == hash(a)
 
     check()
