@@ -105,8 +105,8 @@ def test_notebook_is_stored_as_a_source(path: Path) -> None:
 
 
 def long(path: Path) -> object:
-    """The first notebook takes longest; the small one of its claims: test_every_program_of_the_page, test_api.py."""
-    return pytest.param(path, marks=thorough) if path.stem == "from-one-wheel-to-theorem-4" else path
+    """One notebook runs in `make test`; of the calls in the others: test_every_program_of_the_page, test_api.py."""
+    return path if path.stem == "from-a-measured-table-to-a-law" else pytest.param(path, marks=thorough)
 
 
 @pytest.mark.parametrize("path", list(map(long, NOTEBOOKS)), ids=[path.stem for path in NOTEBOOKS])

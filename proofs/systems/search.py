@@ -18,7 +18,8 @@ import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from functools import lru_cache
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,8 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+Proposal: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # values on rays, and mixed ones
 
 DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
 HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more
@@ -151,9 +154,7 @@ def _halved(start: Point, end: Point, times: int) -> list[tuple[Point, Point]]:
     return _halved(start, middle, times - 1) + _halved(middle, end, times - 1)
 
 
-def solve_piecewise_quadratic(
-    rays: Sequence[Point], cones: Sequence[LinearCone]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+def solve_piecewise_quadratic(rays: Sequence[Point], cones: Sequence[LinearCone]) -> Proposal | None:
     """Values on unit rays and mixed values, by a semidefinite program; None where there are none, or beyond floats.
 
     Maximizes the margin e in ``G >= e I + p X`` and ``-(B^T G + G B) >= e I + q X`` with ``p, q >= 0`` and
@@ -162,15 +163,22 @@ def solve_piecewise_quadratic(
     flows = np.array([_scaled_flow(rays, cone) for cone in cones])
     if not np.isfinite(flows).all():
         return None
+    ends = tuple((cone.start, cone.end) for cone in cones)
+    return _solve(len(rays), ends, flows.tobytes())
+
+
+@lru_cache(maxsize=64)
+def _solve(count: int, ends: tuple[tuple[int, ...], ...], flows: bytes) -> Proposal | None:
+    """The same of ``count`` rays; once, as the linear parts are those of every square."""
     load_cvxpy()
     import cvxpy as cp
     from cvxpy.atoms.affine.binary_operators import multiply
     from cvxpy.atoms.affine.vstack import vstack
 
-    on_rays, mixed, margin = cp.Variable(len(rays)), cp.Variable(len(cones)), cp.Variable()
-    weights = cp.Variable((2, len(cones)), nonneg=True)
-    first, second = on_rays[[cone.start for cone in cones]], on_rays[[cone.end for cone in cones]]
-    (b11, b12), (b21, b22) = flows.transpose(1, 2, 0)
+    on_rays, mixed, margin = cp.Variable(count), cp.Variable(len(ends)), cp.Variable()
+    weights = cp.Variable((2, len(ends)), nonneg=True)
+    first, second = (on_rays[list(numbers)] for numbers in zip(*ends, strict=True))
+    (b11, b12), (b21, b22) = np.frombuffer(flows).reshape(-1, 2, 2).transpose(1, 2, 0)
     fall = (
         -2 * (multiply(b11, first) + multiply(b21, mixed)),
         -multiply(b12, first) - multiply(b11 + b22, mixed) - multiply(b21, second),

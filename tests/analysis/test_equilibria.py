@@ -180,6 +180,7 @@ def test_an_equilibrium_on_the_border_is_found_whatever_the_radius(arrays: Array
         assert other.translation is Translation.ASYMPTOTICALLY_STABLE
 
 
+@few(3)
 @pytest.mark.parametrize(("x", "y"), [(1, 1), (-1, 1), (1, 0), (0, 1), (1, Fraction(1, 2))])
 def test_equilibria_along_the_border_are_those_of_the_plane(arrays: Arrays, x: Fraction, y: Fraction) -> None:
     """With side friction first both axes rest: sides of the square may lie on them.  By the hull on a larger square."""

@@ -22,7 +22,7 @@ from nonsmooth.analysis.trajectories import smooth_path
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.orbits import orbit_proof
 from nonsmooth.reports.simulations.orbits import measured_text
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 PLANE = ["x", "y"]
 TO_THE_CIRCLE = ["-y + x*sign(1 - x**2 - y**2)", "x + y*sign(1 - x**2 - y**2)"]
@@ -103,6 +103,7 @@ def test_an_orbit_that_attracts_from_one_side_only_is_undecided(start: tuple[flo
         assert turn.y[0, -1] > radius
 
 
+@few(3)
 @pytest.mark.parametrize("digits", [2, 5, 12])
 @pytest.mark.parametrize("sense", [1, -1])
 def test_multipliers_near_one_are_told_apart_as_far_as_they_are_known(digits: int, sense: int) -> None:

@@ -14,6 +14,7 @@ from nonsmooth.analysis.measurements.harness import log_slope
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import STAGES, Dop853, ScalarDop853, StiffAware
 from nonsmooth.analysis.trajectories.written_out import written_out
+from tests.thorough import few
 
 TOLERANCES = {"rtol": 1e-9, "atol": 1e-11}
 
@@ -23,6 +24,7 @@ def van_der_pol(t: float, x: Vector) -> Vector:
     return np.array([x[1], 20 * (1 - x[0] ** 2) * x[1] - x[0] + np.sin(t)])
 
 
+@few(1)
 @pytest.mark.parametrize("first", [None, 1e-3, 0.5])
 def test_steps_are_those_of_scipy(first: float | None) -> None:
     start, until, refused = np.array([2.0, 0.0]), 30.0, 0

@@ -19,6 +19,7 @@ from tests.pressed_engine import EngineTable
 from tests.thorough import few, thorough
 
 
+@few(1)
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_eigenvalues_are_those_of_differences(speed: int) -> None:
     """Of the whole law of motion, at a place of rest beside the origin, where the body may turn."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.evidence.measured_tables import RULES, Bodies, Lines, Question, answered, judged, questions, study
-from tests.thorough import thorough
+from tests.thorough import but, keep, thorough
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def bodies(tmp_path_factory: pytest.TempPathFactory) -> Bodies:
     return Bodies(Question("measured", 1, "ellipse"), Lines(tmp_path_factory.mktemp("bodies") / "bodies.jsonl"))
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", but(["nearest", "roller"], RULES))
 def test_bodies_confirm_what_is_said_of_a_table(rule: str, tmp_path: Path) -> None:
     question = Question("measured", 1, rule)
     answer = answered(question)
@@ -27,18 +27,22 @@ def test_bodies_confirm_what_is_said_of_a_table(rule: str, tmp_path: Path) -> No
 
 @pytest.mark.parametrize(
     "forged",
-    [
-        {"verdict": "leaves"},
-        {"verdict": "comes near", "ends_within": 1.7, "within": 26.0, "after": 4.0},  # they end 1.96 mm off
-        {"verdict": "comes near", "ends_within": 2.2, "within": 26.0, "after": 0.1},  # and not so soon
-        {"verdict": "comes near", "ends_within": 2.2, "within": 26.0, "swings_out_to": 25.9, "after": 4.0},
-        {"verdict": "comes home", "accuracy": 1.5},
-    ],
+    keep(
+        1,
+        [
+            {"verdict": "comes near", "ends_within": 2.2, "within": 26.0, "after": 0.1},  # they do not so soon
+            {"verdict": "comes near", "ends_within": 1.7, "within": 26.0, "after": 4.0},  # and end 1.96 mm off
+            {"verdict": "comes near", "ends_within": 2.2, "within": 26.0, "swings_out_to": 25.9, "after": 4.0},
+            {"verdict": "leaves"},
+            {"verdict": "comes home", "accuracy": 1.5},
+        ],
+    ),
 )
 def test_bodies_refute_what_is_not_so(forged: dict[str, object], bodies: Bodies) -> None:
     assert judged({"accuracy": 3.65, **forged}, bodies) == "wrong"
 
 
+@thorough  # the tests above have bodies confirm and refute for less
 def test_a_table_that_brings_bodies_near_is_no_open_question(bodies: Bodies) -> None:
     assert judged({"verdict": "undecided", "accuracy": 3.65}, bodies) == "open"
     assert not judged({"verdict": "undecided", "accuracy": 1.5}, bodies)

@@ -10,7 +10,6 @@ import pytest
 
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
 from nonsmooth.proofs.systems.basin_rings import Pace
-from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence import published_systems as study
 from tests.thorough import thorough
@@ -27,7 +26,7 @@ def few_starts(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_share_near_the_point_is_that_of_areas() -> None:
     """Of the unit disc, which is the basin, a disc of half the radius is a quarter."""
     document = {"system": {"states": list(IN_DISC.states), "rhs": list(IN_DISC.rhs)}, "check": {"radius": "1/2"}}
-    scene = check_system(build_system(document, IN_DISC.name, Path("published.toml"))).evidence.scene
+    scene = build_system(document, IN_DISC.name, Path("published.toml"))
     share = study.share_near(scene, lambda x: np.asarray(np.linalg.norm(x, axis=1) < 0.5), np.ones(2))
     assert share == pytest.approx(0.25, abs=0.04)
 
@@ -48,7 +47,7 @@ def test_a_region_with_more_effort_is_large() -> None:
 
 @pytest.mark.usefixtures("few_starts")
 def test_a_region_with_more_effort_is_in_the_second_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(EFFORTS, "best", BasinEffort(Pace(0.12, 0.05, 0.04), 21))
+    monkeypatch.setitem(EFFORTS, "best", BasinEffort(Pace(0.2, 0.1, 0.08), 11))
     own = examined(100, 0.6)
     page = tmp_path / "page.md"
     page.write_text("<!-- systems -->\nkept\n<!-- end -->\n<!-- best -->\n<!-- end -->\n", encoding="utf-8")

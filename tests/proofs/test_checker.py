@@ -323,7 +323,7 @@ def test_no_data_keep_the_checker_busy(four_wheel: Record, name: str) -> None:
 
 
 def test_spare_generators_cost_the_wheels_nothing(four_wheel: Record) -> None:
-    subject(four_wheel)["wheels"].extend(wheels_far_away(four_wheel, 500))
+    subject(four_wheel)["wheels"].extend(wheels_far_away(four_wheel, 200))
     seconds = []
     for spare in (0, 390):
         subject(four_wheel)["field"].extend(many_generators(spare))
@@ -800,6 +800,7 @@ def test_notes_are_not_read(four_wheel: Record) -> None:
 # ---- the oracle of mutants -----------------------------------------------------------------------
 
 
+@few(4)
 @pytest.mark.parametrize("subject", SUBJECTS, ids=" ".join)
 def test_the_original_passes_the_same_proof(
     certificates: dict[tuple[str, str], Record], subject: tuple[str, str]

@@ -14,7 +14,7 @@ from nonsmooth.proofs.choices import parallel_lines, show_choice_of
 from nonsmooth.proofs.kernel.cells import started
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text
-from tests.thorough import few, keep, thorough
+from tests.thorough import but, few, keep, thorough
 
 BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bound, beyond what the law can take
     "a push that a relay does not hold": (("y", "-2*sign(x) - sign(y) + d"), 4),
@@ -30,7 +30,8 @@ def pushed(name: str) -> ns.System:
     return ns.System(["x", "y"], list(rhs), parameters={"d": [f"-{bound}", f"{bound}"]})
 
 
-@pytest.mark.parametrize("name", BEYOND)
+@few(3)
+@pytest.mark.parametrize("name", but([name for name in BEYOND if "along" in name], BEYOND))
 def test_a_law_is_found_beyond_the_bound(name: str) -> None:
     _, claims = show_choice_of(pushed(name).system)
     assert claims == [{"stability": "unstable"}]
@@ -74,6 +75,7 @@ def test_the_worst_switching_has_a_certificate(name: str) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
+@thorough  # of two fields: test_the_worst_switching_has_a_certificate
 def test_a_law_of_three_fields() -> None:
     entry, _ = show_choice_of(ns.System(["x", "y"], WORST["three fields"]).system)
     assert entry["theorem"] == "choice"

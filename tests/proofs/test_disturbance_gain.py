@@ -15,7 +15,7 @@ from nonsmooth.proofs.system_facts import gain_words, rate_words
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from tests.plain import built
 from tests.proofs.forged import with_reach
-from tests.thorough import but, few, keep
+from tests.thorough import but, few, keep, thorough
 
 NAMES = {"Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
 STEP = 1e-3
@@ -290,6 +290,7 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     assert any(own.get("rate", {}).get("kind") == "algebraic" for own in claims)
 
 
+@thorough  # which systems have algebraic rates: test_rates_of_higher_order
 def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
     """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``."""
     rhs = ["-x + 3/2*y - sign(z)", "-3*sign(y) + 3*x", "-2*z - Abs(x) + 2*sign(y)"]

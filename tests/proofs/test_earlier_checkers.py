@@ -18,7 +18,7 @@ from tests.oracles.earlier import NoWordError
 from tests.proofs.many_states.test_known_systems import KNOWN, build
 from tests.proofs.system_families import families
 from tests.proofs.test_system_families import system_of as planar
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 # What the checkers of version 1 do not show of a certificate, word for word, and why that is no contradiction.
 NOT_SHOWN: Mapping[str, str] = {
@@ -101,11 +101,13 @@ def require_agreement(name: str, result: StabilityResult) -> None:
     require_as_known(name, json.loads(json.dumps(certificate)))
 
 
+@few(1)
 @pytest.mark.parametrize("name", keep(3, [*FIRST, *(name for name in PLANAR if name not in FIRST)]))
 def test_planar_systems(name: str) -> None:
     require_agreement(name, decide_system(planar(PLANAR[name])))
 
 
+@few(2)
 @pytest.mark.parametrize(
     "number", keep(4, [2, 3, 8, 0, 7, *(k for k in range(len(KNOWN)) if k not in (0, 2, 3, 7, 8))])
 )
@@ -118,8 +120,8 @@ def test_systems_in_one_state(rhs: str) -> None:
     require_agreement(rhs, decide_system(ns.System(["x"], [rhs]).system))
 
 
-@pytest.mark.parametrize("start", keep(1, range(6)))
+@pytest.mark.parametrize("start", keep(1, range(12)))
 def test_the_corpus(start: int) -> None:
     """Certificates of all theorems, in one to eight states."""
-    for name in list(good_certificates())[start::6]:
+    for name in list(good_certificates())[start::12]:
         require_as_known(name, good_certificates()[name])

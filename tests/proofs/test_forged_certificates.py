@@ -94,7 +94,7 @@ def good() -> str:
     return json.dumps(build_certificate(checked("four-wheel", "nearest")))
 
 
-@pytest.mark.parametrize("name", but(["equal monomials"], ARRAYS))
+@pytest.mark.parametrize("name", but(["equal monomials", "nested roots", "long denominators"], ARRAYS))
 def test_forged_arrays_end(name: str) -> None:
     RANDOM.bit_generator.state = FIRST
     data = json.loads(good())

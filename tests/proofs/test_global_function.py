@@ -14,6 +14,7 @@ import nonsmooth as ns
 from nonsmooth.proofs.checker.files import parse
 from nonsmooth.proofs.checker.statements import show_evidence
 from nonsmooth.proofs.system_certificates import certificate_text
+from tests.thorough import few
 
 GLOBAL: dict[str, Any] = {
     "energy that falls weakly": ("y", "-x**3 - y"),
@@ -35,6 +36,7 @@ def system(rhs: tuple[str, ...] | list[list[str]]) -> ns.System:
     return ns.System(["x", "y", "z"][: len(first)], rhs, radius="1/2")
 
 
+@few(3)
 @pytest.mark.parametrize("name", GLOBAL)
 def test_every_start_arrives(name: str) -> None:
     result = system(GLOBAL[name]).check()

@@ -19,7 +19,7 @@ from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.proofs.conftest import Load
-from tests.thorough import few, keep
+from tests.thorough import few, keep, thorough
 
 ENERGIES = {  # force: potential
     "x": "x**2/2",
@@ -43,19 +43,19 @@ def staying(system: SwitchedSystem, share: int = 1) -> Staying:
 
 @pytest.mark.parametrize(
     ("friction", "potential", "known"),
-    [
+    keep(8, [
         ("x + y**3", "x**2/2", Staying.NONE),
         ("sign(x) + y", "Abs(x)", Staying.NONE),
         ("sign(x) + sign(y)*y**2", "Abs(x)", Staying.NONE),
-        ("x + relu(y)**3", "x**2/2", Staying.NONE),  # a quarter without friction, which solutions cross
-        ("x + relu(x)*y", "x**2/2", Staying.NONE),
         ("x + sign(y)", "x**2/2", Staying.RESTS),  # Coulomb: a segment of rest
         ("x - 4*x**3 + y", "x**2/2 - x**4", Staying.RESTS),  # the pendulum's other equilibrium on the border
         ("x + relu(y - 1/8)", "x**2/2", Staying.CELLS),  # closed orbits below the dead zone
         ("x + y*(x**2 + y**2 - 1/16)**2", "x**2/2", Staying.ARC),  # a limit cycle on the circle where V' = 0
         ("x + y*(1 + sign(x**2 + y**2 - 1/16))", "x**2/2", Staying.CELLS),
-    ],
-)
+        ("x + relu(y)**3", "x**2/2", Staying.NONE),  # a quarter without friction, which solutions cross
+        ("x + relu(x)*y", "x**2/2", Staying.NONE),
+    ]),
+)  # fmt: skip
 def test_what_stays(load: Load, friction: str, potential: str, known: Staying) -> None:
     assert staying(with_v(load("y", f"-({friction})"), f"y**2/2 + {potential}")) is known
 
@@ -67,15 +67,19 @@ def test_a_curve_of_switching_attracts(load: Load) -> None:
     """V bends on a curve, along which solutions of the double integrator switch once: known since Pontryagin."""
     system = with_v(load("y", "-sign(x + y*Abs(y)/3)"), BANG_BANG)
     assert staying(system) is Staying.NONE
-    result = decide_system(system)
-    assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
-    claims = certificate_of(result)["statement"]["claims"]
-    assert {"stability": "asymptotically stable"} in claims
-    assert any("attracts" in claim for claim in claims)
     assert audit(system, BANG_BANG).proves is Translation.ASYMPTOTICALLY_STABLE
     for orbits in (load("y", "-x"), load("-sign(y)", "sign(x)")):
         potential = "x**2 + y**2" if orbits.rhs[0].text == "y" else "Abs(x) + Abs(y)"
         assert audit(orbits, potential).proves is Translation.STABLE
+
+
+@thorough  # the audit: the test above; a certificate of it: bang_bang in checker/test_statements.py
+def test_a_curve_of_switching_has_a_certificate(load: Load) -> None:
+    result = decide_system(with_v(load("y", "-sign(x + y*Abs(y)/3)"), BANG_BANG))
+    assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
+    claims = certificate_of(result)["statement"]["claims"]
+    assert {"stability": "asymptotically stable"} in claims
+    assert any("attracts" in claim for claim in claims)
 
 
 @few(1)
@@ -213,6 +217,7 @@ def test_a_v_that_solutions_keep_refutes_attraction(rhs: list[str]) -> None:
     assert (result.verdict, result.deciding.refutes) == (Translation.STABLE, KEPT)
 
 
+@few(2)
 @pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(("rhs", "lyapunov"), NOT_KEPT)
 def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:

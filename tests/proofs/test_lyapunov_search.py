@@ -123,6 +123,7 @@ def potential_flow(load: Load) -> SwitchedSystem:
     return load(f"({U} - 1)*(400*x**3 - 768*x*y**2)", f"({U} - 1)*(1600*y**3 - 768*x**2*y)", radius='"1/4"')
 
 
+@thorough  # of levels that are known exactly: test_regions_touch_the_border
 def test_a_region_up_to_its_exact_limit(load: Load) -> None:
     """On the y axis U = 400 V^2, so V' = 8 U (U - 1) vanishes at V = 1/20 (Drake, issue 12876)."""
     system = potential_flow(load)

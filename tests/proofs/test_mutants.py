@@ -17,11 +17,19 @@ from tests.proofs.attacks import ATTACKS, of_ties
 from tests.thorough import thorough
 
 FEW = {
-    **{"ties": 30, "further functions": 10, "roots": 8, "theorem 4": 30, "feedback": 6, "tolerances": 8},
-    **{"irrational numbers": 20, "basin": 15, "basin, searched": 30, "escape": 15, "lyapunov, searched": 25},
-    **{"circles, searched": 8, "outside, searched": 40, "reversible": 50, "triangles": 20},
+    **{
+        "ties": 15,
+        "further functions": 5,
+        "roots": 4,
+        "theorem 4": 15,
+        "feedback": 3,
+        "one state": 10,
+        "tolerances": 5,
+    },
+    **{"irrational numbers": 10, "basin": 8, "basin, searched": 15, "escape": 8, "lyapunov, searched": 12},
+    **{"circles, searched": 5, "triangles": 10},
 }
-SOME, MANY = 60, 10_000
+SOME, MANY = 25, 10_000
 
 
 FEWER = {"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)}

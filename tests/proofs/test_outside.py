@@ -29,6 +29,7 @@ from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, oth
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.plain import refused
+from tests.thorough import thorough
 
 COARSE = Pace(0.12, 0.05, 0.04)
 CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts inside the unit circle, exactly
@@ -219,6 +220,7 @@ def test_other_traps_are_refused(way: str) -> None:
     assert refused(forged)
 
 
+@thorough  # without sines: test_a_trap_about_another_place_of_rest
 def test_traps_beside_a_pendulum() -> None:
     """About the next lower positions, with sines: the checker takes them, and no larger ones."""
     document = {"system": {"states": ["x", "y"], "rhs": ["y", "-sin(x) - y/2"]}}

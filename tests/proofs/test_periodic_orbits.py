@@ -128,6 +128,7 @@ def test_an_orbit_of_quotients_is_proved_with_its_closed_form(below: str, turn: 
         assert holds(proof.multiplier, mpmath.exp(-4 * mpmath.pi))
 
 
+@thorough  # that slides: the built-in stick-slip; between quotients: test_a_denominator_slows_an_orbit_of_two_arcs
 def test_an_orbit_that_slides_between_quotients_is_proved() -> None:
     """Friction that falls as one over the speed of slip: the field of the paths in floats keeps its denominator."""
     friction = "sign(y - 1/2)/(1 + Abs(y - 1/2)/3)"

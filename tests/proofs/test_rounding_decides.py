@@ -16,7 +16,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check, SmoothCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.rounded_rings import RULES, contradiction, said_of_ring
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 Array = NDArray[np.float64]
 MOVED = 1e-13  # radians by which headings are moved
@@ -100,6 +100,7 @@ def test_unknown_loads_too(rule: str, tmp_path: Path) -> None:
     assert check.check()
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("count", "turn", "rule"),
     keep(3, [(3, 7, "ellipse"), (3, 41, "nearest"), (4, 33, "box"), *product(range(3, 13), range(1, 90, 4), RULES)]),

@@ -25,7 +25,7 @@ from tests.oracles.mutants import Hand, Record
 from tests.oracles.second_formulas import GENS, Reading, terms
 from tests.proofs.system_families import families
 from tests.proofs.test_system_families import system_of
-from tests.thorough import but, keep
+from tests.thorough import but, few, keep
 
 NEWER = ("second", "proper", "growth", "denominator", "logarithm")  # hypotheses that the second checker does not know
 PLANAR = {known.name: known for known in families()}
@@ -84,6 +84,7 @@ def both(record: Record) -> tuple[str, str]:
     return refusal(record, len(json.dumps(record))), second_checker.refusal(record)
 
 
+@few(4)
 @pytest.mark.parametrize("name", keep(len(FIRST), [*FIRST, *(name for name in PLANAR if name not in FIRST)]))
 def test_both_checkers_accept(name: str) -> None:
     text = text_of(name)
@@ -128,6 +129,7 @@ def entry_without(record: Record, key: str) -> Record:
     return {**record, "evidence": [{**entry, "proofs": proofs}, *others]}
 
 
+@few(4)
 @pytest.mark.parametrize("name", but(["waves"], SHORT))
 def test_both_checkers_reject(name: str) -> None:
     """A missing proof of each kind, one too many, another version, an unknown key, no claim, another claim."""

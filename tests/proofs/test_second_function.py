@@ -34,7 +34,7 @@ from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
 from tests.plain import refused
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 Record = dict[str, Any]
 
@@ -107,6 +107,7 @@ BENDING = {
 }
 
 
+@few(4)
 @pytest.mark.parametrize("name", keep(8, [*ATTRACTING, *BENDING]))
 def test_what_attracts_is_certified(name: str) -> None:
     rhs, function, states = {**ATTRACTING, **BENDING}[name]

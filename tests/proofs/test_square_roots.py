@@ -99,6 +99,7 @@ BY_THEMSELVES = [
 ]
 
 
+@few(4)
 @pytest.mark.parametrize(("rhs", "at", "truth"), BY_THEMSELVES)
 def test_states_that_no_other_one_moves_are_decided_by_themselves(
     rhs: list[str], at: list[int], truth: Translation

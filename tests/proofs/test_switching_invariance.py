@@ -41,6 +41,7 @@ def staying(fields: Fields, lyapunov: str) -> Staying:
     return decide_staying(system, system.check.lyapunov, radius, scene_cells(system, square_regions(radius)))
 
 
+@few(7)
 @pytest.mark.parametrize(
     ("fields", "lyapunov", "found"),
     [

@@ -35,7 +35,12 @@ GLOBAL = [
     ["y - x/2 - Max(-1/2, Min(1/2, x - y/2))", "-x - y + Max(-1/4, Min(1/4, x/2 + y))"],
     ["y", "-x**3 - y + z", "-y - z**3"],
 ]
-LONG = [["-y - x**3", "2*x*Abs(x)"], ["y", "-sign(x) - y"], ["y", "-x**3 - y + z", "-y - z**3"]]
+LONG = [
+    ["-y - x**3", "2*x*Abs(x)"],
+    ["y", "-sign(x) - y"],
+    ["y - x/2 - Max(-1/2, Min(1/2, x - y/2))", "-x - y + Max(-1/4, Min(1/4, x/2 + y))"],
+    ["y", "-x**3 - y + z", "-y - z**3"],
+]
 
 
 def decided(rhs: Sequence[str]) -> StabilityResult:

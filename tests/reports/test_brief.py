@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from nonsmooth.proofs.answers import destinations
 from nonsmooth.reports.checks.subject import ArraySubject, Invocation
 from nonsmooth.reports.derivations.brief import brief_document
 from nonsmooth.reports.derivations.derivation import ReportResult, render_report
@@ -60,7 +61,8 @@ def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: Array
 
 
 @pytest.mark.usefixtures("without_other_rules")
-def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject) -> None:
+def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(destinations, "FEW_STARTS", 3)
     ends = "Where and when bodies end"
     assert "at the point, after at most 0.5 s, from anywhere within 0.5 of it (proved)" in words(
         brief_document(four_wheel), ends

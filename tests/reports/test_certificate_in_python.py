@@ -19,7 +19,7 @@ OPEN = ["-x - sign(x + sqrt(2)*y)", "-y + z/9", "-z + x/9"]  # a system of which
 AGAINST = Contradiction("a path and the check", ("one end", "another"), ("equilibrium",))
 
 
-@pytest.mark.parametrize("name", ["four-wheel", "eq-4"])
+@pytest.mark.parametrize("name", ["four-wheel", "relay-oscillator-damped"])
 def test_it_is_what_the_command_writes_and_the_checker_accepts(invoke: Invoke, name: str, tmp_path: Path) -> None:
     assert invoke("check", name, "--certificate", "c.json").status == 0
     scene: Any = ns.load(name)

@@ -15,6 +15,7 @@ import nonsmooth
 from nonsmooth.reports.checks.answers import destinations_head
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.simulations.body_maps import BodyMapResult, destinations_figure
+from nonsmooth.reports.studies.result import Result
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.reports.conftest import Invoke
@@ -82,7 +83,7 @@ def test_json_and_table_are_the_same_numbers(carton: Path, invoke: Invoke) -> No
 
 
 def test_a_terminal_says_sampled_and_how_many_tip(carton: Path, invoke: Invoke) -> None:
-    out = invoke(*GRID).out
+    out = invoke("simulate", "carton.toml", "--grid", "3").out
     assert "sampled" in out
     assert "the body tips" in out
     assert "tip where they start" in out
@@ -161,19 +162,25 @@ def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
-def test_ends_say_by_when_and_how_fast_bodies_turn_on(invoke: Invoke) -> None:
+def test_ends_say_by_when_and_how_fast_bodies_turn_on(invoke: Invoke, capsys: pytest.CaptureFixture[str]) -> None:
     """The rate is that of a check; a body that still moves has a heading and no end, one that stands still no rate."""
-    spiral = ("spiral-30", "--rule", "ellipse")
-    (end, *_) = invoke("simulate", *spiral, "--grid", "2", "--json").record["ends"]
-    rate = invoke("check", *spiral, "--json").record["answers"]["heading"]["largest_rate"]
-    assert abs(end["turning"]) == pytest.approx(float(rate), rel=1e-3)
-    shown = " ".join(invoke("simulate", *spiral, "--grid", "2").out.replace("│", " ").split())
-    assert f"by t = {end['t']:.3g}, turning at {degrees(end['turning']):.3g} deg per unit of time" in shown
-    moving = " ".join(invoke("simulate", *spiral, "--grid", "2", "--until", "1").out.replace("│", " ").split())
+
+    def shown(result: Result) -> str:
+        result.to_terminal()
+        return " ".join(capsys.readouterr().out.replace("│", " ").split())
+
+    spiral = nonsmooth.load("spiral-30").with_(rule="ellipse")
+    turning = spiral.map(2)
+    (end, *_) = turning.to_dict()["ends"]
+    checked = invoke("check", "spiral-30", "--rule", "ellipse", "--json")
+    assert abs(end["turning"]) == pytest.approx(float(checked.record["answers"]["heading"]["largest_rate"]), rel=1e-3)
+    said = f"by t = {end['t']:.3g}, turning at {degrees(end['turning']):.3g} deg per unit of time"
+    assert said in shown(turning)
+    moving = shown(spiral.map(2, until=1))
     assert "still moving at the last time, at heading -" in moving
     assert "of 4 end, or are at the last time, within" in moving  # none of them ends
     assert "latest end none until t = 1 " in moving
-    assert "turning" not in invoke("simulate", "four-wheel", "--rule", "ellipse", "--grid", "3").out
+    assert "turning" not in shown(nonsmooth.load("four-wheel").with_(rule="ellipse").map(2))
 
 
 def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:

@@ -13,6 +13,7 @@ from nonsmooth.reports.figures.style import lay_out
 from nonsmooth.reports.figures.wheels import array_figure
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing, whole
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,6 +81,7 @@ def test_the_check_itself_finds_a_clipped_title_and_two_texts_on_each_other() ->
     assert any("one" in a and "two" in b for a, b in overlapping(boxes))
 
 
+@few(3)
 @pytest.mark.parametrize("scene", ["four-wheel", "carton-on-6x6", "ring-8", "grid-4x4", "named", "long names"])
 def test_names_of_an_array_are_inside_and_apart(tmp_path: Path, scene: str) -> None:
     names = "roller {row}/{column}" if scene == "long names" else "M{row}{column}"

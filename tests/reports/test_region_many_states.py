@@ -82,7 +82,7 @@ RELAYS = {
 @pytest.mark.parametrize("name", RELAYS)
 def test_tetrahedra_where_fields_switch(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Starts in them are followed by polygons along the formulas."""
-    effort = replace(SHELLS["fast"], frequency=4, shells=3, steps=60, starts=3)
+    effort = replace(SHELLS["fast"], frequency=3, shells=3, steps=60, starts=3)
     monkeypatch.setitem(SHELLS, "fast", effort)
     sides, reaches = RELAYS[name]
     document = {"system": {"states": ["x", "y", "z"], "rhs": sides}, "check": {"radius": "1/2"}}

@@ -20,6 +20,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.reports.conftest import Invoke
+from tests.thorough import few
 
 TABLE = """
 name = "table"
@@ -44,6 +45,7 @@ def scene_of(file: Path) -> Scene:
     return load_scene(str(file))
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 def test_small_steps_end_where_the_sample_says(tmp_path: Path, rule: str) -> None:
     """Bodies on the same drawn tables, followed by the words of the rule alone, come to their places of rest."""
@@ -114,19 +116,19 @@ def test_a_table_that_carries_bodies_away_has_no_place_of_rest(table: Path) -> N
 
 
 def test_the_command_says_what_binds(table: Path, invoke: Invoke) -> None:
-    record = invoke("simulate", str(table), "--tables", "10", "--seed", "3", "--json").record
+    command = ("simulate", str(table), "--tables", "10", "--seed", "3")
+    record = invoke(*command, "--json").record
     assert (record["status"], record["tables"], record["certified"]) == ("sampled", 10, None)
     alone = {part["drawn"][0]: part["moved"] for part in record["parts"] if len(part["drawn"]) == 1}
     assert max(alone, key=lambda name: alone[name]) == record["binding"]
-    shown = " ".join(invoke("simulate", str(table), "--tables", "10", "--seed", "3").out.split())
+    shown = " ".join(invoke(*command).out.split())
     assert f"95 % of 10 tables end within {record['within']:.3g} mm (sampled, seed 3)" in shown
     assert "certified: not asked for (--certified)" in shown
     assert "(sampled ends; what binds the certified bound, and may be another, check says)" in shown
     near = sum(math.hypot(x, y) <= record["accuracy"] for x, y in record["rows"])  # of the checked point (0, 0)
     assert record["near"] == near
     assert f"{near} of 10 within the accuracy, {record['accuracy']:.3g} mm" in shown
-    again = invoke("simulate", str(table), "--tables", "10", "--seed", "3", "--json").record
-    assert again == record
+    assert invoke(*command, "--json").record == record
 
 
 def test_nothing_binds_where_ends_are_not_found(table: Path, capsys: pytest.CaptureFixture[str]) -> None:

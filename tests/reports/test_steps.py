@@ -196,6 +196,7 @@ sys.exit(cli.main())
 """
 
 
+@few(1)
 @pytest.mark.parametrize("terminal", ["xterm", "dumb"])
 def test_a_log_has_whole_lines_that_move(terminal: str) -> None:
     """Where standard error is a pipe, each ends in a line feed, and none clears another."""

@@ -18,6 +18,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.plain import built
+from tests.thorough import few
 
 FORMULAS = [
     ["-sqrt(2)*x + y", "-x/sqrt(3) - sign(y)*sqrt(5)"],
@@ -35,6 +36,7 @@ def fields(system: SwitchedSystem, place: Sequence[sympy.Rational]) -> list[list
     return [[sympy.sympify(text, locals={"Max": sympy.Max}).subs(at).evalf(60) for text in side] for side in sides]
 
 
+@few(2)
 @pytest.mark.parametrize("rhs", FORMULAS, ids=str)
 def test_the_stated_field_is_a_mixture(rhs: list[Any]) -> None:
     stated = built(rhs)

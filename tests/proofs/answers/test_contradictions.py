@@ -30,7 +30,7 @@ from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.array_certificates import say
 from tests.evidence.contradictions import FAMILIES, compared, study
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 HALF = Fraction(1, 2)
 
@@ -283,6 +283,7 @@ def test_bodies_that_still_move_end_nowhere() -> None:
     assert not noticed(check, planted_ends("four-wheel", (np.nan, np.nan)))
 
 
+@few(3)
 @pytest.mark.parametrize("name", keep(3, ["saddle", "four-wheel", "omni-3", "outward", "off-center", "ring-5"]))
 @pytest.mark.parametrize("rule", keep(2, ["nearest", "box", "ellipse", "roller"]))
 def test_built_in_scenes_contradict_nothing(name: str, rule: str) -> None:

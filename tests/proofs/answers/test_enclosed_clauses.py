@@ -32,7 +32,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rounded import plain, rounded
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 DIGITS = 40
 AWAY = Fraction(1, 10**6)  # another member of a box of numbers
@@ -220,6 +220,7 @@ heading = [4, -3]
 """
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 def test_whether_a_body_turns_is_undecided_where_some_members_turn_it(rule: str, tmp_path: Path) -> None:
     (tmp_path / "my.toml").write_text(EXACT)

@@ -37,7 +37,7 @@ def position_of(scene: Scene) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("rule", "body"), keep(2, [("nearest", LARGE), ("ellipse", ROUND), ("nearest", ROUND), ("ellipse", LARGE)])
+    ("rule", "body"), keep(1, [("nearest", LARGE), ("ellipse", ROUND), ("nearest", ROUND), ("ellipse", LARGE)])
 )
 def test_under_an_outline_that_covers_all_wheels_bodies_are_followed_as_without(
     rule: str, body: str, tmp_path: Path
@@ -52,7 +52,7 @@ def test_under_an_outline_that_covers_all_wheels_bodies_are_followed_as_without(
 
 @pytest.mark.parametrize(
     ("radius", "angle", "is_said"),
-    keep(3, [(26, None, True), (26, 2, True), (None, None, False), (26, Fraction(1, 1000), False)]),
+    keep(2, [(26, None, True), (None, None, False), (26, 2, True), (26, Fraction(1, 1000), False)]),
 )
 def test_a_narrow_outline_makes_the_disc_smaller_until_nothing_is_said(
     radius: int | None, angle: int | Fraction | None, is_said: bool, tmp_path: Path
@@ -66,7 +66,7 @@ def test_a_narrow_outline_makes_the_disc_smaller_until_nothing_is_said(
     assert ends is None or least <= ends.within < 26
 
 
-@pytest.mark.parametrize("rule", keep(3, ["nearest", "box", "ellipse", "roller"]))
+@pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box", "roller"]))
 def test_a_carton_that_rollers_carry_along_leaves(rule: str) -> None:
     answer = position_of(load_scene("roller-bed", rule=rule))
     assert answer.verdict is Position.LEAVES

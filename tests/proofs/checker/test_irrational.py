@@ -27,7 +27,7 @@ from nonsmooth.proofs.system_certificates import certificate_of, find_system_dif
 from nonsmooth.proofs.system_decision import decide_system
 from tests.certificates.inclusion import contradiction, half_width
 from tests.plain import refused
-from tests.thorough import but
+from tests.thorough import but, few
 
 Record = dict[str, Any]
 
@@ -74,6 +74,7 @@ def changed(record: Record, change: Callable[[Record], None]) -> Record:
 # ---- what is shown -------------------------------------------------------------------------------
 
 
+@few(3)
 @pytest.mark.parametrize("name", but(["turned"], SYSTEMS))
 def test_the_system_itself_is_certified(name: str) -> None:
     """One right-hand side, with the irrational numbers as they are, and floats agree with what is claimed."""

@@ -47,7 +47,7 @@ def claim_of(count: int, own: Terms, guard: Terms, *, strict: bool) -> Claim:
     return Claim("random", (inequality,), strict=strict)
 
 
-@examples(60)
+@examples(40)
 @given(st.data(), st.sampled_from((1, 2, 3)), st.booleans())
 def test_outcomes_against_values_on_a_grid(data: st.DataObject, count: int, strict: bool) -> None:
     own, guard = data.draw(terms(count, 3)), data.draw(terms(count, 1))

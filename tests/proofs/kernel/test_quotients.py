@@ -17,7 +17,7 @@ from nonsmooth.proofs.kernel_strategies import decide_by_quotient
 from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.proofs.system_decision import checked_point
 from nonsmooth.proofs.systems.findings import Known
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 TURN = "-x**4 + 2*x**2*y**2 + y**4", "x**4 + 2*x**2*y**2 - y**4"  # gradient of V, times |x|^4/2, over x and y
 NO_POLYNOMIAL = [  # Ahmadi and El Khadir 2018: no polynomial V at all
@@ -83,6 +83,7 @@ def test_floats_come_nearer() -> None:
     assert (np.linalg.norm(x, axis=0) < 0.9 * start).mean() > 0.8
 
 
+@thorough  # forged ones: test_false_quotients_are_refused
 def test_a_stated_quotient_that_grows_shows_nothing() -> None:
     result = decided(tuple(GROWING), V)
     assert result.verdict != "asymptotically stable"

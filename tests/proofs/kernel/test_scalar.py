@@ -25,7 +25,7 @@ from tests.oracles.mutants import Record
 from tests.plain import built
 from tests.proofs.forged import with_deciding
 from tests.proofs.test_scalar_stability import ATTRACTS, LEAVES, NAMES, STAYS, random_formula
-from tests.thorough import keep
+from tests.thorough import but, keep
 
 LITERAL = {**NAMES, "sign": NAMES["sgn"], "sqrt": np.sqrt, "sat": lambda a, low, high: min(max(a, low), high)}
 
@@ -132,7 +132,7 @@ def certificate(name: str) -> Record:
     return certificate_of(decided(name))
 
 
-@pytest.mark.parametrize("name", TRUE)
+@pytest.mark.parametrize("name", but(["a narrow escape", "arbitrary switching", "degree 16"], TRUE))
 def test_true_claims_are_certified(name: str) -> None:
     _, _, verdict, interval = TRUE[name]
     assert decided(name).verdict is verdict

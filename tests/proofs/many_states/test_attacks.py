@@ -30,7 +30,7 @@ SQUARES = "x**2 + y**2 + z**2"
 CHAIN = ["-sgn(x) + y/2", "-sgn(y) + z/2", "-sgn(z) - x/2"]
 
 
-@few(6)
+@few(5)
 @pytest.mark.parametrize(
     ("rhs", "lyapunov", "verdicts"),
     [
@@ -45,7 +45,12 @@ CHAIN = ["-sgn(x) + y/2", "-sgn(y) + z/2", "-sgn(z) - x/2"]
         (["-sgn(x)", "-sgn(y)", "z"], "4*Abs(x) + 4*Abs(y) + z**2", {INVALID, OPEN}),  # nor on an edge
         (["-sgn(x)", "-sgn(y)", "-z"], "4*Abs(x) + 4*Abs(y) + z**2", {VALID}),
         # nor on a line on which more surfaces vanish than there are states
-        (["-3*sgn(x)", "-3*sgn(y)", "sgn(z)"], "Abs(x) + Abs(y) + Abs(x + y) + Abs(x - y) + Abs(z)", {INVALID, OPEN}),
+        pytest.param(
+            ["-3*sgn(x)", "-3*sgn(y)", "sgn(z)"],
+            "Abs(x) + Abs(y) + Abs(x + y) + Abs(x - y) + Abs(z)",
+            {INVALID, OPEN},
+            marks=thorough,
+        ),
         (["-sgn(x)", "-sgn(y)", "-z"], "Abs(x + y) + Abs(x - y) + z**2", {VALID}),
         (["sgn(x)", "-y", "-z"], SQUARES, {INVALID}),  # both sides leave a surface
         (["2 - sgn(x)", "-y", "-z"], SQUARES, {INVALID}),  # 0 is no mixture of the velocities
@@ -83,7 +88,7 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
     assert value == found.failure.value > 0
 
 
-@few(8)
+@few(6)
 @pytest.mark.parametrize(
     ("rhs", "verdicts"),
     [
@@ -160,8 +165,6 @@ def test_forged_results_are_refused() -> None:
     assert not with_reach(result, near=higher, region=higher).check()
     assert reach.rate is not None
     assert not with_reach(result, rate=replace(reach.rate, kappa=reach.rate.kappa * 2)).check()
-    unstable = decide_system(built(["y", "z - y/4", "-4*x + Abs(y) - y - z/8"]))
-    assert unstable.check()
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
 from nonsmooth.proofs.systems.findings import Known, Method
 from tests.certificates.inclusion import contradiction
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 STATES = ("x", "y", "z", "w")
 NEAR, FAR, UNTIL = 0.06, 0.15, 100_000.0
@@ -135,6 +135,7 @@ def ends(rhs: Sequence[str], start: Sequence[float], until: float = UNTIL) -> fl
     return float(np.linalg.norm(solved.y[:, -1]) / np.linalg.norm(start))
 
 
+@few(3)
 @pytest.mark.parametrize("rhs", REPELS, ids="; ".join)
 def test_points_that_repel_in_the_centre_manifold(rhs: list[str]) -> None:
     assert verdict_beside(rhs) is Translation.UNSTABLE
@@ -142,6 +143,7 @@ def test_points_that_repel_in_the_centre_manifold(rhs: list[str]) -> None:
     assert ends(rhs, start) * NEAR >= 0.99 * FAR
 
 
+@few(3)
 @pytest.mark.parametrize("rhs", keep(5, REPELS), ids="; ".join)
 def test_points_that_repel(rhs: list[str]) -> None:
     result = decided(rhs)

@@ -19,7 +19,7 @@ from nonsmooth.reports.exchange.obligations import obligations_of, smtlib_text
 from tests.reports.conftest import Invoke
 from tests.reports.exchange.exchanged import NAMES, points, system, values
 from tests.reports.exchange.provers import Kyx, kyx_problems, random_point, z3_answers
-from tests.thorough import but, keep
+from tests.thorough import but, few, keep
 
 PROVED_AGAIN = ("relay-oscillator-damped", "eq-4", "stick-slip", "moved", "three states")
 
@@ -91,6 +91,7 @@ def test_v_goes_to_sympy_and_casadi() -> None:
 # ---- other provers -------------------------------------------------------------------------------
 
 
+@few(2)
 @pytest.mark.parametrize("name", but(["eq-4"], PROVED_AGAIN))
 def test_z3_proves_the_verdict_again(name: str, tmp_path: Path) -> None:
     result = system(name).check()
@@ -131,6 +132,7 @@ def test_a_mesh_of_triangles_is_refused() -> None:
         obligations_of(certificate, "relays")
 
 
+@few(1)
 @pytest.mark.parametrize("name", keep(2, ["three states", "stick-slip", "relay-oscillator-damped"]))
 def test_archives_of_keymaera_x_are_formulas_that_are_true(name: str) -> None:
     result = system(name).check()

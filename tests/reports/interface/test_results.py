@@ -70,6 +70,7 @@ def test_a_comparison_is_the_record_of_the_command(capsys: pytest.CaptureFixture
     assert set(sampled) == {"sampled"}
 
 
+@few(2)
 @pytest.mark.parametrize("suffix", [".md", ".json", ".tex"])
 def test_a_report_is_the_file_of_the_command(
     suffix: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -99,9 +99,7 @@ def test_every_button_for_wheels_does_what_it_says(page: Page) -> None:
     before = document(page)["wheel"]
 
     def press(name: str) -> list[dict[str, object]]:
-        wheels = edited(page, lambda: page.click(f"[data-action={name}]"))["wheel"]
-        settled(page)
-        found: list[dict[str, object]] = wheels
+        found: list[dict[str, object]] = edited(page, lambda: page.click(f"[data-action={name}]"))["wheel"]
         return found
 
     def undo() -> None:

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, ViewportSize
 
 from tests.browser import CONTRAST, READABLE, STICKING_OUT, needs_chromium
 from tests.reports.workbench.workbench_page import (
@@ -23,7 +23,7 @@ from tests.workbench_server import Workbench
 
 pytestmark = needs_chromium
 
-SMALL = {"width": 500, "height": 400}  # pixels of a page that nobody looks at
+SMALL: ViewportSize = {"width": 500, "height": 400}  # pixels of a page that nobody looks at
 KEYS = ("ArrowLeft", "ArrowUp", "Shift+ArrowRight", "Alt+ArrowDown", "[", "]", "{", "c", "a", "r", "M", "Delete", "o")
 REFUSED = 1500  # milliseconds: an edit that Python refuses, such as two wheels at one place, changes nothing
 CHANGED = """(most) => new Promise((ready) => { const began = performance.now(); const look = () => {
@@ -140,7 +140,7 @@ def test_two_tabs_do_not_disturb_each_other(browser: Browser, server: Workbench)
 
 
 def test_a_page_without_a_token_asks_for_it(browser: Browser, server: Workbench) -> None:
-    context = browser.new_context()
+    context = browser.new_context(viewport=SMALL)
     page = context.new_page()
     page.goto(server.address.partition("?")[0])
     page.locator("#token").fill(server.address)

@@ -55,12 +55,10 @@ def test_the_name_of_a_file_is_plain(server: Workbench) -> None:
 
 
 def test_what_there_is_not_is_refused(server: Workbench) -> None:
-    system = server.document("eq-3")
     for kind in ("exe", None, 7):
-        assert server.ask("/api/export", {"document": system, "kind": kind}).status == 400
-    undecided = {**system, "system": {"states": ["x", "y"], "rhs": ["y + y**2", "-x**3 + x**2*y**2"]}}
-    undecided.pop("check", None)
-    assert server.ask("/api/export", {"document": undecided, "kind": "certificate"}).status == 400
+        assert server.ask("/api/export", {"document": server.document("eq-3"), "kind": kind}).status == 400
+    without_cells = {**server.document("ring-3"), "contact": {"rule": "ellipse"}}
+    assert server.ask("/api/export", {"document": without_cells, "kind": "certificate"}).status == 400
 
 
 @pytest.mark.parametrize("kind", keep(3, ["toml", "json", "certificate", "report"]))
