@@ -22,8 +22,7 @@ from nonsmooth.analysis.bodies.switching import subsets_of
 from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, unit_normal
-from nonsmooth.analysis.fields.tangent_cones import sign_patterns
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, sign_patterns, unit_normal
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.follow import Mode, Path
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError

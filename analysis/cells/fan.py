@@ -1,7 +1,7 @@
 """The fan of cones at a point: the cells whose closure holds it, each by two rays and its motions about the point.
 
 Paths see a fan by the edges that meet at the point, because they must know which edge a ray is and how far it reaches
-(:mod:`nonsmooth.analysis.trajectories.junction`).
+(:mod:`nonsmooth.analysis.trajectories.slides`).
 """
 
 from __future__ import annotations

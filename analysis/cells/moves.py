@@ -10,7 +10,7 @@ equivalent control (Filippov 1988, sec. 4): ``s' |r|^2 = (A + B s)/(C + D s)`` w
 n_1 - n_2``, and B and D likewise from b.
 
 The numbers may be exact, floats or float arrays.  Verdicts take exact signs, paths in floats those with slacks
-(:mod:`nonsmooth.analysis.trajectories.junction`).
+(:mod:`nonsmooth.analysis.trajectories.slides`).
 """
 
 from __future__ import annotations

@@ -21,9 +21,10 @@ from nonsmooth.analysis.fields.switched_field import (
     Surface,
     Vector,
     Velocity,
+    sign_patterns,
+    span,
     unit_normal,
 )
-from nonsmooth.analysis.fields.tangent_cones import sign_patterns, span
 
 Signs: TypeAlias = tuple[int, ...]
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import FacedField, Vector, Velocity, length, unit_normal
-from nonsmooth.analysis.trajectories.face_motion import TANGENT_SLACK, largest
+from nonsmooth.analysis.trajectories.faces import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
 

@@ -19,7 +19,7 @@ import numpy as np
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector, Velocity
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, follow_turn, newton_system
-from nonsmooth.analysis.trajectories.face_motion import largest
+from nonsmooth.analysis.trajectories.faces import largest
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto

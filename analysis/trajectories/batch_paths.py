@@ -22,15 +22,16 @@ from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.cell_motion import Free, line_times, times_back
-from nonsmooth.analysis.trajectories.continuations import Choice, choices_at
-from nonsmooth.analysis.trajectories.junction import Junction, junction_at, signs_of
-from nonsmooth.analysis.trajectories.piecewise_constant import follow_cells
+from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.analysis.trajectories.slides import (
     ASYMPTOTE_DOUBT,
     PROPORTIONAL_DOUBT,
     SERIES_BELOW,
     SERIES_TERMS,
+    Junction,
+    junction_at,
+    signs_of,
 )
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.numbers.plane import cross, dot

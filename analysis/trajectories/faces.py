@@ -10,22 +10,246 @@ where no other is left, and the path is not called unique then.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from operator import mul
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Vector, length, unit_normal
-from nonsmooth.analysis.trajectories.face_motion import (
-    BEND_SLACK,
-    LOOK_AHEAD,
-    SMALLEST_SPEED,
-    TANGENT_SLACK,
-    FaceMotion,
-    largest,
+from nonsmooth.analysis.fields.convex_weights import (
+    basic_weights,
+    central_weights,
+    least_mix,
+    least_norm_weights,
 )
-from nonsmooth.analysis.trajectories.two_fold import IS_TANGENT, passing_weights, tangency
+from nonsmooth.analysis.fields.float_code import Numbers
+from nonsmooth.analysis.fields.switched_field import (
+    SURFACE_SLACK,
+    Face,
+    FacedField,
+    ScalarVelocity,
+    Vector,
+    Velocity,
+    length,
+    unit_normal,
+)
+
+# ---- the motion on a face of a smooth switched field ---------------------------------------------
+#
+# The motion on a face of a smooth switched field: ``sum l_k f_k``, tangent to the surfaces held.
+#
+# One surface between two fields fixes the weights l (Utkin's equivalent control); where they are not unique the motion
+# of least norm is taken.
+
+
+# Relative to the fields around a point: normal speeds below are zero, since a state found on a surface is off by some
+# 1e-12 of its size and gradients by difference err by 1e-11.
+TANGENT_SLACK = 1e-9
+# Relative to the size of the states: step along a motion for the derivative of a speed; its error is of this order.
+LOOK_AHEAD = 1e-6
+# Relative to the fields around a point per unit of size: derivatives below are zero (ten times the error above).
+BEND_SLACK = 1e-5
+SMALLEST_SPEED = 1e-300  # only to divide by: where nothing moves, any step will do
+
+
+class FaceMotion:
+    """The motion on a face: velocity and weights as functions of time and state.
+
+    Args:
+        face: the face.
+        held: weights to keep, where both speeds of a slide pass zero
+            (:mod:`nonsmooth.analysis.trajectories.faces`).
+        open: whether both speeds of a slide are zero along it, so that they say nothing of the weights.
+    """
+
+    def __init__(self, face: Face, held: Vector | None = None, *, open: bool = False) -> None:
+        self.face, self.held, self.open = face, held, open
+        self._single = face.members[0].velocity if len(face.members) == 1 and not face.keep else None
+
+    def __call__(self, t: float, x: Vector) -> Vector:
+        """``sum l_k f_k``."""
+        return self._single(t, x) if self._single is not None else self.mixed(x, self.fields(t, x))
+
+    def mixed(self, x: Vector, fields: Vector) -> Vector:
+        """The same from the fields of the members at a state."""
+        if self._single is not None:
+            return np.asarray(fields[0])
+        return np.asarray(self.mix(fields, self.normal_speeds(x, fields)) @ fields)
+
+    def fields(self, t: float, x: Vector) -> Vector:
+        """Fields of the members, one per row."""
+        return np.array([member.velocity(t, x) for member in self.face.members], dtype=float)
+
+    def normal_speeds(self, x: Vector, fields: Vector) -> Vector:
+        """Speeds of the members along the unit normals held, (members, surfaces)."""
+        normals = np.array([unit_normal(surface, x) for surface in self.face.keep])
+        return np.asarray(fields @ normals.T)
+
+    def mix(self, fields: Vector, speeds: Vector) -> Vector:
+        """Weights of the members; outside the mode's region they are extrapolated: negative ones, still tangent."""
+        if self.held is not None:
+            return self.held
+        if self.is_pair:
+            first, second = speeds[0, 0], speeds[1, 0]
+            known = not self.open and second != first
+            share = second / (second - first) if known else least_mix(fields[0], fields[1])
+            return np.array([share, 1 - share])
+        possible = basic_weights(speeds)
+        if len(possible):
+            return np.asarray(least_norm_weights(possible @ fields) @ possible)
+        weights = central_weights(speeds)
+        return np.full(len(fields), 1.0 / len(fields)) if weights is None else weights
+
+    def least_weight(self, t: float, x: Vector) -> float:
+        """The least weight of the mode, as large as it can be: negative where the mode does not exist."""
+        weights = central_weights(self.normal_speeds(x, self.fields(t, x)))
+        return -1.0 if weights is None else float(weights.min())
+
+    @property
+    def velocity(self) -> Velocity:
+        """The cheapest callable form: a single member's own field, and of a slide in single floats where both are."""
+        own = [m.velocity.rates for m in self.face.members if isinstance(m.velocity, ScalarVelocity)]
+        if self.is_pair and not self.weights_open and len(own) == 2:
+            return ScalarVelocity(partial(self._slide, own))
+        return self._single or self
+
+    def _slide(self, members: Sequence[Callable[..., Numbers]], *x: float) -> Numbers:
+        """The motion of a slide between two fields in single floats."""
+        fields = [rates(*x) for rates in members]
+        normal = self.face.keep[0].normal(np.array(x)).tolist()
+        from_first, from_second = (sum(map(mul, normal, rates)) for rates in fields)
+        if from_first == from_second:
+            return tuple(self(0.0, np.array(x)).tolist())
+        share = from_second / (from_second - from_first)
+        return tuple(share * a + (1 - share) * b for a, b in zip(*fields, strict=True))
+
+    @property
+    def weights_open(self) -> bool:
+        """Whether the weights of a slide do not follow from its speeds."""
+        return self.open or self.held is not None
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether it slides on one surface between two fields."""
+        return len(self.face.members) == 2 and len(self.face.keep) == 1
+
+    def weights(self, t: float, x: Vector) -> tuple[tuple[str, float], ...]:
+        """Convex weights by member; none where a single field rules."""
+        if len(self.face.members) == 1:
+            return ()
+        fields = self.fields(t, x)
+        mix = self.mix(fields, self.normal_speeds(x, fields))
+        return tuple((m.name, float(w)) for m, w in zip(self.face.members, mix, strict=True) if w)
+
+    def extremes(self, t: float, x: Vector) -> Vector:
+        """Velocities whose hull are the possible motions; none where the mode is impossible."""
+        fields = self.fields(t, x)
+        if not self.face.keep:
+            return fields
+        speeds = self.normal_speeds(x, fields)
+        cleaned = np.where(np.abs(speeds) > TANGENT_SLACK * largest(fields), speeds, 0.0)
+        return np.asarray(basic_weights(cleaned) @ fields)
+
+
+def largest(fields: Vector) -> float:
+    """Largest entry in absolute value."""
+    entries = fields.ravel().tolist()  # of few entries NumPy takes longer
+    return math.nan if any(map(math.isnan, entries)) else max(map(abs, entries), default=0.0)
+
+
+# ---- where both normal speeds of a slide vanish at once ------------------------------------------
+#
+# Where both normal speeds of a slide vanish at once (a two-fold), so that they leave its weights open.
+#
+# A solution that keeps to the surface there has speeds ``N_k = D_k t``, and weights that make them cancel: ``l_1 D_1 +
+# l_2 D_2 = 0`` with ``D_k = l_1 D_k1 + l_2 D_k2``, the derivative of N_k along its own velocity (D_kj: along the field
+# of member j).  That is one quadratic equation.  A slide usually passes from attracting to repelling in such a point,
+# in finite time and along with all its neighbours.  (Filippov 1988, sec. 19; Jeffrey & Colombo 2009, "The two-fold
+# singularity of discontinuous vector fields".)
+#
+# The limit of the equivalent control is the same root, but no number to compute with: a quotient of rounding errors.
+
+
+# Relative to the size of the states, off the surface: a thousand times what rounding leaves of a state. A speed within
+# its effect is known to three digits at most, and so are the weights; an integrator takes tiny steps over such noise.
+OFF_SURFACE = 1e-13
+# Of the distance to the end of an edge: the part over which derivatives are taken there.
+NEAR_END = 1e-3
+# In units of the speeds that count as zero. A slide ends where both speeds fall to one, where two is tangent already,
+# so that the end is found tangent whatever its rounding; one whose weights were open goes on as such to a hundred: far
+# enough not to turn to and fro between both, and passed within some 1e-7 of the size.
+BECOMES_TANGENT, IS_TANGENT, CLEAR_OF_TANGENCY = 1.0, 2.0, 100.0
+WEIGHT_DOUBT = 1e-6  # outside 0 ... 1: weights are roots of differences, which err by LOOK_AHEAD
+
+
+def tangency(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector, speeds: Vector) -> float:
+    """How far the normal speeds of a slide are from vanishing both, in units of what counts as zero.
+
+    Args:
+        motion: the slide.
+        t: a time.
+        x: a state on its surface.
+        size: of the states.
+        fields: of the two members there, one per row.
+        speeds: their normal speeds, (2, 1).
+    """
+    nothing = max(TANGENT_SLACK * largest(fields), _doubt(motion, t, x, size, fields))
+    return float(np.abs(speeds).sum()) / nothing if nothing else 0.0
+
+
+def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Vector) -> Vector | None:
+    """Weights (m, 2) of the motions that keep to the surface through a two-fold, the shortest velocity first.
+
+    None where the speeds vanish to first order too, so that any weights will do.
+    """
+    fields = motion.fields(t, x)
+    scale = largest(fields)
+    changes = _changes(field, motion, t, x) if scale else np.zeros((2, 2))
+    if largest(changes) <= BEND_SLACK * scale**2 / field.size:
+        return None
+    (d11, d12), (d21, d22) = changes
+    roots = np.roots([d11 - d12 - d21 + d22, d12 + d21 - 2 * d22, d22])
+    real = roots[np.abs(roots.imag) <= WEIGHT_DOUBT].real
+    shares = np.clip(real[(real >= -WEIGHT_DOUBT) & (real <= 1 + WEIGHT_DOUBT)], 0.0, 1.0)
+    weights = np.column_stack([shares, 1 - shares])
+    return weights[np.argsort([length(row @ fields) for row in weights])]
+
+
+def _changes(field: FacedField, motion: FaceMotion, t: float, x: Vector) -> Vector:
+    """``D_kj``: derivative of the normal speed of member k along the field of member j."""
+    fields = motion.fields(t, x)
+    here = motion.normal_speeds(x, fields)[:, 0]
+    ahead = _reach(field, motion, x) / max(length(f) for f in fields)
+    columns = []
+    for velocity in fields:
+        later = x + ahead * velocity
+        speeds = motion.normal_speeds(later, motion.fields(t + ahead, later))[:, 0]
+        columns.append((speeds - here) / ahead)
+    return np.column_stack(columns)
+
+
+def _reach(field: FacedField, motion: FaceMotion, x: Vector) -> float:
+    """Length over which derivatives are taken: short of the bounds that the state does not lie on."""
+    reach = LOOK_AHEAD * field.size
+    for surface, _ in motion.face.bounds:
+        away = abs(surface.value(x)) / length(surface.gradient(x))
+        if away > SURFACE_SLACK * field.size:
+            reach = min(reach, NEAR_END * away)
+    return reach
+
+
+def _doubt(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector) -> float:
+    """What rounding of the state may change the normal speeds of a slide by; ``fields`` are those at the state."""
+    normal = unit_normal(motion.face.keep[0], x)
+    move = LOOK_AHEAD * size
+    change = motion.fields(t, x + move * normal) - fields
+    return OFF_SURFACE * max(size, largest(x)) * largest(change) / move
+
+
+# ---- which face follows --------------------------------------------------------------------------
+
 
 # Fall of the least weight within the step ahead that counts: its own error is the rounding error of the fields.
 WEIGHT_CHANGE = 1e-12

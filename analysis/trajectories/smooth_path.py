@@ -5,7 +5,7 @@ a member's normal speed (tangential exit from sliding), or the existence of the 
 (:mod:`nonsmooth.analysis.trajectories.guards`).  Then the state is moved onto the surfaces it met and all continuations
 are listed again (:mod:`nonsmooth.analysis.trajectories.faces`).  Switches that accumulate end at their limit
 (:class:`LoopMemory`), and turns that get ever faster without a limit in their mean
-(:mod:`nonsmooth.analysis.trajectories.whirls`).
+(:mod:`nonsmooth.analysis.trajectories.guards`).
 """
 
 from __future__ import annotations
@@ -18,14 +18,12 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, Vector
-from nonsmooth.analysis.trajectories.face_motion import FaceMotion, largest
-from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices
+from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, follow
-from nonsmooth.analysis.trajectories.guards import FaceGuards
+from nonsmooth.analysis.trajectories.guards import WHIRL_LOOP, FaceGuards, SurfaceCrossing, last_turn, whirl_around
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import StiffAware
-from nonsmooth.analysis.trajectories.whirls import WHIRL_LOOP, SurfaceCrossing, last_turn, whirl_around
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over

@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.moves import Signs
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.cell_motion import State
-from nonsmooth.analysis.trajectories.junction import Ray, junction_at
+from nonsmooth.analysis.trajectories.slides import Ray, junction_at
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
 

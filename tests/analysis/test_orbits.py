@@ -12,9 +12,9 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.system_field import constant_system
 from nonsmooth.analysis.trajectories import piecewise_constant as paths
-from nonsmooth.analysis.trajectories.junction import signs_of
 from nonsmooth.analysis.trajectories.piecewise_constant import MAX_LEGS
 from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.slides import signs_of
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.files.system_file import load_system

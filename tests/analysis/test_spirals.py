@@ -20,8 +20,8 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.junction import Ray, junction_at
 from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.slides import Ray, junction_at
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import DRAWN_DISTANCE
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -12,8 +12,7 @@ from scipy.integrate import DOP853
 from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector
 from nonsmooth.analysis.measurements.harness import log_slope
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.steppers import STAGES, Dop853, ScalarDop853, StiffAware
-from nonsmooth.analysis.trajectories.written_out import written_out
+from nonsmooth.analysis.trajectories.steppers import STAGES, Dop853, ScalarDop853, StiffAware, written_out
 from tests.thorough import few
 
 TOLERANCES = {"rtol": 1e-9, "atol": 1e-11}

@@ -13,8 +13,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories import faces as faces_module
-from nonsmooth.analysis.trajectories.face_motion import FaceMotion
-from nonsmooth.analysis.trajectories.faces import face_choices
+from nonsmooth.analysis.trajectories.faces import FaceMotion, face_choices
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.built_in import planar_systems

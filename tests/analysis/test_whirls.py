@@ -11,7 +11,7 @@ from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
-from nonsmooth.analysis.trajectories import whirls
+from nonsmooth.analysis.trajectories import guards
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -35,7 +35,7 @@ def test_turns_ever_faster_are_followed_in_their_mean(
     path = simulate(rectangle, start, until)
     assert path.end.reason is EndReason.TIME
     (event,) = [event for event in path.events if "mean" in event.note]
-    monkeypatch.setattr(whirls, "WHIRL_EXTENT", 0.0)
+    monkeypatch.setattr(guards, "WHIRL_EXTENT", 0.0)
     turns = simulate(rectangle, start, until)
     assert len(turns.events) > 1.5 * len(path.events)
     times = np.linspace(float(event.t), until, 50)
@@ -76,10 +76,10 @@ def test_a_mean_lasts_as_long_as_turns_do_not_grow(gain: float, lasts: bool) -> 
     assert sorted(names) == sorted(fields.values())
     order = [(1, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)]  # left through y = 0, x = 0, y = 0, ...
     turn = [
-        whirls.SurfaceCrossing(float(k), np.zeros(2), fields[flows[signs]], surfaces[(k + 1) % 2])
+        guards.SurfaceCrossing(float(k), np.zeros(2), fields[flows[signs]], surfaces[(k + 1) % 2])
         for k, signs in enumerate(order)
     ]
-    motion = whirls.whirl_around(faces, turn, 5.0, np.zeros(2))
+    motion = guards.whirl_around(faces, turn, 5.0, np.zeros(2))
     assert (motion is not None) is lasts
     if motion is not None:
         assert np.allclose(motion(5.0, np.zeros(2)), 0)
