@@ -1,9 +1,7 @@
 """Guards of a face of a smooth switched field, and paths that circle a corner without end.
 
-Guards are positive as long as a path keeps to the face.
-
-These are the bounds of the face, and of a sliding mode the normal speeds of its members (tangential exit), or the
-least weight of a mode that holds several surfaces.
+Guards are positive as long as a path keeps to the face: these are the bounds of the face, and of a sliding mode the
+normal speeds of its members (tangential exit), or the least weight of a mode that holds several surfaces.
 """
 
 from __future__ import annotations
