@@ -8,6 +8,9 @@ differences.  If it holds the step (``h rate >= HELD``; DOP853 is stable up to a
 ahead, the rest is integrated by Radau IIA of order 5, which is implicit and damps at every step (Hairer & Wanner 1996,
 sec. IV.2 and IV.8).  Oscillations without decay never count as stiff: an implicit method would not gain there.
 
+Fields of few states that are given in single floats are followed in them (:class:`ScalarDop853`): a step takes a fifth
+of the time.
+
 Another method is a class with ``steps``, as in ``tests/rehearsals/midpoint.py``.
 """
 
@@ -15,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache, partial
+from functools import cached_property, partial
 from itertools import chain, cycle
 from operator import mul
 from typing import Any, NamedTuple, TypeAlias
@@ -242,19 +245,28 @@ class Dop853:
         return step
 
     def _trial(self, end: float, h: float) -> Trial:
-        """A step to a time, of a length."""
-        method, (rtol, atol), y = self._method, self._tolerances, self.y
-        stages = np.empty((STAGES + 1, len(y)))
+        """What a step of length h, to a time, comes to."""
+        method, (rtol, atol), y, (stages, tableau) = self._method, self._tolerances, self.y, self._prepared
         stages[0] = self.slope
-        for k, row, share in _tableau():
-            stages[k] = self._rate(self.t + share * h, y + stages[:k].T.dot(row) * h)
+        for k, before, row, share in tableau:
+            stages[k] = self._rate(self.t + share * h, y + before.dot(row) * h)
         last = y + h * stages[:STAGES].T.dot(method.B)
         stages[STAGES] = self._rate(end, last)
         scale = atol + np.maximum(np.abs(y), np.abs(last)) * rtol
         third, fifth = (stages.T.dot(weights) / scale for weights in (method.E3, method.E5))
         of_third, of_fifth = (math.sqrt(error.dot(error)) ** 2 for error in (third, fifth))
-        between = partial(_dop853_between, self._rate, self.t, y, h, last, stages)
-        return last, stages[STAGES], _error(h, of_third, of_fifth, len(y)), between
+        kept = stages.copy()
+        between = partial(_dop853_between, self._rate, self.t, y, h, last, kept)
+        return last, kept[STAGES], _error(h, of_third, of_fifth, len(y)), between
+
+    @cached_property
+    def _prepared(self) -> tuple[Vector, list[tuple[int, Vector, Vector, float]]]:
+        """Room for the rates at all stages; and each stage's number, the rates before, and what it takes of them and
+        of the step.
+        """
+        stages, method = np.empty((STAGES + 1, len(self.y))), self._method
+        rows = ((k, stages[:k].T, method.A[k, :k], float(method.C[k])) for k in range(1, STAGES))
+        return stages, list(rows)
 
 
 class ScalarDop853(Dop853):
@@ -306,14 +318,6 @@ def _value(s: Any, coefficients: Numbers) -> Any:
     x, a, b, c, d, e, f, g = coefficients
     r = 1 - s
     return x + s * (a + r * (b + s * (c + r * (d + s * (e + r * (f + s * g))))))
-
-
-@cache
-def _tableau() -> list[tuple[int, Vector, float]]:
-    """The number of each stage but the first, and what it takes of the rates before and of the step."""
-    from scipy.integrate import DOP853
-
-    return [(k, DOP853.A[k, :k], float(DOP853.C[k])) for k in range(1, STAGES)]
 
 
 def _error(h: float, of_third: float, of_fifth: float, count: int) -> float:
