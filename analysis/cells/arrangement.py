@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property, reduce
 from typing import Any, TypeAlias
 
@@ -28,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import Filtered, Form, known_sign, whole_numbers
+from nonsmooth.analysis.cells.outline import Filtered, Form, Three, known_sign, meet, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -56,7 +55,7 @@ beyond_floats = np.errstate(over="ignore", invalid="ignore")  # nothing is sure 
 
 FLOAT_ERROR = 2.0**-39  # of a sum of absolute terms: what a sum of up to ten thousand products may err by
 EXACT_FLOATS = 2.0**52  # sums of whole numbers below this are floats
-NEXT, AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])  # the other coordinates, in turn
+NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # the other coordinates, in turn
 
 Floats: TypeAlias = NDArray[np.float64]
 Lexicographic: TypeAlias = tuple[int, int]
@@ -159,7 +158,6 @@ class Arrangement:
         rows: all of them.
         weights: ``beta_k``, affine forms.
         whole: see above.
-        whole_normals: the normals times a factor, where that makes them short whole numbers, shape (m, 3).
         is_exact: whether no number stands for others close by.
         error: of the affine forms in floats, in units of the sums of absolute terms.
     """
@@ -182,9 +180,10 @@ class Arrangement:
             for part, whole in zip(numbers, wholes, strict=True)
         )
         self.normals, self.float_weights = normals.reshape(-1, 3), weights.reshape(-1, 3)
-        has_whole_normals = whole_normals is not None and _are_short(whole_normals, [0], [0])
-        self.whole_normals = np.array(whole_normals).reshape(-1, 3) if has_whole_normals else None
         self.sizes = np.abs(self.normals)
+        self.crossing = np.zeros((len(self.rows), 3, 3))  # a x b = crossing(a) b
+        self.crossing[:, NEXT, AFTER], self.crossing[:, AFTER, NEXT] = -self.normals, self.normals
+        self.crossing_sizes = np.abs(self.crossing)
         self.moment_sizes = self.sizes.T @ np.abs(self.float_weights)
         self.is_exact = all(type(x) is Number for part in numbers for x in part)
         # of affine forms: floats are not trusted with numbers that stand for others close by
@@ -192,8 +191,15 @@ class Arrangement:
         self.corners = float_corners(region.polygon.vertices)
         self._vertices: dict[bytes, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
+        self._ways: dict[tuple[int, int], Three] = {}
         self._rates: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
+
+    @cached_property
+    def exact_normals(self) -> list[Filtered] | None:
+        """Whole multiples of all normals, where there are any."""
+        lines = [Filtered.of(row.normal) for row in self.rows]
+        return None if any(line.error for line in lines) else lines
 
     @cached_property
     def moments(self) -> list[list[Affine]]:
@@ -209,7 +215,6 @@ class Arrangement:
         basis = tuple(tight[k] for k in independent(self.rows[k].normal for k in tight))
         return self.vertex(basis, tight) if len(basis) == 3 else None
 
-    @beyond_floats
     def vertex(self, basis: tuple[int, ...], holding: Collection[int]) -> Vertex:
         """The vertex at which three independent rows hold, each once.
 
@@ -220,18 +225,17 @@ class Arrangement:
         i, j, k = basis
         edges = (self.rates(pair) for pair in ((j, k), (k, i), (i, j)))
         rates, sizes = zip(*edges, strict=True)
-        rhs, determinant = self.rhs[list(basis)], rates[0][i]
-        residuals = np.sign(determinant) * (rhs @ rates - self.rhs * determinant)
-        if self.whole:
-            clear = residuals != 0
-        else:
+        rhs, determinant = self.rhs[list(basis)], float(rates[0][i])
+        residuals = (rhs @ rates - self.rhs * determinant) * math.copysign(1.0, determinant)
+        if not self.whole:
             bounds = np.abs(rhs) @ sizes + np.abs(self.rhs) * sizes[0][i]
             clear = np.abs(residuals) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL
-            clear &= np.abs(determinant) > sizes[0][i] * FLOAT_DOUBT + SMALLEST_NORMAL
-            residuals = np.where(clear, residuals / np.abs(determinant), np.nan)
-        signs = np.where(clear, np.sign(residuals), 0).astype(int)
+            clear &= abs(determinant) > sizes[0][i] * FLOAT_DOUBT + SMALLEST_NORMAL
+            residuals = np.where(clear, residuals / abs(determinant), np.nan)
+        known = residuals if self.whole else np.nan_to_num(residuals)
+        signs = np.sign(known).astype(int)
         found = Vertex((self.rows[i], self.rows[j], self.rows[k]), signs, residuals)
-        for n in [] if self.whole else (~clear).nonzero()[0].tolist():
+        for n in [] if self.whole else np.isnan(residuals).nonzero()[0].tolist():
             signs[n] = 0 if n in holding else self.rows[n].residual(found.twist).sign()
         return self._vertices.setdefault(signs.tobytes(), found)
 
@@ -241,12 +245,20 @@ class Arrangement:
             self._edges[pair] = cross_product(self.rows[pair[0]].normal, self.rows[pair[1]].normal)
         return self._edges[pair]
 
+    def way(self, first: int, second: int) -> Three:
+        """A whole multiple of an edge, the same for all edges along a line (cached); for exact normals."""
+        if (first, second) not in self._ways:
+            normals = self.exact_normals or []
+            a, b, c = meet(normals[first], normals[second]).values
+            self._ways[first, second] = max((a, b, c), (-a, -b, -c))
+        return self._ways[first, second]
+
     def rates(self, pair: tuple[int, int]) -> tuple[Floats, Floats]:
         """How fast residuals change along an edge, in floats with the sums of absolute terms (cached)."""
         if pair not in self._rates:
-            a, b = self.normals[pair[0]], self.normals[pair[1]]
-            left, right = a[NEXT] * b[AFTER], a[AFTER] * b[NEXT]
-            self._rates[pair] = self.normals @ (left - right), self.sizes @ (np.abs(left) + np.abs(right))
+            direction = self.crossing[pair[0]] @ self.normals[pair[1]]
+            sizes = self.crossing_sizes[pair[0]] @ self.sizes[pair[1]]
+            self._rates[pair] = self.normals @ direction, self.sizes @ sizes
         return self._rates[pair]
 
     def spans(self, pair: tuple[int, int], k: int) -> bool:
@@ -299,7 +311,7 @@ class Arrangement:
         passed: list[int] = []
         for reached in self.breakpoints(vertex, slope):
             crossed, before = reached, form
-            if form is place.line and any(known_sign(self._load(k), place.point) == 1 for k in crossed):
+            if form is place.line and any(known_sign(self._loads[k], place.point) == 1 for k in crossed):
                 break  # from zero it rises
             passed += crossed
             form = self._beyond(before, slope, crossed, tuple(passed))
@@ -307,10 +319,11 @@ class Arrangement:
                 break
         return self._reached(slope, crossed), before
 
-    def _load(self, k: int) -> Filtered:
-        """The weight of a row."""
-        weight = self.numbers(self.float_weights[k])
-        return Filtered.bounded(weight, [abs(entry) for entry in weight], self.error)
+    @cached_property
+    def _loads(self) -> list[Filtered]:
+        """The weights of all rows."""
+        weights, sizes = self.numbers(self.float_weights), self.numbers(np.abs(self.float_weights))
+        return [Filtered.bounded(*pair, self.error) for pair in zip(weights, sizes, strict=True)]
 
     def _beyond(self, form: Form, slope: SlopeOfD, crossed: Sequence[int], passed: Sequence[int]) -> Form:
         """The slope of D along the same direction beyond rows that are crossed, and others that were passed before."""
@@ -352,14 +365,16 @@ class Arrangement:
 
     def _first_of(self, vertex: Vertex, slope: SlopeOfD, near: Sequence[int]) -> list[int]:
         """Of rows to which the steps are about the same those that are reached first."""
-        steps: list[Any]
+        steps: list[tuple[Any, int]]  # and by what to divide them
         if self.whole:
             rates = self.rates(slope.pair)[0]
-            steps = [Fraction(int(vertex.residuals[k]), -slope.sense * int(rates[k])) for k in near]
+            steps = [(abs(int(vertex.residuals[k])), abs(int(rates[k]))) for k in near]
         else:
-            steps = [self._step(vertex, slope, k) for k in near]
-        least = min(steps)
-        return [k for k, step in zip(near, steps, strict=True) if step == least]
+            steps = [(self._step(vertex, slope, k), 1) for k in near]
+        least, share = steps[0]
+        for step, rate in steps:
+            least, share = (step, rate) if step * share < least * rate else (least, share)
+        return [k for k, (step, rate) in zip(near, steps, strict=True) if step * share == least * rate]
 
     def _float_steps(self, vertex: Vertex, slope: SlopeOfD) -> list[float]:
         """The steps to all rows, rounded, and minus one to those that are not reached; clear ones by floats."""

@@ -32,7 +32,7 @@ from nonsmooth.analysis.cells.arrangement import (
 )
 from nonsmooth.analysis.cells.loads import LoadRegion, at_least_zero, load_regions
 from nonsmooth.analysis.cells.nearest import preferred_rows
-from nonsmooth.analysis.cells.outline import Filtered, Outline, OutlineSide, between, meet
+from nonsmooth.analysis.cells.outline import ROUNDING, Filtered, Outline, OutlineSide, between
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.cells.slopes import Slopes
@@ -239,7 +239,8 @@ class _Walk:
         if len(others) > FEW:  # what is positive at all corners is so on all parts
             others = slopes.doubtful([corner.filtered for corner in outline.corners], others)
         for number in others:
-            outline = outline and outline.clipped(_side(slopes[number]))
+            if outline is not None and not outline.keeps(slopes[number].filtered):
+                outline = outline.clipped(_side(slopes[number]))
         return outline
 
     def _face(self, vertex: Vertex) -> list[Vertex]:
@@ -289,8 +290,10 @@ def is_same_line(slope: SlopeOfD, other: SlopeOfD) -> bool:
     """Whether the forms of two slopes are multiples of each other."""
     if slope is other:
         return True
-    values, sizes, error = meet(slope.filtered, other.filtered)
-    if any(abs(value) > size * error for value, size in zip(values, sizes, strict=True)):
+    (a, b, c), (r, s, t), error = slope.filtered
+    (x, y, z), (u, v, w), more = other.filtered
+    minors = (a * y - b * x, r * v + s * u), (a * z - c * x, r * w + t * u), (b * z - c * y, s * w + t * v)
+    if any(abs(minor) > size * (error and error + more + ROUNDING) for minor, size in minors):
         return False
     return not error or is_multiple(slope.form, other.form)
 

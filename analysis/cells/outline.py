@@ -129,11 +129,6 @@ class Form:
         """Exactly."""
         return self.build()
 
-    @property
-    def vanishes(self) -> bool:
-        """Whether it is zero everywhere."""
-        return not any(self.form if self.filtered.error else self.filtered.values)
-
 
 @dataclass(eq=False)
 class OutlineSide:
@@ -186,6 +181,11 @@ class Outline:
     def polygon(self) -> Polygon:
         """With exact vertices and sides."""
         return Polygon(tuple(c.point for c in self.corners), tuple(s.half_plane for s in self.sides))
+
+    def keeps(self, form: Filtered) -> bool:
+        """Whether a form is known not to be negative at any corner."""
+        signs = (known_sign(form, corner.filtered) for corner in self.corners)
+        return all(sign is not None and sign >= 0 for sign in signs)
 
     def clipped(self, side: OutlineSide) -> Outline | None:
         """See :meth:`nonsmooth.analysis.cells.polygon.Polygon.clipped`."""

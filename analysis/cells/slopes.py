@@ -7,7 +7,6 @@ that falls most or cuts deepest; what decides is the exact form (:meth:`Arrangem
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -16,10 +15,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.arrangement import AFTER, NEXT, Arrangement, Floats, SlopeOfD, beyond_floats, minus
+from nonsmooth.analysis.cells.arrangement import Arrangement, Floats, SlopeOfD, minus
 from nonsmooth.analysis.cells.loads import Affine
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import Filtered, Form
+from nonsmooth.analysis.cells.outline import Filtered, Form, Three
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
@@ -54,7 +53,7 @@ class Slopes:
         self._pairs: list[list[int]] = table.pairs[kept].tolist()
         self._values = table.values[kept].reshape(-1, 3)
         self._bounds = table.bounds[kept].repeat(2, axis=0)
-        self._numbers = arrangement.numbers(self._values), arrangement.numbers(self._bounds)
+        self._numbers = arrangement.numbers(self._values)
         self.possible: list[int] = possible[kept].ravel().nonzero()[0].tolist()
         self._known: dict[int, SlopeOfD] = {}
 
@@ -67,8 +66,9 @@ class Slopes:
     def __getitem__(self, number: int) -> SlopeOfD:
         """A slope, of which the exact form is built once."""
         if number not in self._known:
-            values, sizes = self._numbers
-            filtered = Filtered.bounded(values[number], sizes[number], self._arrangement.error)
+            values, error = self._numbers[number], self._arrangement.error
+            sizes = self._bounds[number].tolist() if error else [abs(value) for value in values]
+            filtered = Filtered.bounded(values, sizes, error)
             first, second = self._pairs[number // 2]
             self._known[number] = SlopeOfD(
                 (first, second), 1 - number % 2 * 2, filtered, lambda: self._built((first, second))[number % 2]
@@ -105,7 +105,7 @@ class Slopes:
         reach = np.abs(corners).max(axis=0)
         doubts = (self._bounds @ reach * FLOAT_DOUBT).tolist()
         for number in self.possible:
-            a, b, c = self._numbers[0][number]
+            a, b, c = self._numbers[number]
             values = [a + b * x + c * y for x, y, _ in outline]
             if min(values, default=0.0) < -doubts[number]:
                 outline = _clipped(outline, values, number)
@@ -123,11 +123,12 @@ class Slopes:
     @cached_property
     def flat(self) -> dict[int, SlopeOfD]:
         """Directions along which D does not change, whatever c, by number: twists that tie on the whole cell."""
+        if self._arrangement.whole:
+            return {k: self[k] for k, values in enumerate(self._numbers) if not any(values)}
         clear = np.abs(self._values) > self._bounds * FLOAT_DOUBT + SMALLEST_NORMAL
-        return {k: self[k] for k in np.flatnonzero(~clear.any(axis=1)).tolist() if self[k].vanishes}
+        return {k: self[k] for k in np.flatnonzero(~clear.any(axis=1)).tolist() if not any(self[k].form)}
 
 
-@beyond_floats
 def certainty(values: Floats, bounds: Floats, points: Floats, sizes: Floats | None = None) -> Floats:
     """Affine forms at points ``(1, x, y)``, one column each, in units of the doubt: beyond one they are sure.
 
@@ -144,18 +145,18 @@ def certainty(values: Floats, bounds: Floats, points: Floats, sizes: Floats | No
 class _PairTable:
     """All pairs of tight rows in floats: directions of edges, and the slopes along them and back, shape (m, 2, 3)."""
 
-    @beyond_floats
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
         self.arrangement = arrangement
         (tight,) = (signs == 0).nonzero()
         self.tight = len(tight)
         self.pairs = tight[_pairs(self.tight)]
         normals, weights = arrangement.normals, arrangement.float_weights
-        first, second = normals[self.pairs.T]
-        left, right = first[:, NEXT] * second[:, AFTER], first[:, AFTER] * second[:, NEXT]
-        self.directions, self.sizes = left - right, np.abs(left) + np.abs(right)  # of the cross products
+        first, second = self.pairs.T
+        self.directions = (arrangement.crossing[first] @ normals[second, :, None])[:, :, 0]
+        self.sizes = (arrangement.crossing_sizes[first] @ arrangement.sizes[second, :, None])[:, :, 0]
         rows = np.ascontiguousarray(normals[tight].T)
-        kept = np.concatenate([np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)])
+        parts = [np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)]
+        kept = np.concatenate(parts) if len(parts) > 1 else parts[0]
         along = self.directions @ ((normals.T * signs) @ weights)
         self.values = np.empty((len(kept), 2, 3))
         self.values[:, 0], self.values[:, 1] = kept + along, kept - along
@@ -163,15 +164,12 @@ class _PairTable:
 
     def distinct(self, numbers: NDArray[np.int_]) -> NDArray[np.int_]:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
-        normals = self.arrangement.whole_normals
-        if normals is not None:
-            first, second = normals[self.pairs[numbers].T]
-            directions = first[:, NEXT] * second[:, AFTER] - first[:, AFTER] * second[:, NEXT]
-            found: dict[tuple[int, ...], int] = {}
-            for k, direction in zip(numbers.tolist(), directions.tolist(), strict=True):
-                if factor := math.gcd(*direction) * (1 if direction > [0, 0, 0] else -1):
-                    found.setdefault(tuple(x // factor for x in direction), k)
-            return np.array(list(found.values()), dtype=int)
+        if self.arrangement.exact_normals is not None:
+            firsts: dict[Three, int] = {}
+            for k, (first, second) in zip(numbers.tolist(), self.pairs[numbers].tolist(), strict=True):
+                firsts.setdefault(self.arrangement.way(first, second), k)
+            firsts.pop((0, 0, 0), None)
+            return np.array(list(firsts.values()), dtype=int)
         if self.tight <= 3:
             return np.array([k for k in numbers.tolist() if self._has_direction(k)], dtype=int)
         keys = self._keys(numbers)

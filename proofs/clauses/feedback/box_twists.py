@@ -35,7 +35,7 @@ from itertools import combinations
 
 import numpy as np
 
-from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, order
+from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, beyond_floats, order
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
@@ -110,6 +110,7 @@ class Drives:
         self.region = region
         self._arrangement = Arrangement(scene, region)
 
+    @beyond_floats
     def examine(self, twist: Triple) -> BoxTwist:
         """The twist with its slopes, for speeds at which no rim slips along; of an excluded one a negative slope."""
         rows = self._arrangement.rows
