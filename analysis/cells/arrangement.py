@@ -380,15 +380,14 @@ class Arrangement:
         """The steps to all rows, rounded, and minus one to those that are not reached; clear ones by floats."""
         rates, bounds = self.rates(slope.pair)
         if self.whole:
-            clear = rates != 0
-        else:
-            clear = (np.abs(rates) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL) & ~np.isnan(vertex.residuals)
+            pairs = zip(vertex.residuals.tolist(), rates.tolist(), strict=True)
+            return [-slope.sense * residual / rate if rate else -1.0 for residual, rate in pairs]
+        clear = (np.abs(rates) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL) & ~np.isnan(vertex.residuals)
         steps = np.divide(-slope.sense * vertex.residuals, rates, out=np.full(len(rates), -1.0), where=clear)
-        if not self.whole:
-            clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
-            for k in (~clear & (vertex.signs != 0)).nonzero()[0].tolist():  # rows that hold are not crossed
-                step = self._step(vertex, slope, k)
-                steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
+        clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
+        for k in (~clear & (vertex.signs != 0)).nonzero()[0].tolist():  # rows that hold are not crossed
+            step = self._step(vertex, slope, k)
+            steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
         found: list[float] = steps.tolist()
         return found
 

@@ -36,7 +36,7 @@ from nonsmooth.analysis.cells.outline import ROUNDING, Filtered, Outline, Outlin
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.symbolic.mechanics.constraints import Twist, rows_with_friction, scene_rows, wheel_rows
+from nonsmooth.symbolic.mechanics.constraints import Twist, rows_with_friction, wheel_rows
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
@@ -127,12 +127,12 @@ class _Walk:
     """
 
     def __init__(self, scene: Scene, region: LoadRegion, known: tuple[Twist, ...] = ()) -> None:
-        rows = (row for row in scene_rows(scene) if row.friction and any(region.forces[scene.places[row.wheel.index]]))
-        require_rank(rows, "contact.loads: required loaded rows")
         self.scene = scene
         self.region = region
         self.known = known
         self.arrangement = Arrangement(scene, region)
+        loaded = (row for row in self.arrangement.rows if any(region.forces[scene.places[row.wheel.index]]))
+        require_rank((row for row in loaded if row.friction), "contact.loads: required loaded rows")
         self._slopes: dict[Vertex, Slopes] = {}
         self._crossed: defaultdict[Vertex, list[SlopeOfD]] = defaultdict(list)
         self._whole = Outline.of(region.polygon)
