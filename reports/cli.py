@@ -52,6 +52,8 @@ def options(
 def main() -> None:
     """Entry point of the ``nonsmooth`` command."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when NumPy is loaded: our matrices are too small for more
+    # We use no plugins of Pydantic, and it would read the metadata of all installed packages to look for some.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     prepare_streams()
     gc.set_threshold(GARBAGE_THRESHOLD)
     try:

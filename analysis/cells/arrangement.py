@@ -17,16 +17,17 @@ Floats sort ratios and decide clear signs; every doubtful sign and every tie is 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TypeAlias
+from functools import cached_property, reduce
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
+from nonsmooth.analysis.cells.outline import Filtered, Form, Three, known_sign, meet, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -34,11 +35,13 @@ from nonsmooth.symbolic.mechanics.constraints import (
     Twist,
     added,
     cross_product,
+    independent,
     inner,
     scaled,
     scene_rows,
     subtracted,
 )
+from nonsmooth.symbolic.mechanics.contact_states import solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, clear_sign, is_clear, sure_float
@@ -50,37 +53,51 @@ STEP_DOUBT = 2.0**-16
 
 beyond_floats = np.errstate(over="ignore", invalid="ignore")  # nothing is sure there, and signs are exact
 
+FLOAT_ERROR = 2.0**-39  # of a sum of absolute terms: what a sum of up to ten thousand products may err by
+EXACT_FLOATS = 2.0**52  # sums of whole numbers below this are floats
+NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # the other coordinates, in turn
+
+Floats: TypeAlias = NDArray[np.float64]
 Lexicographic: TypeAlias = tuple[int, int]
 
 
-@dataclass(frozen=True)
-class SlopeOfD:
+class SlopeOfD(Form):
     """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction.
 
     Attributes:
         pair: numbers of two rows that xi satisfies, and that stay so along the direction.
+        sense: whether the direction is the edge of the pair (1), or back (-1).
+        is_learned: whether it is taken over from the slope that led to xi.
     """
 
-    pair: tuple[int, int]
-    direction: Triple
-    form: Affine
+    def __init__(self, pair: tuple[int, int], sense: int, filtered: Filtered, build: Callable[[], Affine]) -> None:
+        super().__init__(filtered, build)
+        self.pair, self.sense = pair, sense
+        self.is_learned = False
 
 
 @dataclass(frozen=True, eq=False)
 class Vertex:
-    """A vertex of the arrangement: the twist xi, and the signs of the residuals of all rows there.
+    """A vertex of the arrangement: the signs of the residuals of all rows at a twist xi that solves three of them.
 
     Attributes:
-        twist: xi.
+        rows: three independent ones.
         signs: of all rows, exactly.
-        floats: xi, rounded.
-        residuals: those that floats know to some seven digits, and nan for the others.
+        residuals: those that floats know to some seven digits, and nan for the others; or of all, whole numbers in the
+            same ratios.
     """
 
-    twist: Twist
+    rows: tuple[Row, Row, Row]
     signs: NDArray[np.int_]
-    floats: NDArray[np.float64]
-    residuals: NDArray[np.float64]
+    residuals: Floats
+
+    @cached_property
+    def twist(self) -> Twist:
+        """xi, exactly."""
+        state = solve_rows(self.rows)
+        if state is None:
+            raise ValueError("required three independent rows")
+        return state.twist
 
     @cached_property
     def tight(self) -> tuple[int, ...]:
@@ -104,49 +121,123 @@ class Beside:
     line: Affine | None = None
 
 
+@dataclass(frozen=True)
+class FilteredPlace:
+    """The same by floats or whole numbers, exact on demand.
+
+    Attributes:
+        point: of which the entries are in the order of the coefficients of a form.
+        outward: the direction, with a zero before it.
+        exactly: makes it.
+        line: a form that vanishes at the point, where one is known.
+    """
+
+    point: Filtered
+    outward: Filtered
+    exactly: Callable[[], Beside]
+    line: Form | None = None
+
+    def order(self, form: Form) -> Lexicographic:
+        """Signs of an affine form at the point and of its derivative along the direction."""
+        here = known_sign(form.filtered, self.point)
+        along = 0 if here else known_sign(form.filtered, self.outward)
+        return order(form.form, self.exactly()) if here is None or along is None else (here, along)
+
+
 class Arrangement:
-    """Rows and weights of an array in one load region."""
+    """Rows and weights of an array in one load region.
+
+    In floats all normals, all right sides and all weights are taken times a factor for each of the three.  Where these
+    are whole numbers so small that sums of their products are floats as well, floats make no error (``whole``).
+
+    Args:
+        scene: the array.
+        region: where the loads are affine.
+
+    Attributes:
+        rows: all of them.
+        weights: ``beta_k``, affine forms.
+        whole: see above.
+        is_exact: whether no number stands for others close by.
+        error: of the affine forms in floats, in units of the sums of absolute terms.
+    """
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         self.scene = scene
         self.region = region
         self.rows = scene_rows(scene)
         self.weights = [_weight(row, region.forces[scene.places[row.wheel.index]]) for row in self.rows]
-        self.moments = [
-            [tuple(b * entry for b in weight) for entry in row.normal]
-            for row, weight in zip(self.rows, self.weights, strict=True)
-        ]
-        self.normals = np.array([normal_floats(row.normal) for row in self.rows])
-        self.rhs = np.array(normal_floats([row.rhs for row in self.rows]))
-        self.float_weights = np.array([normal_floats(weight) for weight in self.weights])
+        numbers = (
+            [x for row in self.rows for x in row.normal],
+            [row.rhs for row in self.rows],
+            [x for weight in self.weights for x in weight],
+        )
+        whole_normals, whole_rhs, whole_weights = map(whole_numbers, numbers)
+        wholes = whole_normals or [0], whole_rhs or [0], whole_weights or [0]
+        self.whole = bool(whole_normals and whole_rhs and whole_weights) and _are_short(*wholes)
+        normals, self.rhs, weights = (
+            np.array(whole if self.whole else normal_floats(part), dtype=float)
+            for part, whole in zip(numbers, wholes, strict=True)
+        )
+        self.normals, self.float_weights = normals.reshape(-1, 3), weights.reshape(-1, 3)
         self.sizes = np.abs(self.normals)
+        self.crossing = np.zeros((len(self.rows), 3, 3))  # a x b = crossing(a) b
+        self.crossing[:, NEXT, AFTER], self.crossing[:, AFTER, NEXT] = -self.normals, self.normals
+        self.crossing_sizes = np.abs(self.crossing)
         self.moment_sizes = self.sizes.T @ np.abs(self.float_weights)
+        self.is_exact = all(type(x) is Number for part in numbers for x in part)
+        # of affine forms: floats are not trusted with numbers that stand for others close by
+        self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else math.nan
         self.corners = float_corners(region.polygon.vertices)
-        self._vertices: dict[Twist, Vertex] = {}
+        self._vertices: dict[bytes, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
+        self._ways: dict[tuple[int, int], Three] = {}
+        self._rates: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
 
-    def vertex(self, twist: Twist, holding: Collection[int] = ()) -> Vertex:
-        """The vertex at a twist that solves three independent rows (cached).
+    @cached_property
+    def exact_normals(self) -> list[Filtered] | None:
+        """Whole multiples of all normals, where there are any."""
+        lines = [Filtered.of(row.normal) for row in self.rows]
+        return None if any(line.error for line in lines) else lines
+
+    @cached_property
+    def moments(self) -> list[list[Affine]]:
+        """``beta_k a_k``: of each row three affine forms."""
+        return [
+            [(b * entry, b_x * entry, b_y * entry) for entry in row.normal]
+            for row, (b, b_x, b_y) in zip(self.rows, self.weights, strict=True)
+        ]
+
+    def vertex_at(self, twist: Twist) -> Vertex | None:
+        """The vertex at a twist; None where fewer than three independent rows hold."""
+        tight = [k for k, row in enumerate(self.rows) if not row.residual(twist).sign()]
+        basis = tuple(tight[k] for k in independent(self.rows[k].normal for k in tight))
+        return self.vertex(basis, tight) if len(basis) == 3 else None
+
+    def vertex(self, basis: tuple[int, ...], holding: Collection[int]) -> Vertex:
+        """The vertex at which three independent rows hold, each once.
 
         Args:
-            twist: xi.
+            basis: their numbers.
             holding: numbers of rows that are known to hold there.
         """
-        if twist not in self._vertices:
-            self._vertices[twist] = self._vertex(twist, holding)
-        return self._vertices[twist]
-
-    @beyond_floats
-    def _vertex(self, twist: Twist, holding: Collection[int]) -> Vertex:
-        """Floats decide the clear signs."""
-        floats = np.array(normal_floats(twist))
-        residuals = self.normals @ floats - self.rhs
-        clear = np.abs(residuals) > (self.sizes @ np.abs(floats) + np.abs(self.rhs)) * FLOAT_DOUBT + SMALLEST_NORMAL
-        signs = np.where(clear, np.sign(residuals), 0).astype(int)
-        for k in (~clear).nonzero()[0].tolist():
-            signs[k] = 0 if k in holding else self.rows[k].residual(twist).sign()
-        return Vertex(twist, signs, floats, np.where(clear, residuals, np.nan))
+        i, j, k = basis
+        edges = (self.rates(pair) for pair in ((j, k), (k, i), (i, j)))
+        rates, sizes = zip(*edges, strict=True)
+        rhs, determinant = self.rhs[list(basis)], float(rates[0][i])
+        residuals = (rhs @ rates - self.rhs * determinant) * math.copysign(1.0, determinant)
+        if not self.whole:
+            bounds = np.abs(rhs) @ sizes + np.abs(self.rhs) * sizes[0][i]
+            clear = np.abs(residuals) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL
+            clear &= abs(determinant) > sizes[0][i] * FLOAT_DOUBT + SMALLEST_NORMAL
+            residuals = np.where(clear, residuals / abs(determinant), np.nan)
+        known = residuals if self.whole else np.nan_to_num(residuals)
+        signs = np.sign(known).astype(int)
+        found = Vertex((self.rows[i], self.rows[j], self.rows[k]), signs, residuals)
+        for n in [] if self.whole else np.isnan(residuals).nonzero()[0].tolist():
+            signs[n] = 0 if n in holding else self.rows[n].residual(found.twist).sign()
+        return self._vertices.setdefault(signs.tobytes(), found)
 
     def edge(self, pair: tuple[int, int]) -> Triple:
         """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
@@ -154,14 +245,41 @@ class Arrangement:
             self._edges[pair] = cross_product(self.rows[pair[0]].normal, self.rows[pair[1]].normal)
         return self._edges[pair]
 
+    def way(self, first: int, second: int) -> Three:
+        """A whole multiple of an edge, the same for all edges along a line (cached); for exact normals."""
+        if (first, second) not in self._ways:
+            normals = self.exact_normals or []
+            a, b, c = meet(normals[first], normals[second]).values
+            self._ways[first, second] = max((a, b, c), (-a, -b, -c))
+        return self._ways[first, second]
+
+    def rates(self, pair: tuple[int, int]) -> tuple[Floats, Floats]:
+        """How fast residuals change along an edge, in floats with the sums of absolute terms (cached)."""
+        if pair not in self._rates:
+            direction = self.crossing[pair[0]] @ self.normals[pair[1]]
+            sizes = self.crossing_sizes[pair[0]] @ self.sizes[pair[1]]
+            self._rates[pair] = self.normals @ direction, self.sizes @ sizes
+        return self._rates[pair]
+
+    def spans(self, pair: tuple[int, int], k: int) -> bool:
+        """Whether a row is independent of two others that are."""
+        rates, sizes = self.rates(pair)
+        is_clear = abs(rates[k]) > sizes[k] * FLOAT_DOUBT + SMALLEST_NORMAL
+        return bool(is_clear) or bool(inner(self.rows[k].normal, self.edge(pair)))
+
+    @cached_property
+    def _plain(self) -> Floats:
+        """Normals and right sides in floats, shape (m, 4)."""
+        return np.array([[float(x) for x in (*row.normal, row.rhs)] for row in self.rows])
+
     @beyond_floats
     def float_dissipation(self, twist: Twist, point: Point) -> float:
-        """D at a centre of mass, rounded."""
-        residuals = self.normals @ np.array([float(x) for x in twist]) - self.rhs
+        """D at a centre of mass, rounded, up to a factor."""
+        slips = self._plain @ [*(float(x) for x in twist), -1.0]
         weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
-        return float(weights @ np.abs(residuals))
+        return float(weights @ np.abs(slips))
 
-    def slopes_along(self, pair: tuple[int, int], signs: NDArray[np.int_]) -> tuple[SlopeOfD, SlopeOfD]:
+    def slopes_along(self, pair: tuple[int, int], signs: NDArray[np.int_]) -> tuple[Affine, Affine]:
         """The slopes along the edge of a pair and back, exactly, where the residuals of the rows have these signs."""
         direction = self.edge(pair)
         kept = along = _zero_form(self.scene)
@@ -172,7 +290,7 @@ class Arrangement:
         for entry, part in zip(direction, self._pull(signs), strict=True):
             if entry:
                 along = added(along, scaled(part, entry))
-        return SlopeOfD(pair, direction, added(kept, along)), SlopeOfD(pair, minus(direction), subtracted(kept, along))
+        return added(kept, along), subtracted(kept, along)
 
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
@@ -187,66 +305,98 @@ class Arrangement:
         self._last_pull = signs, pull
         return pull
 
-    def line_search(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> tuple[Vertex, SlopeOfD]:
-        """First vertex along the direction beyond which D no longer falls, and the slope back from there."""
-        form = before = slope.form
-        for reached in self.breakpoints(vertex, slope.direction):
-            _, crossed = reached
-            before = form
-            for k in crossed:
-                turn = 2 * abs(inner(self.rows[k].normal, slope.direction))
-                form = added(form, scaled(self.weights[k], turn))
-            if order(form, place) >= (0, 0):
+    def line_search(self, vertex: Vertex, slope: SlopeOfD, place: FilteredPlace) -> tuple[Vertex, Form]:
+        """First vertex along the direction beyond which D no longer falls, and the slope of D before it is reached."""
+        form: Form = slope
+        passed: list[int] = []
+        for reached in self.breakpoints(vertex, slope):
+            crossed, before = reached, form
+            if form is place.line and any(known_sign(self._loads[k], place.point) == 1 for k in crossed):
+                break  # from zero it rises
+            passed += crossed
+            form = self._beyond(before, slope, crossed, tuple(passed))
+            if place.order(form) >= (0, 0):
                 break
-        back = SlopeOfD(slope.pair, minus(slope.direction), minus(before))
-        return self._reached(vertex, slope, *reached), back
+        return self._reached(slope, crossed), before
+
+    @cached_property
+    def _loads(self) -> list[Filtered]:
+        """The weights of all rows."""
+        weights, sizes = self.numbers(self.float_weights), self.numbers(np.abs(self.float_weights))
+        return [Filtered.bounded(*pair, self.error) for pair in zip(weights, sizes, strict=True)]
+
+    def _beyond(self, form: Form, slope: SlopeOfD, crossed: Sequence[int], passed: Sequence[int]) -> Form:
+        """The slope of D along the same direction beyond rows that are crossed, and others that were passed before."""
+        (rates, bounds), chosen = self.rates(slope.pair), list(crossed)
+        weights = self.float_weights[chosen]
+        values, sizes = 2 * np.abs(rates[chosen]) @ weights, 2 * bounds[chosen] @ np.abs(weights)
+        gained = Filtered.bounded(self.numbers(values), self.numbers(sizes), self.error)
+
+        def build() -> Affine:
+            edge = self.edge(slope.pair)
+            base, rows = (form, crossed) if "form" in vars(form) else (slope, passed)  # no recursion over many rows
+            turns = [scaled(self.weights[k], 2 * abs(inner(self.rows[k].normal, edge))) for k in rows]
+            return reduce(added, turns, base.form)
+
+        return Form(form.filtered.plus(gained), build)
+
+    def numbers(self, floats: Floats) -> Any:
+        """As a list of floats, or of the whole numbers that they are."""
+        return (floats.astype(int) if self.whole else floats).tolist()
 
     def next_vertex(self, vertex: Vertex, slope: SlopeOfD) -> Vertex:
         """The first vertex along the direction of a slope."""
-        return self._reached(vertex, slope, *next(self.breakpoints(vertex, slope.direction)))
+        return self._reached(slope, next(self.breakpoints(vertex, slope)))
 
-    def _reached(self, vertex: Vertex, slope: SlopeOfD, step: Number, crossed: Collection[int]) -> Vertex:
-        """The vertex so many steps along the direction of a slope, where those rows hold beside the slope's own."""
-        twist = Twist(*(x + step * m for x, m in zip(vertex.twist, slope.direction, strict=True)))
-        return self.vertex(twist, (*slope.pair, *crossed))
+    def _reached(self, slope: SlopeOfD, crossed: Sequence[int]) -> Vertex:
+        """The vertex along the direction of a slope where those rows hold beside the slope's own."""
+        return self.vertex((*slope.pair, crossed[0]), (*slope.pair, *crossed))
 
-    def breakpoints(self, vertex: Vertex, direction: Triple) -> Iterator[tuple[Number, list[int]]]:
-        """Steps t > 0 at which rows change sign along ``xi + t direction``, ascending, with those rows."""
-        steps = self._float_steps(vertex, direction)
+    def breakpoints(self, vertex: Vertex, slope: SlopeOfD) -> Iterator[list[int]]:
+        """The rows that change sign along a slope's direction from a vertex, in the order in which they do."""
+        steps = self._float_steps(vertex, slope)
         candidates = sorted((k for k, step in enumerate(steps) if step > 0), key=steps.__getitem__)
         while candidates:
             limit = steps[candidates[0]] * (1 + STEP_DOUBT)
             near = [k for k in candidates if steps[k] <= limit]
-            exact = {k: self._step(vertex, direction, k) for k in near}
-            valid = {k: t for k, t in exact.items() if t is not None}
-            if valid:
-                step = min(valid.values())
-                crossed = [k for k, t in valid.items() if t == step]
-                yield step, crossed
-                candidates = [k for k in candidates if k not in crossed and (k in valid or k not in near)]
-            else:
-                candidates = [k for k in candidates if k not in near]
+            crossed = near if len(near) == 1 else self._first_of(vertex, slope, near)
+            yield crossed
+            candidates = [k for k in candidates if k not in crossed]
 
-    def _float_steps(self, vertex: Vertex, direction: Triple) -> list[float]:
+    def _first_of(self, vertex: Vertex, slope: SlopeOfD, near: Sequence[int]) -> list[int]:
+        """Of rows to which the steps are about the same those that are reached first."""
+        steps: list[tuple[Any, int]]  # and by what to divide them
+        if self.whole:
+            rates = self.rates(slope.pair)[0]
+            steps = [(abs(int(vertex.residuals[k])), abs(int(rates[k]))) for k in near]
+        else:
+            steps = [(self._step(vertex, slope, k), 1) for k in near]
+        least, share = steps[0]
+        for step, rate in steps:
+            least, share = (step, rate) if step * share < least * rate else (least, share)
+        return [k for k, (step, rate) in zip(near, steps, strict=True) if step * share == least * rate]
+
+    def _float_steps(self, vertex: Vertex, slope: SlopeOfD) -> list[float]:
         """The steps to all rows, rounded, and minus one to those that are not reached; clear ones by floats."""
-        m = np.array(normal_floats(direction))
-        rates = self.normals @ m
-        clear = np.abs(rates) > self.sizes @ np.abs(m) * FLOAT_DOUBT + SMALLEST_NORMAL
-        clear &= ~np.isnan(vertex.residuals)
-        steps = np.divide(-vertex.residuals, rates, out=np.full(len(rates), -1.0), where=clear)
+        rates, bounds = self.rates(slope.pair)
+        if self.whole:
+            pairs = zip(vertex.residuals.tolist(), rates.tolist(), strict=True)
+            return [-slope.sense * residual / rate if rate else -1.0 for residual, rate in pairs]
+        clear = (np.abs(rates) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL) & ~np.isnan(vertex.residuals)
+        steps = np.divide(-slope.sense * vertex.residuals, rates, out=np.full(len(rates), -1.0), where=clear)
         clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
         for k in (~clear & (vertex.signs != 0)).nonzero()[0].tolist():  # rows that hold are not crossed
-            step = self._step(vertex, direction, k)
+            step = self._step(vertex, slope, k)
             steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
         found: list[float] = steps.tolist()
         return found
 
-    def _step(self, vertex: Vertex, direction: Triple, k: int) -> Number | None:
+    def _step(self, vertex: Vertex, slope: SlopeOfD, k: int) -> Number | None:
         """Exact positive step to row k, or None where the direction leads away from it."""
-        rate = inner(self.rows[k].normal, direction)
+        rate = inner(self.rows[k].normal, self.edge(slope.pair))
         if not rate:
             return None
-        step = -self.rows[k].residual(vertex.twist) / rate
+        step = -slope.sense * self.rows[k].residual(vertex.twist) / rate
         return step if step.sign() > 0 else None
 
 
@@ -303,6 +453,12 @@ def _weight(row: Row, force: Affine) -> Affine:
 def minus(vector: Triple) -> Triple:
     """``-a``."""
     return -vector[0], -vector[1], -vector[2]
+
+
+def _are_short(normals: Sequence[int], rhs: Sequence[int], weights: Sequence[int]) -> bool:
+    """Whether all sums of products of these whole numbers that occur are floats."""
+    normal, side, weight = (max(map(abs, part)) for part in (normals, rhs, weights))
+    return bool(normal**2 * max(12 * len(rhs) * normal * weight, 24 * normal * side, 6 * normal) < EXACT_FLOATS)
 
 
 def _zero_form(scene: Scene) -> Affine:

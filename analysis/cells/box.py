@@ -7,38 +7,68 @@ beyond. So the partition is found by walking from cell to neighbouring cell, one
 all C(2n, 3) triples.  Ties beyond a side (symmetric arrays) are resolved by an exact descent just outside it: slopes
 are compared by value first, then by derivative along the outward normal.  The cells' areas must add up to the
 domain's: that checks the walk, and it is Theorem 1 of Murphey & Burdick made checkable.
+
+Whole numbers and floats with certified errors decide nearly every sign (:mod:`nonsmooth.analysis.cells.outline`), field
+elements the others; a vertex, a half-plane or a twist is made as a field element when it is asked for.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.cells.arrangement import (
     Arrangement,
     Beside,
+    FilteredPlace,
     SlopeOfD,
     Vertex,
     beyond_floats,
-    float_corners,
     is_multiple,
-    normal_floats,
-    order,
 )
-from nonsmooth.analysis.cells.loads import Affine, LoadRegion, at_least_zero, load_regions
+from nonsmooth.analysis.cells.loads import LoadRegion, at_least_zero, load_regions
 from nonsmooth.analysis.cells.nearest import preferred_rows
+from nonsmooth.analysis.cells.outline import ROUNDING, Filtered, Outline, OutlineSide, between
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.symbolic.mechanics.constraints import Twist, independent, rows_with_friction, scene_rows, wheel_rows
-from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.constraints import Twist, rows_with_friction, wheel_rows
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
 
 STEP = "cells of rule box"
+FEW = 16  # slopes that are looked at one by one
+
+Found: TypeAlias = tuple[list[Vertex], Outline]
+
+
+class WalkedCell(Cell):
+    """A cell of which polygon and states are exact on demand."""
+
+    _walk: _Walk
+    _found: Found
+
+    def __init__(self, index: int, walk: _Walk, found: Found) -> None:
+        vars(self).update(index=index, _walk=walk, _found=found)
+        if not walk.arrangement.is_exact:  # what rounding decides of it is counted where the partition is built
+            _ = self.polygon, self.states
+
+    @cached_property
+    def polygon(self) -> Polygon:
+        """Exactly."""
+        with affordable(self._walk.scene, PARTITION_UNITS, STEP):
+            return self._found[1].polygon
+
+    @cached_property
+    def states(self) -> tuple[ContactState, ...]:
+        """Exactly."""
+        with affordable(self._walk.scene, PARTITION_UNITS, STEP):
+            return tuple(self._walk.state(vertex) for vertex in self._found[0])
 
 
 @beyond_floats
@@ -53,8 +83,9 @@ def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partitio
     with affordable(scene, PARTITION_UNITS, STEP):
         for region in load_regions(scene, domain=domain):
             known = dict.fromkeys(twist for cell in cells for twist in cell.twists)
-            for states, polygon in _Walk(scene, region, tuple(known)).cells():
-                cells.append(Cell(len(cells) + 1, polygon, states))
+            walk = _Walk(scene, region, tuple(known))
+            for found in walk.cells():
+                cells.append(WalkedCell(len(cells) + 1, walk, found))
     domain = domain or square(scene.check.equilibrium, scene.check.radius)
     return Partition(scene, "box", domain, tuple(cells), len(scene.wheels))
 
@@ -73,8 +104,7 @@ def build_rest_partition(scene: Scene) -> Partition | None:
             walk = _Walk(scene, region)
             found = walk.cell_of(Twist(zero, zero, zero)) if region.polygon.contains((zero, zero)) else None
             if found is not None:
-                states, polygon = found
-                cells.append(Cell(len(cells) + 1, polygon, states))
+                cells.append(WalkedCell(len(cells) + 1, walk, found))
     inner = [cell for cell in cells if _surrounds(cell.polygon, (zero, zero))]
     if len(cells) != len(inner):
         return None
@@ -87,13 +117,6 @@ def _surrounds(polygon: Polygon, point: Point) -> bool:
     return all(side.slack(point).sign() > 0 for side in polygon.sides if side.label.startswith("slope"))
 
 
-class Crossing(NamedTuple):
-    """A side across which the walk came to a cell: its line and its ends."""
-
-    line: Affine
-    ends: tuple[Point, Point]
-
-
 class _Walk:
     """The cells of one load region.
 
@@ -104,14 +127,15 @@ class _Walk:
     """
 
     def __init__(self, scene: Scene, region: LoadRegion, known: tuple[Twist, ...] = ()) -> None:
-        rows = (row for row in scene_rows(scene) if row.friction and any(region.forces[scene.places[row.wheel.index]]))
-        require_rank(rows, "contact.loads: required loaded rows")
         self.scene = scene
         self.region = region
         self.known = known
         self.arrangement = Arrangement(scene, region)
+        loaded = (row for row in self.arrangement.rows if any(region.forces[scene.places[row.wheel.index]]))
+        require_rank((row for row in loaded if row.friction), "contact.loads: required loaded rows")
         self._slopes: dict[Vertex, Slopes] = {}
-        self._crossed: defaultdict[Vertex, list[Crossing]] = defaultdict(list)
+        self._crossed: defaultdict[Vertex, list[SlopeOfD]] = defaultdict(list)
+        self._whole = Outline.of(region.polygon)
 
     def slopes(self, vertex: Vertex) -> Slopes:
         """The slopes of D at a vertex (cached)."""
@@ -119,18 +143,14 @@ class _Walk:
             self._slopes[vertex] = Slopes(self.arrangement, vertex.signs)
         return self._slopes[vertex]
 
-    def cell_of(self, twist: Twist) -> tuple[tuple[ContactState, ...], Polygon] | None:
-        """States and polygon of one twist that solves three independent rows; None where it owns no cell."""
-        signs = [row.residual(twist).sign() for row in self.arrangement.rows]
-        tight = [row.normal for row, sign in zip(self.arrangement.rows, signs, strict=True) if not sign]
-        if len(independent(tight)) < 3:
-            return None
-        vertex = self.arrangement.vertex(twist)
-        polygon, _ = self._polygon(vertex)
-        return None if polygon is None else (tuple(self._state(v) for v in self._face(vertex)), polygon)
+    def cell_of(self, twist: Twist) -> Found | None:
+        """Vertices and outline of one twist that solves three independent rows; None where it owns no cell."""
+        vertex = self.arrangement.vertex_at(twist)
+        outline = None if vertex is None else self._outline(vertex)
+        return None if vertex is None or outline is None else (self._face(vertex), outline)
 
-    def cells(self) -> Iterator[tuple[tuple[ContactState, ...], Polygon]]:
-        """Cells (tied states, polygon) of the region, each once.
+    def cells(self) -> Iterator[Found]:
+        """Cells (vertices that tie there, outline) of the region, each once.
 
         The least value of D is the least of affine functions of c, one for each vertex, so cells meet in whole sides:
         beyond a side on a line across which the walk came lies the cell from which it came.
@@ -143,121 +163,139 @@ class _Walk:
                 continue
             face = self._face(vertex)
             done.update(face)
-            polygon, origins = self._polygon(vertex)
-            if polygon is None:
+            outline = self._outline(vertex)
+            if outline is None:
                 continue
-            yield tuple(self._state(v) for v in face), polygon
-            explored = [crossing.line for v in face for crossing in self._crossed[v]]
-            for k, side in enumerate(polygon.sides):
-                slope = origins.get(side.label)
-                if slope is None or any(is_multiple(slope.form, line) for line in explored):
-                    continue
-                place = Beside(_midpoint(polygon, k), side.normal, slope.form)
-                neighbour = self._descend(vertex, place, slope)
-                self._crossed[neighbour].append(Crossing(slope.form, _ends(polygon, k)))
-                waiting.append(neighbour)
+            yield face, outline
+            explored = [slope for v in face for slope in self._crossed[v]]
+            for k, side in enumerate(outline.sides):
+                slope = side.origin
+                if isinstance(slope, SlopeOfD) and not any(is_same_line(slope, line) for line in explored):
+                    neighbour, back = self._descend(vertex, _beside(outline, k, slope), slope)
+                    self._crossed[neighbour].append(back or slope)
+                    waiting.append(neighbour)
 
     def _first(self) -> Vertex:
         """Descend to the optimal vertex just beside the centre of the region, from the best twist at hand."""
         centre = self.region.polygon.centre
         # both rows of the nearest wheel and one of the next at another place: any independent rows would do
         near, *others = sorted(self.scene.wheels, key=lambda w: sum(float(p) * float(p) for p in w.position))
-        rows = (row for wheel in others for row in preferred_rows(wheel))
-        state = next(state for row in rows if (state := solve_rows((*wheel_rows(near), row))) is not None)
-        twists = (state.twist, *self.known)
-        start = min(twists, key=lambda twist: self.arrangement.float_dissipation(twist, centre))
+        numbers = {row.name: k for k, row in enumerate(self.arrangement.rows)}
+        first, second = (numbers[row.name] for row in wheel_rows(near))
+        rows = (numbers[row.name] for wheel in others for row in preferred_rows(wheel))
+        third = next(k for k in rows if self.arrangement.spans((first, second), k))
+        vertex = self.arrangement.vertex((first, second, third), (first, second, third))
+        if self.known:
+            twists = (vertex.twist, *self.known)
+            best = min(twists, key=lambda twist: self.arrangement.float_dissipation(twist, centre))
+            vertex = self.arrangement.vertex_at(best) or vertex
         one = self.scene.field.one
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
-        return self._descend(self.arrangement.vertex(start), Beside(centre, outward))
+        place = FilteredPlace(
+            Filtered.of((one, *centre)), Filtered.of((one * 0, *outward)), lambda: Beside(centre, outward)
+        )
+        return self._descend(vertex, place)[0]
 
-    def _descend(self, vertex: Vertex, place: Beside, falling: SlopeOfD | None = None) -> Vertex:
+    def _descend(
+        self, vertex: Vertex, place: FilteredPlace, falling: SlopeOfD | None = None
+    ) -> tuple[Vertex, SlopeOfD | None]:
         """Exact descent beside a point, first along a slope that falls there if one is known.
 
-        Every step lowers D, so it ends at the minimizer.
+        Every step lowers D, so it ends at the minimizer.  With it comes the slope back on the same line, where the
+        first step along the first edge ends there.
         """
+        first, back = falling, None
         falling = falling or self._falling(vertex, place, None)
         while falling is not None:
-            vertex, back = self.arrangement.line_search(vertex, falling, place)
-            falling = self._falling(vertex, place, self.slopes(vertex).learn(back))
-        return vertex
+            vertex, before = self.arrangement.line_search(vertex, falling, place)
+            back = self.slopes(vertex).learn(falling, before)
+            first = first if before is first else None
+            falling = self._falling(vertex, place, back)
+        return vertex, first and back
 
-    def _falling(self, vertex: Vertex, place: Beside, back: int | None) -> SlopeOfD | None:
-        """A slope that falls beside a point; the one back to where the descent came from, by its number, rises there.
+    def _falling(self, vertex: Vertex, place: FilteredPlace, back: SlopeOfD | None) -> SlopeOfD | None:
+        """A slope that falls beside a point; the one back to where the descent came from rises there.
 
-        A slope that floats show to fall is taken at once; only where there is none, those in doubt are built.
+        A slope that floats show to fall is taken at once; only where there is none, those in doubt are looked at.
         """
         slopes = self.slopes(vertex)
-        steepest, doubtful = slopes.at(np.array([1.0, *normal_floats(place.point)]))
+        point, sizes = (np.array(part, dtype=float) for part in place.point[:2])
+        steepest, doubtful = slopes.at(point, sizes)
         if steepest is not None:
             return slopes[steepest]
-        inexact = (slopes[k] for k in doubtful if k != back)
-        return next((slope for slope in inexact if order(slope.form, place) < (0, 0)), None)
+        inexact = (slopes[k] for k in doubtful if slopes[k] is not back)
+        return next((slope for slope in inexact if place.order(slope) < (0, 0)), None)
 
-    def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
-        """The vertex's cell, and the slope behind each of its inner sides, by label.
-
-        No slope falls at the ends of a side across which the walk came: there both twists minimize D.
-        """
-        polygon: Polygon | None = self.region.polygon
-        origins: dict[str, SlopeOfD] = {}
-        slopes, crossed = self.slopes(vertex), self._crossed[vertex]
-        likely = slopes.sides_of(self.arrangement.corners)
-        waiting = [*likely, *(k for k in slopes.possible if k not in likely)]
-        while waiting and polygon is not None:
-            k = waiting.pop(0)
-            if not any(slopes[k].form):
-                continue
-            origins[f"slope {k}"] = slopes[k]
-            clipped = polygon.clipped(self._half_plane(slopes[k].form, f"slope {k}"))
-            is_cut, is_last = clipped is not polygon and k not in likely, k in likely[-1:]
-            if clipped is not None and (is_cut or is_last):
-                waiting = slopes.doubtful(float_corners(clipped.vertices), waiting)
-                if waiting and crossed:
-                    waiting = slopes.doubtful(float_corners(_not_among(crossed, clipped)), waiting)
-            polygon = clipped
-        return polygon, origins
-
-    def _half_plane(self, form: Affine, label: str) -> HalfPlane:
-        if any(is_long(entry) for entry in form):
-            form = (Lazy.of(form[0]), Lazy.of(form[1]), Lazy.of(form[2]))
-        return at_least_zero(form, label)
+    def _outline(self, vertex: Vertex) -> Outline | None:
+        """The vertex's cell: where no slope is negative."""
+        outline: Outline | None = self._whole
+        slopes = self.slopes(vertex)
+        likely = [k for k in slopes.sides_of(self.arrangement.corners) if k not in slopes.flat]
+        for number in likely:
+            outline = outline and outline.clipped(_side(slopes[number]))
+        if outline is None:
+            return None
+        others = [k for k in slopes.possible if k not in likely and k not in slopes.flat]
+        if len(others) > FEW:  # what is positive at all corners is so on all parts
+            others = slopes.doubtful([corner.filtered for corner in outline.corners], others)
+        for number in others:
+            if outline is not None and not outline.keeps(slopes[number].filtered):
+                outline = outline.clipped(_side(slopes[number]))
+        return outline
 
     def _face(self, vertex: Vertex) -> list[Vertex]:
         """All vertices that tie with this one on its whole cell (Theorem 2: their hull minimizes D)."""
         face, waiting = [vertex], [vertex]
         while waiting:
             here = waiting.pop()
-            for slope in self.slopes(here).flat:
+            for slope in self.slopes(here).flat.values():
                 beyond = self.arrangement.next_vertex(here, slope)
                 if beyond not in face:
                     face.append(beyond)
                     waiting.append(beyond)
         return face
 
-    def _state(self, vertex: Vertex) -> ContactState:
+    def state(self, vertex: Vertex) -> ContactState:
+        """All rows that hold at a vertex."""
         return ContactState(tuple(self.arrangement.rows[k] for k in vertex.tight), vertex.twist)
 
 
-def _ends(polygon: Polygon, k: int) -> tuple[Point, Point]:
-    return polygon.vertices[k], polygon.vertices[(k + 1) % len(polygon.vertices)]
+def _side(slope: SlopeOfD) -> OutlineSide:
+    """Where a slope is not negative."""
+
+    def build() -> HalfPlane:
+        form = slope.form
+        if any(is_long(entry) for entry in form):
+            form = (Lazy.of(form[0]), Lazy.of(form[1]), Lazy.of(form[2]))
+        return at_least_zero(form, "slope")
+
+    return OutlineSide(slope.filtered, build, slope)
 
 
-def _midpoint(polygon: Polygon, k: int) -> Point:
-    (x1, y1), (x2, y2) = _ends(polygon, k)
-    return (x1 + x2) / 2, (y1 + y2) / 2
+def _beside(outline: Outline, k: int, slope: SlopeOfD) -> FilteredPlace:
+    """Just beyond the middle of a side."""
+    first, second = outline.corners[k], outline.corners[(k + 1) % len(outline.corners)]
+    (_, a, b), (_, r, s), error = slope.filtered
+
+    def exactly() -> Beside:
+        (x1, y1), (x2, y2) = first.point, second.point
+        return Beside(((x1 + x2) / 2, (y1 + y2) / 2), outline.sides[k].half_plane.normal, slope.form)
+
+    return FilteredPlace(
+        between(first.filtered, second.filtered), Filtered((0, -a, -b), (0, r, s), error), exactly, slope
+    )
 
 
-def _not_among(crossed: Sequence[Crossing], polygon: Polygon) -> list[Point]:
-    """The vertices of a polygon but those known to be ends of sides across which the walk came.
-
-    Lazy quotients are not compared: to find that they are equal is long work.
-    """
-    ends = [end for crossing in crossed for end in crossing.ends if not _is_lazy(end)]
-    return [vertex for vertex in polygon.vertices if _is_lazy(vertex) or vertex not in ends]
-
-
-def _is_lazy(point: Point) -> bool:
-    return any(isinstance(x, Lazy) for x in point)
+def is_same_line(slope: SlopeOfD, other: SlopeOfD) -> bool:
+    """Whether the forms of two slopes are multiples of each other."""
+    if slope is other:
+        return True
+    (a, b, c), (r, s, t), error = slope.filtered
+    (x, y, z), (u, v, w), more = other.filtered
+    minors = (a * y - b * x, r * v + s * u), (a * z - c * x, r * w + t * u), (b * z - c * y, s * w + t * v)
+    if any(abs(minor) > size * (error and error + more + ROUNDING) for minor, size in minors):
+        return False
+    return not error or is_multiple(slope.form, other.form)
 
 
 def rest_cells(partition: Partition) -> Sequence[Cell]:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from itertools import product
 from typing import Any, TypeAlias
 
@@ -174,6 +175,7 @@ class _Regions:
         self.scene, self.domain = scene, domain
         self.model, self.moments = load_model(scene), exact_moments(scene)
         self.positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        self.forms = cache(partial(self.model.forms, self.moments, arithmetic=EXACT))
         self._known: dict[frozenset[int], LoadRegion | None] = {}
 
     def of(self, active: frozenset[int] | None) -> LoadRegion | None:
@@ -186,7 +188,7 @@ class _Regions:
 
     def _region(self, active: frozenset[int]) -> LoadRegion | None:
         """The polygon on which exactly these wheels carry load; None where it has no area, or no loads are fixed."""
-        forms = self.model.forms(self.moments, active, EXACT)
+        forms = self.forms(active)
         if forms is None:
             return None
         zero, polygon = self.scene.field.zero, self.domain
@@ -200,7 +202,12 @@ class _Regions:
         return LoadRegion(polygon, forces, frozenset(self.scene.wheels[i].index for i in active))
 
     def first(self, start: Point) -> frozenset[int]:
-        """The loaded wheels of a region at a point."""
+        """The loaded wheels of a region at a point, most often all."""
+        _require_short(self.moments)
+        every = frozenset(range(len(self.moments)))
+        forms = self.forms(every)
+        if forms is not None and all(sign(value_at(form, start)) >= 0 for form in forms):
+            return every
         try:
             return _loads_at(self.model, self.moments, start)[0]
         except CollinearLoadError:

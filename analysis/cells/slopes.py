@@ -8,7 +8,6 @@ that falls most or cuts deepest; what decides is the exact form (:meth:`Arrangem
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TypeAlias
@@ -16,13 +15,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.arrangement import (
-    Arrangement,
-    SlopeOfD,
-    beyond_floats,
-    normal_floats,
-)
+from nonsmooth.analysis.cells.arrangement import Arrangement, Floats, SlopeOfD, minus
+from nonsmooth.analysis.cells.loads import Affine
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
+from nonsmooth.analysis.cells.outline import Filtered, Form, Three
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
@@ -30,29 +26,10 @@ from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
-NEXT, AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])  # the other coordinates, in turn
+SHORTEST = 2.0**-30  # of the domain: sides that are shorter may be corners
 LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
 
-Floats = NDArray[np.float64]
 Corner: TypeAlias = tuple[float, float, int]  # and the number of the slope behind the side that starts there, or -1
-
-
-@dataclass(frozen=True)
-class FloatForms:
-    """Affine forms of c, rounded: coefficients (m, 3), and the sums of absolute terms that bound their errors."""
-
-    values: Floats
-    bounds: Floats
-
-    @beyond_floats
-    def certainty(self, points: Floats) -> Floats:
-        """Values at points ``(1, x, y)``, one column each, in units of the doubt: beyond one they are sure."""
-        doubt = self.bounds @ np.abs(points).T * FLOAT_DOUBT + SMALLEST_NORMAL
-        return np.asarray(self.values @ points.T / doubt)
-
-    def chosen(self, numbers: NDArray[np.int_]) -> FloatForms:
-        """Some of them."""
-        return FloatForms(self.values[numbers], self.bounds[numbers])
 
 
 class Slopes:
@@ -70,110 +47,136 @@ class Slopes:
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
-        possible = ~(table.forms.certainty(arrangement.corners) > 1).all(axis=2)
-        kept = table.distinct(possible.any(axis=1).nonzero()[0])
-        self._pairs = table.pairs[kept]
-        forms = table.forms.chosen(kept)
-        self._forms = FloatForms(forms.values.reshape(-1, 3), forms.bounds.repeat(2, axis=1).reshape(-1, 3))
+        sure = certainty(table.values, table.bounds[:, None], arrangement.corners)
+        possible: NDArray[np.bool_] = np.any(~(sure > 1), axis=2)
+        kept = table.distinct(np.flatnonzero(possible.any(axis=1)))
+        self._pairs: list[list[int]] = table.pairs[kept].tolist()
+        self._values = table.values[kept].reshape(-1, 3)
+        self._bounds = table.bounds[kept].repeat(2, axis=0)
+        self._numbers = arrangement.numbers(self._values)
         self.possible: list[int] = possible[kept].ravel().nonzero()[0].tolist()
-        self._exact: dict[int, SlopeOfD] = {}
+        self._known: dict[int, SlopeOfD] = {}
 
     def __len__(self) -> int:
-        return len(self._forms.values)
+        return len(self._values)
 
     def __iter__(self) -> Iterator[SlopeOfD]:
         return (self[k] for k in range(len(self)))
 
     def __getitem__(self, number: int) -> SlopeOfD:
-        """The exact slope, built once."""
-        if number not in self._exact:
-            first, second = self._pairs[number // 2].tolist()
-            both = self._arrangement.slopes_along((first, second), self._signs)
-            for k, slope in enumerate(both, number - number % 2):
-                self._keep(k, slope)
-        return self._exact[number]
+        """A slope, of which the exact form is built once."""
+        if number not in self._known:
+            values, error = self._numbers[number], self._arrangement.error
+            sizes = self._bounds[number].tolist() if error else [abs(value) for value in values]
+            filtered = Filtered.bounded(values, sizes, error)
+            first, second = self._pairs[number // 2]
+            self._known[number] = SlopeOfD(
+                (first, second), 1 - number % 2 * 2, filtered, lambda: self._built((first, second))[number % 2]
+            )
+        return self._known[number]
 
-    def learn(self, slope: SlopeOfD) -> int | None:
-        """Take over a slope that is known exactly, and its number here; None where it is none of these."""
-        found = np.flatnonzero((self._pairs == slope.pair).all(axis=1)).tolist()
-        if not found:
+    def _built(self, pair: tuple[int, int]) -> tuple[Affine, Affine]:
+        return self._arrangement.slopes_along(pair, self._signs)
+
+    def learn(self, slope: SlopeOfD, before: Form) -> SlopeOfD | None:
+        """The slope back along the direction of another, along which D fell or kept until here; None where none is.
+
+        Args:
+            slope: the other.
+            before: the slope of D along its direction before this vertex.
+        """
+        if list(slope.pair) not in self._pairs:
             return None
-        number = 2 * int(found[0]) + (slope.direction != self._arrangement.edge(slope.pair))
-        self._keep(number, slope)
-        return number
+        back = self[2 * self._pairs.index(list(slope.pair)) + (slope.sense > 0)]
+        if not slope.is_learned:  # it may be from this one
+            back.build, back.is_learned = (lambda: minus(before.form)), True
+        return back
 
-    def _keep(self, number: int, slope: SlopeOfD) -> None:
-        self._exact[number] = slope
-        self._forms.values[number] = normal_floats(slope.form)
-        self._forms.bounds[number] = np.abs(self._forms.values[number])
-
-    def doubtful(self, points: Floats, among: Sequence[int]) -> list[int]:
-        """Of these numbers those of the slopes that are not certainly positive at all points ``(1, x, y)``."""
+    def doubtful(self, points: Sequence[Filtered], among: Sequence[int]) -> list[int]:
+        """Of these numbers those of the slopes that are not certainly positive at all points."""
         numbers = np.array(among, dtype=int)
-        return numbers[~(self._forms.chosen(numbers).certainty(points) > 1).all(axis=1)].tolist()
+        places, sizes = (np.array(part, dtype=float) for part in zip(*(point[:2] for point in points), strict=True))
+        sure = certainty(self._values[numbers], self._bounds[numbers], places, sizes) > 1
+        return numbers[~sure.all(axis=1)].tolist()
 
     def sides_of(self, corners: Floats) -> list[int]:
-        """Numbers of the slopes that seem to bound the cell in a polygon, found by the deepest cuts.
-
-        What cuts nothing off cuts nothing off a part either, so that fewer and fewer are looked at.
-        """
+        """Numbers of the slopes that seem to bound the cell in a polygon, found by cutting it in floats."""
         outline: list[Corner] = [(x, y, -1) for _, x, y in corners.tolist()]
-        numbers = np.array(self.possible, dtype=int)
-        forms = self._forms.chosen(numbers)
-        while len(outline) > 2:
-            places = np.array([(1.0, x, y) for x, y, _ in outline])
-            depths = forms.certainty(places).min(axis=1)
-            (cutting,) = (depths < 0).nonzero()
-            if not cutting.size:
-                break
-            deepest = cutting[depths[cutting].argmin()]
-            outline = _clipped(outline, (places @ forms.values[deepest]).tolist(), int(numbers[deepest]))
-            cutting = cutting[cutting != deepest]
-            numbers, forms = numbers[cutting], forms.chosen(cutting)
-        return sorted({k for *_, k in outline if k >= 0})
+        reach = np.abs(corners).max(axis=0)
+        doubts = (self._bounds @ reach * FLOAT_DOUBT).tolist()
+        for number in self.possible:
+            a, b, c = self._numbers[number]
+            values = [a + b * x + c * y for x, y, _ in outline]
+            if min(values, default=0.0) < -doubts[number]:
+                outline = _clipped(outline, values, number)
+        around = zip(outline, [*outline[1:], *outline[:1]], strict=True)
+        least = max(reach[1:]) * SHORTEST
+        return sorted({k for (x, y, k), (u, v, _) in around if k >= 0 and abs(u - x) + abs(v - y) > least})
 
-    def at(self, point: Floats) -> tuple[int | None, list[int]]:
+    def at(self, point: Floats, sizes: Floats | None = None) -> tuple[int | None, list[int]]:
         """At a point ``(1, x, y)``: the number of the slope that most certainly falls, and those that may vanish."""
-        certainty = self._forms.certainty(point)
-        (falling,) = (certainty < -1).nonzero()
-        steepest = int(falling[certainty[falling].argmin()]) if falling.size else None
-        return steepest, (~(np.abs(certainty) > 1)).nonzero()[0].tolist()
+        sure = certainty(self._values, self._bounds, point, sizes)
+        (falling,) = (sure < -1).nonzero()
+        steepest = int(falling[sure[falling].argmin()]) if falling.size else None
+        return steepest, (~(np.abs(sure) > 1)).nonzero()[0].tolist()
 
     @cached_property
-    def flat(self) -> tuple[SlopeOfD, ...]:
-        """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
-        clear = np.abs(self._forms.values) > self._forms.bounds * FLOAT_DOUBT + SMALLEST_NORMAL
-        return tuple(self[k] for k in np.flatnonzero(~clear.any(axis=1)).tolist() if not any(self[k].form))
+    def flat(self) -> dict[int, SlopeOfD]:
+        """Directions along which D does not change, whatever c, by number: twists that tie on the whole cell."""
+        if self._arrangement.whole:
+            return {k: self[k] for k, values in enumerate(self._numbers) if not any(values)}
+        clear = np.abs(self._values) > self._bounds * FLOAT_DOUBT + SMALLEST_NORMAL
+        return {k: self[k] for k in np.flatnonzero(~clear.any(axis=1)).tolist() if not any(self[k].form)}
+
+
+def certainty(values: Floats, bounds: Floats, points: Floats, sizes: Floats | None = None) -> Floats:
+    """Affine forms at points ``(1, x, y)``, one column each, in units of the doubt: beyond one they are sure.
+
+    Args:
+        values: coefficients, the last axis of three.
+        bounds: sums of absolute terms, which bound their errors.
+        points: or positive multiples.
+        sizes: bounds of the points' entries, where these err by as little of them.
+    """
+    doubt = bounds @ np.abs(points if sizes is None else sizes).T * FLOAT_DOUBT + SMALLEST_NORMAL
+    return np.asarray(values @ points.T / doubt)
 
 
 class _PairTable:
     """All pairs of tight rows in floats: directions of edges, and the slopes along them and back, shape (m, 2, 3)."""
 
-    @beyond_floats
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
         self.arrangement = arrangement
         (tight,) = (signs == 0).nonzero()
         self.tight = len(tight)
         self.pairs = tight[_pairs(self.tight)]
         normals, weights = arrangement.normals, arrangement.float_weights
-        first, second = normals[self.pairs.T]
-        left, right = first[:, NEXT] * second[:, AFTER], first[:, AFTER] * second[:, NEXT]
-        self.directions, self.sizes = left - right, np.abs(left) + np.abs(right)  # of the cross products
+        first, second = self.pairs.T
+        self.directions = (arrangement.crossing[first] @ normals[second, :, None])[:, :, 0]
+        self.sizes = (arrangement.crossing_sizes[first] @ arrangement.sizes[second, :, None])[:, :, 0]
         rows = np.ascontiguousarray(normals[tight].T)
-        kept = np.concatenate([np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)])
+        parts = [np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)]
+        kept = np.concatenate(parts) if len(parts) > 1 else parts[0]
         along = self.directions @ ((normals.T * signs) @ weights)
-        bounds = self.sizes @ arrangement.moment_sizes
-        self.forms = FloatForms(np.stack([kept + along, kept - along], axis=1), bounds[:, None])
+        self.values = np.empty((len(kept), 2, 3))
+        self.values[:, 0], self.values[:, 1] = kept + along, kept - along
+        self.bounds = self.sizes @ arrangement.moment_sizes
 
     def distinct(self, numbers: NDArray[np.int_]) -> NDArray[np.int_]:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
+        if self.arrangement.exact_normals is not None:
+            firsts: dict[Three, int] = {}
+            for k, (first, second) in zip(numbers.tolist(), self.pairs[numbers].tolist(), strict=True):
+                firsts.setdefault(self.arrangement.way(first, second), k)
+            firsts.pop((0, 0, 0), None)
+            return np.array(list(firsts.values()), dtype=int)
         if self.tight <= 3:
             return np.array([k for k in numbers.tolist() if self._has_direction(k)], dtype=int)
         keys = self._keys(numbers)
         order = np.argsort(keys, kind="stable")
         ends = [0, *(np.flatnonzero(np.diff(keys[order])) + 1).tolist(), len(order)]
-        found = [k for ends in pairwise(ends) for k in self._distinct_in(numbers[order[slice(*ends)]])]
-        return np.array(sorted(found), dtype=int)
+        others = [k for ends in pairwise(ends) for k in self._distinct_in(numbers[order[slice(*ends)]])]
+        return np.array(sorted(others), dtype=int)
 
     def _has_direction(self, pair: int) -> bool:
         """Whether the rows of a pair are not parallel."""

@@ -31,7 +31,6 @@ from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
-from nonsmooth.proofs.robust.drift import driven_out, largest_spin
 from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
 from nonsmooth.symbolic.mechanics.constraints import Twist
@@ -205,6 +204,8 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
 
 def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction | None:
     """When every body has left the disc of the accuracy, if no wheel enters or leaves before."""
+    from nonsmooth.proofs.robust.drift import driven_out, largest_spin
+
     after = driven_out(array, accuracy)
     if after is None or kept.margin is None:
         return after

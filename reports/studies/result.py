@@ -18,7 +18,6 @@ import io
 import textwrap
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
@@ -260,6 +259,8 @@ def notebook_html(blocks: Iterable[Block]) -> str:
 def _block(block: Block) -> str:
     match block:
         case Paragraph(text):
+            from html import escape  # as in messages/notebook.py
+
             return f"<p>{escape(plain_text(text))}</p>"
         case Table(header, rows):
             return html_table("", [*map(plain_text, header)], ([*map(plain_text, row)] for row in rows))

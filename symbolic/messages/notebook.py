@@ -8,7 +8,6 @@ costs nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from html import escape
 from importlib import import_module
 from typing import Any
 
@@ -35,6 +34,8 @@ def _brief(value: object) -> str:
 
 def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A table in HTML; every text is escaped."""
+    from html import escape  # with a table of all names of characters: only a notebook needs it
+
     head = "".join(f"<th>{escape(name)}</th>" for name in header)
     body = "".join(f"<tr>{''.join(f'<td>{escape(str(cell))}</td>' for cell in row)}</tr>" for row in rows)
     return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

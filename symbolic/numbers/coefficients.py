@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -89,3 +90,19 @@ def rational_quotient(dividend: Terms, divisor: Terms) -> fmpq | None:
 def is_rational(terms: Terms) -> bool:
     """Whether a sum over the rationals has one term, without a root."""
     return len(terms) == 1 and 0 in terms
+
+
+def whole_multiples(numbers: Sequence[Terms], bits: int) -> list[int] | None:
+    """Whole numbers in the same ratios, without a common factor; None where there are none of so few bits.
+
+    There are for rational multiples of one product of roots, over the rationals as the base.
+    """
+    masks = {mask for terms in numbers for mask in terms}
+    rationals = [c for terms in numbers for c in terms.values()]
+    if len(masks) > 1 or any(not isinstance(c, fmpq) for c in rationals):
+        return None
+    mask = masks.pop() if masks else 0
+    common = math.lcm(*(int(c.q) for c in rationals))
+    wholes = [int(terms[mask].p) * (common // int(terms[mask].q)) if terms else 0 for terms in numbers]
+    factor = math.gcd(*wholes) or 1
+    return [whole // factor for whole in wholes] if max(map(abs, wholes)) < factor << bits else None

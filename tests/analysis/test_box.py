@@ -11,8 +11,9 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD
 from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
-from nonsmooth.analysis.cells.loads import load_regions, value_at
+from nonsmooth.analysis.cells.loads import Affine, load_regions, value_at
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.analysis.cells.outline import Form
 from nonsmooth.analysis.cells.partition import AREA_ROOTS, Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes
@@ -169,34 +170,38 @@ def test_the_walk_finds_what_enumerating_all_triples_finds(arrays: Arrays, seed:
 @pytest.mark.parametrize("name", ["ring-5", "grid-4x4"])
 def test_slopes_that_are_handed_on_are_those_that_are_built(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     """The slope back along an edge is minus the slope along it."""
-    keep, numbers = Slopes._keep, list[int]()
+    learn, found = Slopes.learn, list[SlopeOfD]()
 
-    def kept(self: Slopes, number: int, slope: SlopeOfD) -> None:
-        both = self._arrangement.slopes_along(slope.pair, self._signs)
-        assert slope == both[number % 2]
-        numbers.append(number)
-        keep(self, number, slope)
+    def learned(self: Slopes, slope: SlopeOfD, before: Form) -> SlopeOfD | None:
+        back = learn(self, slope, before)
+        if back is not None:
+            assert back.form == self._arrangement.slopes_along(back.pair, self._signs)[back.sense < 0]
+            found.append(back)
+        return back
 
-    monkeypatch.setattr(Slopes, "_keep", kept)
+    monkeypatch.setattr(Slopes, "learn", learned)
     cells = build_box_partition(load_scene(name, rule="box")).cells
-    assert len(numbers) > len(cells)
+    assert len(found) > len(cells)
 
 
-@pytest.mark.parametrize(("side", "cells", "most"), [(2, 13, 26), (6, 157, 300)])
-def test_ties_are_left_out_where_floats_or_the_walk_decide(
-    arrays: Arrays, monkeypatch: pytest.MonkeyPatch, side: int, cells: int, most: int
+@pytest.mark.parametrize(("side", "cells", "first", "most"), [(2, 13, 0, 26), (6, 157, 60, 300)])
+def test_ties_are_left_out_where_floats_or_whole_numbers_decide(
+    arrays: Arrays, monkeypatch: pytest.MonkeyPatch, side: int, cells: int, first: int, most: int
 ) -> None:
-    """Of symmetric arrays hundreds of lines touch a cell at its corners; few of them are built exactly."""
+    """Of symmetric arrays hundreds of lines touch a cell at its corners; few of them are built, most on demand."""
     build, pairs = Arrangement.slopes_along, list[tuple[int, int]]()
 
-    def built(self: Arrangement, pair: tuple[int, int], signs: np.ndarray) -> tuple[SlopeOfD, SlopeOfD]:
+    def built(self: Arrangement, pair: tuple[int, int], signs: np.ndarray) -> tuple[Affine, Affine]:
         pairs.append(pair)
         return build(self, pair, signs)
 
     monkeypatch.setattr(Arrangement, "slopes_along", built)
     friction = (1, Fraction(1, 5))
     scene = arrays.four_wheel(friction) if side == 2 else arrays.grid(side, side, friction)
-    assert len(build_box_partition(scene).cells) == cells
+    partition = build_box_partition(scene)
+    assert len(partition.cells) == cells
+    assert len(pairs) <= first
+    assert partition.tiles
     assert len(pairs) <= most
 
 

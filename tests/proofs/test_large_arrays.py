@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, inner
+from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, inner, scaled
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -101,16 +101,16 @@ def test_slopes_against_all_pairs(name: str) -> None:
     region = load_regions(scene)[0]
     arrangement = Arrangement(scene, region)
     signs = np.array([0 if row.kind == "S" else -1 for row in arrangement.rows])  # rest: all side rows hold
-    table = list(Slopes(arrangement, signs))
+    table = [scaled(arrangement.edge(slope.pair), slope.sense) for slope in Slopes(arrangement, signs)]
     sides = [k for k, row in enumerate(arrangement.rows) if row.kind == "S"]
     for a in sides:
         for b in sides:
             direction = cross_product(arrangement.rows[a].normal, arrangement.rows[b].normal)
             if any(direction):
-                known = [s for s in table if not any(cross_product(s.direction, direction))]
+                known = [along for along in table if not any(cross_product(along, direction))]
                 slopes = arrangement.slopes_along((a, b), signs)
-                positive = [value_at(s.form, p).sign() > 0 for s in slopes for p in region.polygon.vertices]
-                assert all(positive) or any(inner(s.direction, direction).sign() > 0 for s in known)
+                positive = [value_at(form, p).sign() > 0 for form in slopes for p in region.polygon.vertices]
+                assert all(positive) or any(inner(along, direction).sign() > 0 for along in known)
 
 
 def test_multiples_of_a_line() -> None:

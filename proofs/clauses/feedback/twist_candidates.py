@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, order
+from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, beyond_floats, order
 from nonsmooth.analysis.cells.contact_rule import CellRule, friction_sets, rule_of, smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
@@ -124,6 +124,7 @@ class Drives:
         self.region = region
         self._arrangement = Arrangement(scene, region)
 
+    @beyond_floats
     def examine(self, twist: Triple) -> BoxTwist:
         """The twist with its slopes, for speeds at which no rim slips along; of an excluded one a negative slope."""
         rows = self._arrangement.rows
