@@ -228,6 +228,7 @@ PACES = [  # right-hand sides of every kind of rate; those of two states with a 
 ]
 
 
+@few(4)
 @pytest.mark.parametrize("rhs", but([PACES[4], PACES[6]], PACES))
 def test_a_slower_system_has_a_slower_rate(rhs: tuple[str, ...]) -> None:
     """The unit of time decides nothing; the certificate states the rate."""
@@ -272,6 +273,7 @@ SLOW = {  # the largest kappa in V' <= -kappa V**2 near the point, and whether i
 }
 
 
+@few(5)
 @pytest.mark.parametrize("rhs", SLOW)
 def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     """Where linear terms are missing, or turn only, V is the square of the distance, and no gain is known."""

@@ -16,12 +16,13 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
 from tests.dissipative_systems import dissipative_systems
 from tests.plain import built
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
 SQUARES = "x**2 + y**2 + z**2"
 
 
+@few(6)
 @pytest.mark.parametrize(
     ("rhs", "lyapunov", "proves"),
     [
