@@ -11,8 +11,10 @@ from playwright.sync_api import Browser
 from tests.browser import needs_chromium
 from tests.reports.workbench.workbench_page import Opened, document, edited, settled
 from tests.workbench_server import Workbench
+from tests.thorough import thorough
 
 
+@thorough  # the test below does it with a page, whose token serves again
 def test_a_page_outlives_the_server(server: Workbench) -> None:
     document = server.document("four-wheel")
     token, began, pids = server.token, server.ask("/api/health").json["started"], server.workers()
@@ -27,7 +29,7 @@ def test_a_page_outlives_the_server(server: Workbench) -> None:
 @needs_chromium
 def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: Workbench) -> None:
     opened = Opened(browser, server.address)
-    page = opened.page
+    page, pids = opened.page, server.workers()
     page.keyboard.press("n")
     server.kill()
     edited(page, lambda: page.keyboard.press("ArrowRight"))
@@ -40,6 +42,7 @@ def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: 
     settled(page)
     shown = page.evaluate("() => workbench.results.geometry.wheels[0].x")
     assert shown == pytest.approx(document(page)["wheel"][0]["position"][0])
+    assert not any(map(_lives, pids))
     opened.context.close()
 
 
