@@ -189,9 +189,7 @@ def test_speeds_are_set_in_the_unit_of_the_scene(page: Page) -> None:
 
 def test_a_scene_with_units_has_a_card_on_inertia(page: Page) -> None:
     assert page.locator("#answers [data-key=inertia]").count() == 0
-    page.evaluate(IN_MILLIMETRES)
-    settled(page)
-    page.select_option("#rule", "ellipse")
+    page.evaluate(IN_MILLIMETRES.replace("check: undefined", 'check: undefined, contact: { rule: "ellipse" }'))
     card = page.locator("#answers [data-key=inertia]")
     card.wait_for(timeout=60_000)
     assert "a body with inertia" in card.inner_text()

@@ -10,8 +10,8 @@ from playwright.sync_api import Browser
 
 from tests.browser import needs_chromium
 from tests.reports.workbench.workbench_page import Opened, document, edited, settled
-from tests.workbench_server import Workbench
 from tests.thorough import thorough
+from tests.workbench_server import Workbench
 
 
 @thorough  # the test below does it with a page, whose token serves again
