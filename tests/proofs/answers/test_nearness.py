@@ -244,6 +244,7 @@ def test_squares_that_a_sector_touches_are_not_beyond_it() -> None:
     assert _is_beyond(rays, (-1.0, 0.0), 0.1, 0.05)
 
 
+@thorough  # test_bodies_are_carried_away_by_outward_rims_and_by_no_inward_ones
 def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path) -> None:
     table = MeasuredTable.symmetric(0, "ellipse")
     scene = measured(tmp_path, table).recentred()
@@ -394,6 +395,7 @@ def test_rings_go_no_farther_out_where_bodies_do_not_come_far_enough_in(tmp_path
     assert inward.rates == whole.rates[-shared:]
 
 
+@thorough  # test_rings_go_no_farther_out_where_bodies_do_not_come_far_enough_in
 def test_no_rings_in_smaller_pieces_where_those_that_are_shown_leave_the_wheels(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -513,6 +515,7 @@ def test_a_slide_outward_is_followed_to_the_accuracy() -> None:
     assert decided(load_scene("outward")).verdict is Position.LEAVES
 
 
+@thorough  # test_a_tighter_accuracy_asks_for_more
 def test_a_sweep_takes_the_accuracy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     measured(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0), "[check]\naccuracy = 4\n")
     vary = ("--vary", "check.accuracy=1/20,4", "--workers", "1")
