@@ -10,26 +10,13 @@ from playwright.sync_api import Browser
 
 from tests.browser import needs_chromium
 from tests.reports.workbench.workbench_page import Opened, document, edited, settled
-from tests.thorough import thorough
 from tests.workbench_server import Workbench
-
-
-@thorough  # the test below does it with a page, whose token serves again
-def test_a_page_outlives_the_server(server: Workbench) -> None:
-    document = server.document("four-wheel")
-    token, began, pids = server.token, server.ask("/api/health").json["started"], server.workers()
-    server.kill()
-    server.start()
-    assert server.token == token
-    assert server.ask("/api/health").json["started"] != began
-    assert server.view(document, want=[])["exact"]["verdict"] == "holds"
-    assert not any(map(_lives, pids))
 
 
 @needs_chromium
 def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: Workbench) -> None:
     opened = Opened(browser, server.address)
-    page, pids = opened.page, server.workers()
+    page, token, pids = opened.page, server.token, server.workers()
     page.keyboard.press("n")
     server.kill()
     edited(page, lambda: page.keyboard.press("ArrowRight"))
@@ -42,6 +29,7 @@ def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: 
     settled(page)
     shown = page.evaluate("() => workbench.results.geometry.wheels[0].x")
     assert shown == pytest.approx(document(page)["wheel"][0]["position"][0])
+    assert server.token == token
     assert not any(map(_lives, pids))
     opened.context.close()
 
