@@ -10,8 +10,6 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from nbclient import NotebookClient
-from nbconvert import HTMLExporter
 
 from tests.thorough import thorough
 
@@ -111,6 +109,9 @@ def long(path: Path) -> object:
 
 @pytest.mark.parametrize("path", list(map(long, NOTEBOOKS)), ids=[path.stem for path in NOTEBOOKS])
 def test_notebook_runs_and_renders(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from nbclient import NotebookClient
+    from nbconvert import HTMLExporter
+
     for name in ("IPYTHONDIR", "JUPYTER_CONFIG_DIR", "JUPYTER_RUNTIME_DIR"):
         monkeypatch.setenv(name, str(tmp_path))
     notebook = nbformat.read(path, nbformat.NO_CONVERT)

@@ -92,6 +92,7 @@ def test_a_centre_is_undecided_and_its_period_has_the_digits_that_are_right(star
     assert last < 1e-4
 
 
+@thorough  # undecided: test_a_centre_is_undecided_and_its_period_has_the_digits_that_are_right
 @pytest.mark.parametrize("start", starts(1, (0.7, 0.0), (1.1, 0.0)))
 def test_an_orbit_that_attracts_from_one_side_only_is_undecided(start: tuple[float, float]) -> None:
     """By the definition: ``r' = r (1 - r^2)^2`` grows on either side of the circle."""
@@ -116,6 +117,7 @@ def test_multipliers_near_one_are_told_apart_as_far_as_they_are_known(digits: in
     assert found.stability in (possible if digits > 2 else possible - {"undecided"})
 
 
+@thorough  # test_an_orbit_that_slides_where_both_sides_push_away_repels
 @pytest.mark.parametrize("start", starts(1, (3.0, 0.0), (1.0, 0.0)))
 def test_an_orbit_that_repels_is_found_from_both_sides(start: tuple[float, float]) -> None:
     """Van der Pol's, backwards in time: from inside paths end at rest, from outside they run away in finite time."""

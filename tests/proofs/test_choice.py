@@ -75,12 +75,6 @@ def test_the_worst_switching_has_a_certificate(name: str) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
-@thorough  # of two fields: test_the_worst_switching_has_a_certificate
-def test_a_law_of_three_fields() -> None:
-    entry, _ = show_choice_of(ns.System(["x", "y"], WORST["three fields"]).system)
-    assert entry["theorem"] == "choice"
-
-
 def factor_of_one_field() -> ns.System:
     return ns.System(["x", "y"], ["-k*y - k*x*y", "2*k*x + 2*k*x*y"], parameters={"k": [1, 2]})
 

@@ -15,7 +15,7 @@ from nonsmooth.proofs.system_facts import gain_words, rate_words
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from tests.plain import built
 from tests.proofs.forged import with_reach
-from tests.thorough import but, few, keep, thorough
+from tests.thorough import but, few, keep
 
 NAMES = {"Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
 STEP = 1e-3
@@ -228,6 +228,7 @@ PACES = [  # right-hand sides of every kind of rate; those of two states with a 
 ]
 
 
+@few(4)
 @pytest.mark.parametrize("rhs", but([PACES[4], PACES[6]], PACES))
 def test_a_slower_system_has_a_slower_rate(rhs: tuple[str, ...]) -> None:
     """The unit of time decides nothing; the certificate states the rate."""
@@ -272,6 +273,7 @@ SLOW = {  # the largest kappa in V' <= -kappa V**2 near the point, and whether i
 }
 
 
+@few(5)
 @pytest.mark.parametrize("rhs", SLOW)
 def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     """Where linear terms are missing, or turn only, V is the square of the distance, and no gain is known."""
@@ -290,7 +292,6 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     assert any(own.get("rate", {}).get("kind") == "algebraic" for own in claims)
 
 
-@thorough  # which systems have algebraic rates: test_rates_of_higher_order
 def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
     """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``."""
     rhs = ["-x + 3/2*y - sign(z)", "-3*sign(y) + 3*x", "-2*z - Abs(x) + 2*sign(y)"]

@@ -30,7 +30,7 @@ from tests.plain import built, refused
 from tests.proofs.forged import with_reach
 from tests.proofs.many_states.test_random_systems import NAMES, linear, random_matrix
 from tests.proofs.switched_oracle import random_relay
-from tests.thorough import but, keep, thorough
+from tests.thorough import but, few, keep, thorough
 
 BENDS = "4*Abs(x) + 4*Abs(y) + z**2"
 SYSTEMS: dict[str, tuple[list[Any], dict[str, Any]]] = {
@@ -83,6 +83,7 @@ def test_built_in_systems_are_accepted_without_the_program(name: str, tmp_path: 
     assert "asymptotically stable" in done.stdout
 
 
+@few(3)
 @pytest.mark.parametrize("name", but(["whole space", "slides"], SYSTEMS))
 def test_verdicts_in_three_states_are_certified(name: str) -> None:
     record = record_of(name)

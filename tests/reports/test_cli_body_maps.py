@@ -41,21 +41,9 @@ rule = "ellipse"
 radius = 3
 """
 KEYS = [
-    "schema",
-    "scene",
-    "rule",
-    "status",
-    "grid",
-    "theta_0",
-    "until",
-    "destinations",
-    "starts",
-    "ends",
-    "destination",
-    "accuracy",
-    "home",
-    "parts",
-]
+    "schema", "scene", "rule", "status", "grid", "theta_0", "until",
+    "destinations", "starts", "ends", "destination", "accuracy", "home", "parts",
+]  # fmt: skip
 GRID = ("simulate", "carton.toml", "--grid", "4", "--heading", "0.3")
 
 

@@ -209,7 +209,7 @@ CASES = [
 ]
 
 
-@few(6)
+@few(5)
 @pytest.mark.parametrize("name", CASES)
 def test_every_language_is_the_law_of_the_simulation(arrays: Arrays, name: str, tmp_path: Path) -> None:
     check, law_name, kind = case(arrays, name)

@@ -20,7 +20,7 @@ from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence.published_systems import astray, in_simplices
 from tests.reports.conftest import Invoke
-from tests.thorough import few
+from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -78,11 +78,11 @@ RELAYS = {
 }
 
 
-@few(1)
+@thorough  # tetrahedra: the test above; fields that switch: test_region_triangles.py
 @pytest.mark.parametrize("name", RELAYS)
 def test_tetrahedra_where_fields_switch(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Starts in them are followed by polygons along the formulas."""
-    effort = replace(SHELLS["fast"], frequency=3, shells=3, steps=60, starts=3)
+    effort = replace(SHELLS["fast"], frequency=4, shells=3, steps=60, starts=3)
     monkeypatch.setitem(SHELLS, "fast", effort)
     sides, reaches = RELAYS[name]
     document = {"system": {"states": ["x", "y", "z"], "rhs": sides}, "check": {"radius": "1/2"}}

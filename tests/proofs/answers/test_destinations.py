@@ -153,6 +153,7 @@ def test_without_cells_the_places_are_where_the_field_vanishes() -> None:
     assert sum(place.share for place in found.found) == pytest.approx(1)
 
 
+@thorough  # test_bodies_stand_still_where_the_field_is_stiff
 @pytest.mark.parametrize(("count", "near", "steps"), keep(1, [(1, 0.3, 15), (3, 1.0, 40)]))
 def test_bodies_that_jump_to_and_fro_about_a_point_are_seen_to_stand(count: int, near: float, steps: int) -> None:
     """Rollers turn all around it: the twist jumps there, and the field has no zero. Small steps end there too."""

@@ -18,7 +18,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rounded import certain_sign, enclosed, plain
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
-from tests.thorough import keep
+from tests.thorough import keep, thorough
 
 
 def file_of(folder: Path, table: MeasuredTable) -> str:
@@ -27,6 +27,7 @@ def file_of(folder: Path, table: MeasuredTable) -> str:
     return str(file)
 
 
+@thorough  # test_python_takes_an_enclosed_point_too
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("rule", keep(1, ["ellipse", "roller"]))
 def test_a_measured_table_is_checked_where_bodies_come_to_rest(

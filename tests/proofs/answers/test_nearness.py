@@ -244,6 +244,7 @@ def test_squares_that_a_sector_touches_are_not_beyond_it() -> None:
     assert _is_beyond(rays, (-1.0, 0.0), 0.1, 0.05)
 
 
+@thorough  # test_bodies_are_carried_away_by_outward_rims_and_by_no_inward_ones
 def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path) -> None:
     table = MeasuredTable.symmetric(0, "ellipse")
     scene = measured(tmp_path, table).recentred()

@@ -149,10 +149,10 @@ def test_texts_are_forged_at_one_place(tmp_path: Path) -> None:
     assert check_file(str(path))[0] == 0
 
 
-@pytest.mark.parametrize("part", keep(1, range(PARTS)))
+@pytest.mark.parametrize("part", keep(1, range(8)))
 def test_what_good_ones_claim_is_true(part: int) -> None:
     """As far as floats see."""
-    for name, own in list(good_certificates().items())[part :: 2 * PARTS]:
+    for name, own in list(good_certificates().items())[part::16]:
         assert not contradiction(own["statement"], half_width(own["evidence"][0]["hypotheses"])), name
 
 

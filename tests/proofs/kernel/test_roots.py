@@ -19,7 +19,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from tests.oracles.mutants import Record, is_one_line
 from tests.plain import built, refused
 from tests.proofs.test_square_roots import NAMES, ROOT
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 ATTRACTS = "asymptotically stable"
 TWISTING = [f"-2*{ROOT} + y", "-sgn(x)"]
@@ -63,6 +63,7 @@ KNOWN = [
 ]
 
 
+@few(1)
 @pytest.mark.parametrize("rhs", keep(2, KNOWN))
 def test_super_twisting_and_its_kin_are_certified(rhs: list[str]) -> None:
     record = certified(rhs)

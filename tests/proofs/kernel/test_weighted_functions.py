@@ -55,7 +55,7 @@ def test_terms_of_higher_weight_are_found(force: str) -> None:
     assert verdict_by_weights(force) == verdict
 
 
-@few(1)
+@thorough  # how it is decided: the test above; certificates of all theorems: checker/test_corpus.py
 @pytest.mark.parametrize("force", FORCES)
 def test_terms_of_higher_weight_decide(force: str) -> None:
     verdict, _ = FORCES[force]

@@ -20,7 +20,7 @@ from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import with_z3
 from tests.plain import built
-from tests.thorough import few, keep
+from tests.thorough import few, keep, thorough
 
 ON_A_FACE = [
     (["-sgn(x) + y/2", "-sgn(y) + 3*z", "-sgn(z) - x"], (16, 16, 1)),
@@ -106,6 +106,7 @@ def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Refutation]:
     return [failure for failure in found if failure is not None]
 
 
+@thorough  # test_a_face_that_solutions_leave_at_once_refutes_nothing
 @pytest.mark.parametrize(("count", "sought"), keep(1, [(3, 1), (5, 2), (14, 2)]))
 def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: int) -> None:
     rng = np.random.default_rng(2)

@@ -15,7 +15,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import contradiction
-from tests.thorough import but
+from tests.thorough import but, few
 
 STATES = ("x", "y", "u", "v")
 RIGID = ["y*u", "-2*x*u", "x*y"]
@@ -32,6 +32,7 @@ def system(rhs: Sequence[str], at: Sequence[str]) -> SwitchedSystem:
     return ns.System(list(STATES[: len(rhs)]), list(rhs), at=tuple(at)).system
 
 
+@few(2)
 @pytest.mark.parametrize("name", but(["Henon and Heiles"], KEPT))
 def test_points_are_stable_and_certified(name: str) -> None:
     result = decide_system(system(*KEPT[name]))

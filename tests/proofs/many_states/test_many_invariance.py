@@ -16,12 +16,13 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
 from tests.dissipative_systems import dissipative_systems
 from tests.plain import built
-from tests.thorough import keep
+from tests.thorough import few, keep, thorough
 
 ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
 SQUARES = "x**2 + y**2 + z**2"
 
 
+@few(6)
 @pytest.mark.parametrize(
     ("rhs", "lyapunov", "proves"),
     [
@@ -75,6 +76,7 @@ def test_the_check_decides_by_the_principle() -> None:
     assert not replace(stays, findings=(*stays.findings, result.deciding)).check()
 
 
+@thorough  # the same systems by certificates: test_second_function.py
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
     known: Counter[tuple[bool, bool]] = Counter()

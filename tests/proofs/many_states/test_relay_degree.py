@@ -29,6 +29,7 @@ def decided(rhs: Sequence[str], states: str = "xyzuvw") -> StabilityResult:
     return decide_system(ns.System(list(states[: len(rhs)]), list(rhs)).system)
 
 
+@few(3)
 @pytest.mark.parametrize(
     ("rhs", "degree"),
     keep(

@@ -112,6 +112,7 @@ def test_what_is_not_followed_is_said() -> None:
 # ---- rules with friction sets --------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 @pytest.mark.parametrize(
     ("name", "count"), keep(1, [("four-wheel", 10), ("four-wheel", 40), ("saddle", 40), ("spiral-30", 40)])

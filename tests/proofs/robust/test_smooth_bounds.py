@@ -91,6 +91,7 @@ def test_every_array_of_mixed_wheels_has_its_equilibrium_in_the_disc_and_it_attr
     assert_each_attracts(scene, 6, small_box(scene).times(Fraction(1, 10)))
 
 
+@thorough  # of wheels of one kind: test_what_is_said; mixed ones: the test above
 def test_tolerances_of_mixed_wheels_are_followed() -> None:
     scene = mixed("four-wheel")
     found = SmoothProof(scene.recentred()).all_that_is_shown(small_box(scene))

@@ -87,6 +87,7 @@ def cells_of(invoke: Invoke, file: Path, *vary: str) -> list[dict[str, Any]]:
     return found
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("vary", "stated", "larger"),
     [
