@@ -62,7 +62,7 @@ def test_good_ones_are_accepted() -> None:
 
 
 def share(forgeries: Sequence[Forgery], part: int) -> list[Forgery]:
-    """Of each kind of forgery those in every eighth place, from the one at place ``part``."""
+    """Of each kind of forgery those in every sixteenth place, from the one at place ``part``."""
     of_a_kind: defaultdict[str, list[Forgery]] = defaultdict(list)
     for own in forgeries:
         of_a_kind[own.kind].append(own)
@@ -149,10 +149,10 @@ def test_texts_are_forged_at_one_place(tmp_path: Path) -> None:
     assert check_file(str(path))[0] == 0
 
 
-@pytest.mark.parametrize("part", keep(1, range(8)))
+@pytest.mark.parametrize("part", keep(1, range(PARTS)))
 def test_what_good_ones_claim_is_true(part: int) -> None:
     """As far as floats see."""
-    for name, own in list(good_certificates().items())[part::16]:
+    for name, own in list(good_certificates().items())[part::PARTS]:
         assert not contradiction(own["statement"], half_width(own["evidence"][0]["hypotheses"])), name
 
 
