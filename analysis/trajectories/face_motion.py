@@ -121,13 +121,16 @@ class FaceMotion:
         mix = self.mix(fields, self.normal_speeds(x, fields))
         return tuple((m.name, float(w)) for m, w in zip(self.face.members, mix, strict=True) if w)
 
-    def extremes(self, t: float, x: Vector) -> Vector:
-        """Velocities whose hull are the possible motions; none where the mode is impossible."""
+    def extremes(self, t: float, x: Vector, slack: float = TANGENT_SLACK) -> Vector:
+        """Velocities whose hull are the possible motions; none where the mode is impossible.
+
+        Speeds within the slack, relative to the fields, are zero.
+        """
         fields = self.fields(t, x)
         if not self.face.keep:
             return fields
         speeds = self.normal_speeds(x, fields)
-        cleaned = np.where(np.abs(speeds) > TANGENT_SLACK * largest(fields), speeds, 0.0)
+        cleaned = np.where(np.abs(speeds) > slack * largest(fields), speeds, 0.0)
         return np.asarray(basic_weights(cleaned) @ fields)
 
 
