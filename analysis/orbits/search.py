@@ -179,7 +179,10 @@ def _begun_well(orbit: Orbit) -> Orbit:
     Where a family of orbits may fill the surroundings, that of the start itself is kept: another start may belong to
     another one.
     """
-    inside = single_turn(_begun_inside(orbit))
+    try:
+        inside = single_turn(_begun_inside(orbit))
+    except OrbitError:  # turns from there may close ten thousand times worse, as beside a saddle
+        return single_turn(orbit)
     if inside.stability != "undecided":
         return inside
     here = single_turn(orbit)

@@ -143,13 +143,16 @@ class FaceMotion:
         mix = self.mix(fields, self.normal_speeds(x, fields))
         return tuple((m.name, float(w)) for m, w in zip(self.face.members, mix, strict=True) if w)
 
-    def extremes(self, t: float, x: Vector) -> Vector:
-        """Velocities whose hull are the possible motions; none where the mode is impossible."""
+    def extremes(self, t: float, x: Vector, slack: float = TANGENT_SLACK) -> Vector:
+        """Velocities whose hull are the possible motions; none where the mode is impossible.
+
+        Speeds within the slack, relative to the fields, are zero.
+        """
         fields = self.fields(t, x)
         if not self.face.keep:
             return fields
         speeds = self.normal_speeds(x, fields)
-        cleaned = np.where(np.abs(speeds) > TANGENT_SLACK * largest(fields), speeds, 0.0)
+        cleaned = np.where(np.abs(speeds) > slack * largest(fields), speeds, 0.0)
         return np.asarray(basic_weights(cleaned) @ fields)
 
 
@@ -281,6 +284,7 @@ class _Trial:
         self.size, self.motion, self.t, self.x = field.size, motion, t, x
         self.fields = motion.fields(t, x)
         self.scale = largest(self.fields)
+        self.slack = TANGENT_SLACK  # relative to that, of speeds
 
     @cached_property
     def velocity(self) -> Vector:
@@ -309,7 +313,7 @@ class _Trial:
 
     def clear(self, speed: float) -> int:
         """Sign of a speed, zero within the slack."""
-        return 0 if abs(speed) <= TANGENT_SLACK * self.scale else (1 if speed > 0 else -1)
+        return 0 if abs(speed) <= self.slack * self.scale else (1 if speed > 0 else -1)
 
     def bend(self, speed: float, later: float) -> int:
         """Sign of the derivative of a speed, zero within the slack."""
@@ -363,7 +367,11 @@ def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Vector) 
     if crossing is not None:
         return [crossing]
     found: list[FaceChoice] = []
-    for trial in (trial for face in faces for trial in _trials(field, face, t, x)):
+    trials = [trial for face in faces for trial in _trials(field, face, t, x)]
+    if any(trial.motion.weights_open for trial in trials):
+        for trial in trials:  # a speed that is small enough to leave weights open is zero for all of them
+            trial.slack = IS_TANGENT * TANGENT_SLACK
+    for trial in trials:
         motion, orders = trial.motion, None
         if motion.is_pair:
             orders = trial.pair_orders()
@@ -411,7 +419,7 @@ def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None, *,
     face, motion = trial.motion.face, trial.motion
     if len(face.members) == 1:
         return FaceChoice(motion, sure=sure)
-    extremes = motion.extremes(trial.t, trial.x)
+    extremes = motion.extremes(trial.t, trial.x, trial.slack)
     if not len(extremes):
         return FaceChoice(motion, orders=orders, sure=sure)
     free = bool(np.ptp(extremes, axis=0).max() > TANGENT_SLACK * trial.scale) and not trial.only_rounding
