@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.bodies.continuum import moments
 from nonsmooth.symbolic.mechanics import body
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
@@ -17,6 +16,8 @@ def squared_radius(scene: Scene) -> Number:
 
 def squared_radius_of_plate(outlined: body.Body) -> Number:
     """``(int x^2 + int y^2)/area + |o|^2``, o from the centre of mass to the centroid."""
+    from nonsmooth.analysis.bodies.continuum import moments
+
     of, (x, y) = moments(outlined.outline), outlined.centre
     return (of.xx + of.yy) / of.area + x * x + y * y
 
