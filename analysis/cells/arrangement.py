@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import Filtered, Form, Three, known_sign, meet, whole_numbers
+from nonsmooth.analysis.cells.outline import Filtered, Form, OnDemand, Three, known_sign, meet, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -61,7 +61,7 @@ Floats: TypeAlias = NDArray[np.float64]
 Lexicographic: TypeAlias = tuple[int, int]
 
 
-class SlopeOfD(Form):
+class SlopeOfD(OnDemand[Affine]):
     """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction.
 
     Attributes:
@@ -141,7 +141,7 @@ class FilteredPlace:
         """Signs of an affine form at the point and of its derivative along the direction."""
         here = known_sign(form.filtered, self.point)
         along = 0 if here else known_sign(form.filtered, self.outward)
-        return order(form.form, self.exactly()) if here is None or along is None else (here, along)
+        return order(form.exact, self.exactly()) if here is None or along is None else (here, along)
 
 
 class Arrangement:
@@ -334,9 +334,9 @@ class Arrangement:
 
         def build() -> Affine:
             edge = self.edge(slope.pair)
-            base, rows = (form, crossed) if "form" in vars(form) else (slope, passed)  # no recursion over many rows
+            base, rows = (form, crossed) if "exact" in vars(form) else (slope, passed)  # no recursion over many rows
             turns = [scaled(self.weights[k], 2 * abs(inner(self.rows[k].normal, edge))) for k in rows]
-            return reduce(added, turns, base.form)
+            return reduce(added, turns, base.exact)
 
         return Form(form.filtered.plus(gained), build)
 

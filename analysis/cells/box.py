@@ -264,7 +264,7 @@ def _side(slope: SlopeOfD) -> OutlineSide:
     """Where a slope is not negative."""
 
     def build() -> HalfPlane:
-        form = slope.form
+        form = slope.exact
         if any(is_long(entry) for entry in form):
             form = (Lazy.of(form[0]), Lazy.of(form[1]), Lazy.of(form[2]))
         return at_least_zero(form, "slope")
@@ -278,8 +278,8 @@ def _beside(outline: Outline, k: int, slope: SlopeOfD) -> FilteredPlace:
     (_, a, b), (_, r, s), error = slope.filtered
 
     def exactly() -> Beside:
-        (x1, y1), (x2, y2) = first.point, second.point
-        return Beside(((x1 + x2) / 2, (y1 + y2) / 2), outline.sides[k].half_plane.normal, slope.form)
+        (x1, y1), (x2, y2) = first.exact, second.exact
+        return Beside(((x1 + x2) / 2, (y1 + y2) / 2), outline.sides[k].exact.normal, slope.exact)
 
     return FilteredPlace(
         between(first.filtered, second.filtered), Filtered((0, -a, -b), (0, r, s), error), exactly, slope
@@ -295,7 +295,7 @@ def is_same_line(slope: SlopeOfD, other: SlopeOfD) -> bool:
     minors = (a * y - b * x, r * v + s * u), (a * z - c * x, r * w + t * u), (b * z - c * y, s * w + t * v)
     if any(abs(minor) > size * (error and error + more + ROUNDING) for minor, size in minors):
         return False
-    return not error or is_multiple(slope.form, other.form)
+    return not error or is_multiple(slope.exact, other.exact)
 
 
 def rest_cells(partition: Partition) -> Sequence[Cell]:
