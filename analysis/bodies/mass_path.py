@@ -17,7 +17,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.continuum import moments
 from nonsmooth.analysis.bodies.set_motion import Wheels
 from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, finite_start
 from nonsmooth.analysis.bodies.switching import balancing_weights, mixed_of, subsets_of
@@ -38,10 +37,8 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import DenseStep, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import Integrator
-from nonsmooth.symbolic.mechanics import body
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.number import Number
 
 HELD = 1e-6  # of the body's size: a wheel that swings across the edge by less is held there
 MOST_EVENTS = 5_000
@@ -248,32 +245,3 @@ class MassPath(CarriedBody):
         pulled = (1 / self._body.masses)[:, None] * edges.T
         away = np.linalg.lstsq(edges @ pulled, edges @ state[3:], rcond=None)[0]
         return np.concatenate([state[:3], state[3:] - pulled @ away])
-
-
-# ---- the squared radius of gyration ``rho^2 = I/m`` of the body of a scene, exactly --------------
-
-
-def squared_radius(scene: Scene) -> Number:
-    """As it is stated, else of a uniform plate of the outline, else of a disc as large as the array (length^2)."""
-    if scene.inertia is not None and scene.inertia.squared_radius is not None:
-        return scene.inertia.squared_radius
-    return squared_radius_of_disc(scene) if scene.body is None else squared_radius_of_plate(scene.body)
-
-
-def squared_radius_of_plate(outlined: body.Body) -> Number:
-    """``(int x^2 + int y^2)/area + |o|^2``, o from the centre of mass to the centroid."""
-    of, (x, y) = moments(outlined.outline), outlined.centre
-    return (of.xx + of.yy) / of.area + x * x + y * y
-
-
-def squared_radius_of_disc(scene: Scene) -> Number:
-    """``rho^2`` of a uniform disc as large as the array.
-
-    That is half the mean squared distance of the wheels from their middle, as the full dynamics takes it unless told
-    otherwise (:func:`nonsmooth.analysis.dynamics.newton_euler.disc`).
-    """
-    count, zero = len(scene.wheels), scene.field.zero
-    places = [wheel.position for wheel in scene.wheels]
-    middle = [sum((place[axis] for place in places), zero) / count for axis in range(2)]
-    offsets = [(x - middle[0], y - middle[1]) for x, y in places]
-    return sum((x * x + y * y for x, y in offsets), zero) / (2 * count)

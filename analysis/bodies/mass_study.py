@@ -27,7 +27,8 @@ from functools import partial
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics, squared_radius_of_plate
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
+from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE, smooth_path
 from nonsmooth.analysis.cells.contact_partition import build_partition

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import Filtered, Form, Three, known_sign, meet, whole_numbers
+from nonsmooth.analysis.cells.outline import Filtered, Form, OnDemand, Three, known_sign, meet, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -61,7 +61,7 @@ Floats: TypeAlias = NDArray[np.float64]
 Lexicographic: TypeAlias = tuple[int, int]
 
 
-class SlopeOfD(Form):
+class SlopeOfD(OnDemand[Affine]):
     """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction.
 
     Attributes:
@@ -81,12 +81,14 @@ class Vertex:
     """A vertex of the arrangement: the signs of the residuals of all rows at a twist xi that solves three of them.
 
     Attributes:
-        rows: three independent ones.
+        basis: numbers of three independent rows that hold.
+        rows: these.
         signs: of all rows, exactly.
         residuals: those that floats know to some seven digits, and nan for the others; or of all, whole numbers in the
             same ratios.
     """
 
+    basis: tuple[int, ...]
     rows: tuple[Row, Row, Row]
     signs: NDArray[np.int_]
     residuals: Floats
@@ -141,7 +143,7 @@ class FilteredPlace:
         """Signs of an affine form at the point and of its derivative along the direction."""
         here = known_sign(form.filtered, self.point)
         along = 0 if here else known_sign(form.filtered, self.outward)
-        return order(form.form, self.exactly()) if here is None or along is None else (here, along)
+        return order(form.exact, self.exactly()) if here is None or along is None else (here, along)
 
 
 class Arrangement:
@@ -234,7 +236,7 @@ class Arrangement:
             residuals = np.where(clear, residuals / abs(determinant), np.nan)
         known = residuals if self.whole else np.nan_to_num(residuals)
         signs = np.sign(known).astype(int)
-        found = Vertex((self.rows[i], self.rows[j], self.rows[k]), signs, residuals)
+        found = Vertex(basis, (self.rows[i], self.rows[j], self.rows[k]), signs, residuals)
         for n in [] if self.whole else np.isnan(residuals).nonzero()[0].tolist():
             signs[n] = 0 if n in holding else self.rows[n].residual(found.twist).sign()
         return self._vertices.setdefault(signs.tobytes(), found)
@@ -266,18 +268,6 @@ class Arrangement:
         rates, sizes = self.rates(pair)
         is_clear = abs(rates[k]) > sizes[k] * FLOAT_DOUBT + SMALLEST_NORMAL
         return bool(is_clear) or bool(inner(self.rows[k].normal, self.edge(pair)))
-
-    @cached_property
-    def _plain(self) -> Floats:
-        """Normals and right sides in floats, shape (m, 4)."""
-        return np.array([[float(x) for x in (*row.normal, row.rhs)] for row in self.rows])
-
-    @beyond_floats
-    def float_dissipation(self, twist: Twist, point: Point) -> float:
-        """D at a centre of mass, rounded, up to a factor."""
-        slips = self._plain @ [*(float(x) for x in twist), -1.0]
-        weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
-        return float(weights @ np.abs(slips))
 
     def slopes_along(self, pair: tuple[int, int], signs: NDArray[np.int_]) -> tuple[Affine, Affine]:
         """The slopes along the edge of a pair and back, exactly, where the residuals of the rows have these signs."""
@@ -334,9 +324,9 @@ class Arrangement:
 
         def build() -> Affine:
             edge = self.edge(slope.pair)
-            base, rows = (form, crossed) if "form" in vars(form) else (slope, passed)  # no recursion over many rows
+            base, rows = (form, crossed) if "exact" in vars(form) else (slope, passed)  # no recursion over many rows
             turns = [scaled(self.weights[k], 2 * abs(inner(self.rows[k].normal, edge))) for k in rows]
-            return reduce(added, turns, base.form)
+            return reduce(added, turns, base.exact)
 
         return Form(form.filtered.plus(gained), build)
 

@@ -80,11 +80,12 @@ def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partitio
     """
     require_rank(rows_with_friction(scene), "friction: required rows")
     cells: list[Cell] = []
+    before: Vertex | None = None
     with affordable(scene, PARTITION_UNITS, STEP):
         for region in load_regions(scene, domain=domain):
-            known = dict.fromkeys(twist for cell in cells for twist in cell.twists)
-            walk = _Walk(scene, region, tuple(known))
-            for found in walk.cells():
+            walk = _Walk(scene, region)
+            before = walk.first(before)
+            for found in walk.cells(before):
                 cells.append(WalkedCell(len(cells) + 1, walk, found))
     domain = domain or square(scene.check.equilibrium, scene.check.radius)
     return Partition(scene, "box", domain, tuple(cells), len(scene.wheels))
@@ -123,13 +124,11 @@ class _Walk:
     Args:
         scene: the array.
         region: where the loads are affine.
-        known: twists that own cells of other regions: the descent starts from the best of them.
     """
 
-    def __init__(self, scene: Scene, region: LoadRegion, known: tuple[Twist, ...] = ()) -> None:
+    def __init__(self, scene: Scene, region: LoadRegion) -> None:
         self.scene = scene
         self.region = region
-        self.known = known
         self.arrangement = Arrangement(scene, region)
         loaded = (row for row in self.arrangement.rows if any(region.forces[scene.places[row.wheel.index]]))
         require_rank((row for row in loaded if row.friction), "contact.loads: required loaded rows")
@@ -149,14 +148,14 @@ class _Walk:
         outline = None if vertex is None else self._outline(vertex)
         return None if vertex is None or outline is None else (self._face(vertex), outline)
 
-    def cells(self) -> Iterator[Found]:
-        """Cells (vertices that tie there, outline) of the region, each once.
+    def cells(self, first: Vertex) -> Iterator[Found]:
+        """Cells (vertices that tie there, outline) of the region, each once, from one that owns a cell.
 
         The least value of D is the least of affine functions of c, one for each vertex, so cells meet in whole sides:
         beyond a side on a line across which the walk came lies the cell from which it came.
         """
         done: set[Vertex] = set()
-        waiting = [self._first()]
+        waiting = [first]
         while waiting:
             vertex = waiting.pop()
             if vertex in done:
@@ -175,20 +174,19 @@ class _Walk:
                     self._crossed[neighbour].append(back or slope)
                     waiting.append(neighbour)
 
-    def _first(self) -> Vertex:
-        """Descend to the optimal vertex just beside the centre of the region, from the best twist at hand."""
+    def first(self, before: Vertex | None) -> Vertex:
+        """Descend to the optimal vertex just beside the centre of the region, from that of another region if known."""
         centre = self.region.polygon.centre
-        # both rows of the nearest wheel and one of the next at another place: any independent rows would do
-        near, *others = sorted(self.scene.wheels, key=lambda w: sum(float(p) * float(p) for p in w.position))
-        numbers = {row.name: k for k, row in enumerate(self.arrangement.rows)}
-        first, second = (numbers[row.name] for row in wheel_rows(near))
-        rows = (numbers[row.name] for wheel in others for row in preferred_rows(wheel))
-        third = next(k for k in rows if self.arrangement.spans((first, second), k))
-        vertex = self.arrangement.vertex((first, second, third), (first, second, third))
-        if self.known:
-            twists = (vertex.twist, *self.known)
-            best = min(twists, key=lambda twist: self.arrangement.float_dissipation(twist, centre))
-            vertex = self.arrangement.vertex_at(best) or vertex
+        if before is None:
+            # both rows of the nearest wheel and one of the next at another place: any independent rows would do
+            near, *others = sorted(self.scene.wheels, key=lambda w: sum(float(p) * float(p) for p in w.position))
+            numbers = {row.name: k for k, row in enumerate(self.arrangement.rows)}
+            first, second = (numbers[row.name] for row in wheel_rows(near))
+            rows = (numbers[row.name] for wheel in others for row in preferred_rows(wheel))
+            third = next(k for k in rows if self.arrangement.spans((first, second), k))
+            vertex = self.arrangement.vertex((first, second, third), (first, second, third))
+        else:
+            vertex = self.arrangement.vertex(before.basis, before.tight)
         one = self.scene.field.one
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
         place = FilteredPlace(
@@ -264,7 +262,7 @@ def _side(slope: SlopeOfD) -> OutlineSide:
     """Where a slope is not negative."""
 
     def build() -> HalfPlane:
-        form = slope.form
+        form = slope.exact
         if any(is_long(entry) for entry in form):
             form = (Lazy.of(form[0]), Lazy.of(form[1]), Lazy.of(form[2]))
         return at_least_zero(form, "slope")
@@ -278,8 +276,8 @@ def _beside(outline: Outline, k: int, slope: SlopeOfD) -> FilteredPlace:
     (_, a, b), (_, r, s), error = slope.filtered
 
     def exactly() -> Beside:
-        (x1, y1), (x2, y2) = first.point, second.point
-        return Beside(((x1 + x2) / 2, (y1 + y2) / 2), outline.sides[k].half_plane.normal, slope.form)
+        (x1, y1), (x2, y2) = first.exact, second.exact
+        return Beside(((x1 + x2) / 2, (y1 + y2) / 2), outline.sides[k].exact.normal, slope.exact)
 
     return FilteredPlace(
         between(first.filtered, second.filtered), Filtered((0, -a, -b), (0, r, s), error), exactly, slope
@@ -295,7 +293,7 @@ def is_same_line(slope: SlopeOfD, other: SlopeOfD) -> bool:
     minors = (a * y - b * x, r * v + s * u), (a * z - c * x, r * w + t * u), (b * z - c * y, s * w + t * v)
     if any(abs(minor) > size * (error and error + more + ROUNDING) for minor, size in minors):
         return False
-    return not error or is_multiple(slope.form, other.form)
+    return not error or is_multiple(slope.exact, other.exact)
 
 
 def rest_cells(partition: Partition) -> Sequence[Cell]:

@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.loads import Affine
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, intersection
@@ -22,6 +22,7 @@ from nonsmooth.symbolic.numbers.lazy import sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
 
 Three: TypeAlias = tuple[Any, Any, Any]
+Exact = TypeVar("Exact")
 
 ROUNDING = 2.0**-50  # relative, of a sum of three products and of its terms' absolute values
 LEAST, MOST = 2.0**-200, 2.0**200  # between these, products of products of products are normal floats
@@ -113,54 +114,36 @@ def _whole(values: Three) -> Filtered:
 
 
 @dataclass(eq=False)
-class Form:
-    """An affine form of c, exact on demand.
+class OnDemand(Generic[Exact]):
+    """A form, a half-plane or a point that is exact on demand.
 
     Attributes:
-        filtered: a positive multiple of it.
+        filtered: a positive multiple of the form, or of that behind the half-plane, or the point.
         build: makes it.
     """
 
     filtered: Filtered
-    build: Callable[[], Affine]
+    build: Callable[[], Exact]
 
     @cached_property
-    def form(self) -> Affine:
-        """Exactly."""
+    def exact(self) -> Exact:
+        """Made once."""
         return self.build()
 
 
+Form: TypeAlias = OnDemand[Affine]
+OutlineCorner: TypeAlias = OnDemand[Point]
+
+
 @dataclass(eq=False)
-class OutlineSide:
+class OutlineSide(OnDemand[HalfPlane]):
     """A closed half-plane in which a form is not negative.
 
     Attributes:
-        filtered: the form.
-        build: makes the half-plane.
-        origin: whose form it is; None for the border of the domain.
+        origin: that form; None for the border of the domain.
     """
 
-    filtered: Filtered
-    build: Callable[[], HalfPlane]
     origin: Form | None = None
-
-    @cached_property
-    def half_plane(self) -> HalfPlane:
-        """Exactly."""
-        return self.build()
-
-
-@dataclass(eq=False)
-class OutlineCorner:
-    """A vertex."""
-
-    filtered: Filtered
-    build: Callable[[], Point]
-
-    @cached_property
-    def point(self) -> Point:
-        """Exactly."""
-        return self.build()
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +163,7 @@ class Outline:
     @property
     def polygon(self) -> Polygon:
         """With exact vertices and sides."""
-        return Polygon(tuple(c.point for c in self.corners), tuple(s.half_plane for s in self.sides))
+        return Polygon(tuple(c.exact for c in self.corners), tuple(s.exact for s in self.sides))
 
     def keeps(self, form: Filtered) -> bool:
         """Whether a form is known not to be negative at any corner."""
@@ -203,7 +186,7 @@ class Outline:
                 sides.append(side if here == 0 and after < 0 else own)
             if here * after < 0:
                 met = meet(own.filtered, side.filtered) if here > 0 else meet(side.filtered, own.filtered)
-                corners.append(OutlineCorner(met, lambda own=own: intersection(own.half_plane, side.half_plane)))  # type: ignore[misc]
+                corners.append(OutlineCorner(met, lambda own=own: intersection(own.exact, side.exact)))  # type: ignore[misc]
                 sides.append(side if here > 0 else own)
         return Outline(tuple(corners), tuple(sides))
 
@@ -211,7 +194,7 @@ class Outline:
 def sign_at(side: OutlineSide, corner: OutlineCorner) -> int:
     """Sign of the form behind a side."""
     known = known_sign(side.filtered, corner.filtered)
-    return sign(side.half_plane.slack(corner.point)) if known is None else known
+    return sign(side.exact.slack(corner.exact)) if known is None else known
 
 
 def _one(point: Point) -> Any:

@@ -89,7 +89,7 @@ class Slopes:
             return None
         back = self[2 * self._pairs.index(list(slope.pair)) + (slope.sense > 0)]
         if not slope.is_learned:  # it may be from this one
-            back.build, back.is_learned = (lambda: minus(before.form)), True
+            back.build, back.is_learned = (lambda: minus(before.exact)), True
         return back
 
     def doubtful(self, points: Sequence[Filtered], among: Sequence[int]) -> list[int]:
@@ -126,7 +126,7 @@ class Slopes:
         if self._arrangement.whole:
             return {k: self[k] for k, values in enumerate(self._numbers) if not any(values)}
         clear = np.abs(self._values) > self._bounds * FLOAT_DOUBT + SMALLEST_NORMAL
-        return {k: self[k] for k in np.flatnonzero(~clear.any(axis=1)).tolist() if not any(self[k].form)}
+        return {k: self[k] for k in np.flatnonzero(~clear.any(axis=1)).tolist() if not any(self[k].exact)}
 
 
 def certainty(values: Floats, bounds: Floats, points: Floats, sizes: Floats | None = None) -> Floats:

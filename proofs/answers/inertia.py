@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 from flint import arb, arb_mat, ctx, fmpq
 
-from nonsmooth.analysis.bodies.mass_path import squared_radius
+from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.mass_study import body_of
 from nonsmooth.analysis.bodies.settling import FACTORS, Settled, Settling, massless_holds_to, settle
 from nonsmooth.analysis.bodies.supports import StartTipsError

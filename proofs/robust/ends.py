@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
-from nonsmooth.proofs.robust.drift import largest_spin
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
 from nonsmooth.proofs.robust.rings import root_above
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, TouchingRings, rings_about
@@ -262,6 +261,8 @@ class _Turns:
     def _spin(self, radius: Fraction) -> Fraction | None:
         """The largest rotation rate of bodies that come from within a radius."""
         if radius not in self._spins:
+            from nonsmooth.proofs.robust.drift import largest_spin
+
             self._spins[radius] = largest_spin(self._scene, self._rings.swing_from(radius))
         return self._spins[radius]
 

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import TINY, Intervals
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPieces, short_levels
-from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.rings import root_above, squared_radius
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
@@ -111,6 +110,8 @@ def rings_about(
         useful: where bodies only end in a larger disc than this, starts farther out are not looked for.
     """
     if scene.contact.rule == "nearest":
+        from nonsmooth.proofs.robust.nearest import why_not_nearest
+
         return None if why_not_nearest(scene) else _of_cells(scene, box or no_tolerance(scene), most)
     if scene.contact.loads_are_unknown:
         return None
@@ -128,6 +129,8 @@ def no_tolerance(scene: Scene) -> Tolerance:
 
 def _of_cells(scene: Scene, box: Tolerance, most: float) -> TouchingRings | None:
     """The rates of all cells at once: for each kappa the distance beyond which every body falls that fast."""
+    from nonsmooth.proofs.robust.nearest import bounded_cells
+
     edge = fmpq(*Fraction(most).as_integer_ratio())
     cells = bounded_cells(scene, box, edge)
     fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)

@@ -25,7 +25,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.mass_path import squared_radius
+from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.vehicles import require_friction
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under

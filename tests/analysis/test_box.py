@@ -175,7 +175,7 @@ def test_slopes_that_are_handed_on_are_those_that_are_built(monkeypatch: pytest.
     def learned(self: Slopes, slope: SlopeOfD, before: Form) -> SlopeOfD | None:
         back = learn(self, slope, before)
         if back is not None:
-            assert back.form == self._arrangement.slopes_along(back.pair, self._signs)[back.sense < 0]
+            assert back.exact == self._arrangement.slopes_along(back.pair, self._signs)[back.sense < 0]
             found.append(back)
         return back
 

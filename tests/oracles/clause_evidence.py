@@ -13,7 +13,7 @@ from typing import Any
 
 from flint import ctx
 
-from nonsmooth.analysis.bodies.mass_path import squared_radius_of_disc
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
 from nonsmooth.analysis.cells.fan import CellCone, by_angle, is_plane
 from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.proofs.boxes.linearization import inward_pull

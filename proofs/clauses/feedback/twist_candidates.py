@@ -134,7 +134,7 @@ class Drives:
         table = Slopes(self._arrangement, signs)
         falling, _ = table.at(np.array([1.0, 0.0, 0.0]))
         slopes = table if falling is None else (table[falling],)
-        return BoxTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
+        return BoxTwist(twist, tuple(slope.exact for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
 # ---- candidates --------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.bodies.mass_path import squared_radius_of_disc
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
