@@ -22,7 +22,7 @@ from nonsmooth.analysis.bodies.switching import subsets_of
 from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, sign_patterns, unit_normal
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, sign_patterns
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.follow import Mode, Path
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -128,9 +128,9 @@ class OutlineField:
         """Patterns of signs that have poses; those of lines alone are the same at every pose."""
         key = tuple(map(id, surfaces)) if all(surface.flat for surface in surfaces) else None
         if key is None:
-            return sign_patterns([unit_normal(surface, x) for surface in surfaces])
+            return sign_patterns([surface.normal(x) for surface in surfaces])
         if key not in self._of_lines:
-            self._of_lines[key] = sign_patterns([unit_normal(surface, x) for surface in surfaces])
+            self._of_lines[key] = sign_patterns([surface.normal(x) for surface in surfaces])
         return self._of_lines[key]
 
     def _add_set(self, place: _Place, wheels: Wheels, x: Vector) -> None:

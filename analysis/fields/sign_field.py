@@ -23,7 +23,6 @@ from nonsmooth.analysis.fields.switched_field import (
     Velocity,
     sign_patterns,
     span,
-    unit_normal,
 )
 
 Signs: TypeAlias = tuple[int, ...]
@@ -162,7 +161,7 @@ def _touch(surfaces: Sequence[Surface], x: Vector) -> bool:
     """Whether the normals of surfaces, not all of them flat, span less than they may."""
     if all(surface.flat for surface in surfaces):
         return False
-    rank = span(np.array([unit_normal(surface, x) for surface in surfaces]).T).shape[1]
+    rank = span(np.array([surface.normal(x) for surface in surfaces]).T).shape[1]
     return rank < min(len(surfaces), len(x))
 
 

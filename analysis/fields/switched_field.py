@@ -107,11 +107,6 @@ def length(vector: Vector) -> float:
     return math.sqrt(vector.dot(vector))
 
 
-def unit_normal(surface: Surface, x: Vector) -> Vector:
-    """Gradient of unit length."""
-    return surface.normal(x)
-
-
 class FacedField(Protocol):
     """What it takes to follow a solution of a switched field by events: the faces at every state."""
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import FacedField, Vector, Velocity, length, unit_normal
+from nonsmooth.analysis.fields.switched_field import FacedField, Vector, Velocity, length
 from nonsmooth.analysis.trajectories.faces import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
@@ -377,7 +377,7 @@ def saltation(before: Leg, after: Leg, field: FacedField) -> Variation:
 
 def normals_held(leg: Leg) -> Vector:
     """Orthonormal normals (n, k) of the surfaces that a leg keeps to, at its first state."""
-    held = [unit_normal(surface, leg.first) for surface in leg.motion.face.keep]
+    held = [surface.normal(leg.first) for surface in leg.motion.face.keep]
     return np.asarray(np.linalg.qr(np.array(held).T)[0]) if held else np.empty((len(leg.first), 0))
 
 

@@ -33,7 +33,6 @@ from nonsmooth.analysis.fields.switched_field import (
     Vector,
     Velocity,
     length,
-    unit_normal,
 )
 
 # ---- the motion on a face of a smooth switched field ---------------------------------------------
@@ -84,7 +83,7 @@ class FaceMotion:
 
     def normal_speeds(self, x: Vector, fields: Vector) -> Vector:
         """Speeds of the members along the unit normals held, (members, surfaces)."""
-        normals = np.array([unit_normal(surface, x) for surface in self.face.keep])
+        normals = np.array([surface.normal(x) for surface in self.face.keep])
         return np.asarray(fields @ normals.T)
 
     def mix(self, fields: Vector, speeds: Vector) -> Vector:
@@ -245,7 +244,7 @@ def _reach(field: FacedField, motion: FaceMotion, x: Vector) -> float:
 
 def _doubt(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector) -> float:
     """What rounding of the state may change the normal speeds of a slide by; ``fields`` are those at the state."""
-    normal = unit_normal(motion.face.keep[0], x)
+    normal = motion.face.keep[0].normal(x)
     move = LOOK_AHEAD * size
     change = motion.fields(t, x + move * normal) - fields
     return OFF_SURFACE * max(size, largest(x)) * largest(change) / move
@@ -353,7 +352,7 @@ class _Trial:
             speed = side * float(gradient @ self.velocity) / surface.steepness(self.x)
             order = self.clear(speed)
             if not order:
-                normal = unit_normal(surface, self.later[1])
+                normal = surface.normal(self.later[1])
                 order = self.bend(speed, side * float(normal @ self.motion(*self.later)))
             if order < 0:
                 return -1
@@ -393,7 +392,7 @@ def _crossing(faces: Sequence[Face], t: float, x: Vector) -> FaceChoice | None:
     if len(faces) != 3 or len(faces[0].keep) != 1 or len(faces[0].members) != 2:
         return None
     (surface,) = faces[0].keep
-    normal = unit_normal(surface, x)
+    normal = surface.normal(x)
     fields = [member.velocity(t, x) for member in faces[0].members]
     speeds = [float(normal.dot(velocity)) for velocity in fields]
     nothing = TANGENT_SLACK * max(map(largest, fields))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
-from nonsmooth.analysis.fields.switched_field import Face, FacedField, Surface, Vector, length, unit_normal
+from nonsmooth.analysis.fields.switched_field import Face, FacedField, Surface, Vector, length
 from nonsmooth.analysis.trajectories.faces import (
     BECOMES_TANGENT,
     CLEAR_OF_TANGENCY,
@@ -92,7 +92,7 @@ class WhirlMotion(FaceMotion):
         self.gates = []
         for crossing, following in around(turn):
             member = face.members[names.index(crossing.place)]
-            speed = unit_normal(crossing.surface, crossing.x) @ member.velocity(crossing.time, crossing.x)
+            speed = crossing.surface.normal(crossing.x) @ member.velocity(crossing.time, crossing.x)
             into = names.index(following.place)
             self.gates.append(_Gate(crossing.surface, 1 if speed > 0 else -1, names.index(crossing.place), into))
 
@@ -106,10 +106,7 @@ class WhirlMotion(FaceMotion):
         """Speeds (gates, 2) through every surface of the turn: before it and behind it, relative to the fields."""
         fields = self.fields(t, x)
         scale = largest(fields) or 1.0
-        rows = [
-            gate.sense / scale * (fields[[gate.out_of, gate.into]] @ unit_normal(gate.surface, x))
-            for gate in self.gates
-        ]
+        rows = [gate.sense / scale * (fields[[gate.out_of, gate.into]] @ gate.surface.normal(x)) for gate in self.gates]
         return np.array(rows)
 
     def lasts(self, t: float, x: Vector) -> float:
@@ -257,7 +254,7 @@ def _exits(field: FacedField, choice: FaceChoice, scale: float) -> list[Guard]:
 def _exit(motion: FaceMotion, member: int, order: int) -> Callable[[float, Vector], float]:
     """A member's normal speed, with the sign it has inside the mode."""
     surface, velocity = motion.face.keep[0], motion.face.members[member].velocity
-    return lambda t, x: order * float(unit_normal(surface, x) @ velocity(t, x))
+    return lambda t, x: order * float(surface.normal(x) @ velocity(t, x))
 
 
 def _tangent(field: FacedField, motion: FaceMotion) -> Guard:

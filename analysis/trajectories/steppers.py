@@ -32,7 +32,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 
 # ---- DOP853 for few states -----------------------------------------------------------------------
 #
-# DOP853 for few states, written out: each stage of each state is one sum, without the coefficients that are zero.
+# Each stage of each state is one sum, without the coefficients that are zero.
 #
 # The two functions for n states are written from SciPy's coefficients, and compiled once.  Of one state x0 with rates
 # k0_0, k1_0, ... at the stages the first begins::
