@@ -20,7 +20,6 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple, SupportsFloat, TypeAlias
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
@@ -637,6 +636,8 @@ def _field_beside(scene: Scene) -> _Beside | None:
     rule = rule_of(scene)
     if not isinstance(rule, SmoothRule) or scene.contact.loads_are_unknown:
         return None
+    from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
+
     centred, step = scene.recentred(), STEP * float(scene.check.radius)
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     minima = minima_under(rule, centred, points)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,19 +19,9 @@ from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
+from nonsmooth.analysis.trajectories.maps import AT, STAYS, SettleMap, grid_starts, places_reached, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_ends import (
-    AT,
-    LEFT,
-    MOVING,
-    STAYS,
-    UndeterminedError,
-    places_reached,
-    smooth_ends,
-)
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_PLACE
@@ -39,6 +30,9 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.contact_model import Floats
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
 FEW_STARTS = 11  # the same under rules without cells, whose paths cost more
@@ -226,6 +220,8 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
 
     What is near such a place is not judged.
     """
+    from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
+
     x, y = (float(value) for value in scene.check.equilibrium)
     side = np.linspace(-1, 1, FEW_STARTS) * float(scene.check.radius) * INSIDE
     starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)

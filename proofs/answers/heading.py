@@ -31,17 +31,15 @@ from nonsmooth.proofs.answers.answer import (
 )
 from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.answers.position import OF_PLACE
-from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Rotation, said
-from nonsmooth.proofs.headings.at_point import can_search, equilibrium_headings
-from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
     from nonsmooth.proofs.headings.at_point import EquilibriumHeadings, OpenHeadings, RestInterval, SampledRest
 
 
@@ -229,6 +227,8 @@ def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | 
         scene: with the body at the checked pose.
         around: search around the checked point too.
     """
+    from nonsmooth.proofs.headings.at_point import can_search, equilibrium_headings
+
     found = equilibrium_headings(scene, around=around)
     if found is None:
         return None
@@ -249,6 +249,8 @@ def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, bool, float]:
 
 
 def _of_interval(interval: RestInterval) -> HeadingOfRest:
+    from nonsmooth.proofs.headings.stay import Stays
+
     edge = tuple(sorted({wheel for end in interval.ends for wheel in end}))
     stay, gap = interval.stay, interval.gap
     kind = HeadingKind.INTERVAL if stay.kind is Stays.RESTS else HeadingKind.TURNING

@@ -30,7 +30,6 @@ from flint import arb, ctx
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import friction_sets
-from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
@@ -161,6 +160,8 @@ class BalancedForces:
                 settled = SETTLED if rounding == ROUNDINGS[-1] else NEARLY
                 twists = self._newton(twists, loads, pulls, rounding * self.fastest, settled)
             return Balanced(twists, self.forces(twists))
+        from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
+
         halves = np.stack([self.sets.along, self.sets.across], axis=1)
         maps = halves[:, :, None] * np.stack(self._float_rows, axis=1)
         targets = halves * np.stack([speed.middle for speed in self.speeds], axis=1) / self.fastest

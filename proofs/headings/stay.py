@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, cast
 
 from flint import arb, arb_mat
 
-from nonsmooth.analysis.bodies.set_motion import SetGuess, SetGuesses
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -46,7 +45,7 @@ from nonsmooth.symbolic.numbers.plane import Vector, cross
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.bodies.set_motion import SetGuesses
+    from nonsmooth.analysis.bodies.set_motion import SetGuess, SetGuesses
 
 NEEDED = ("equilibrium", "translation", "rotation")
 UNITS = 400_000  # of exact arithmetic for one set of wheels: half a second or so

@@ -15,7 +15,6 @@ from nonsmooth.proofs.answers.answers import Answers, OtherRule
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
-from nonsmooth.reports.checks.equilibrium_headings import headings_blocks, headings_record
 from nonsmooth.reports.output.document import Table, table, without_empty_columns
 from nonsmooth.reports.output.facts import Record, as_record, fact_record
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
@@ -75,6 +74,8 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
         parts.append(Text(f"{destinations_head(result.scene, answers.destinations.starts)}:"))
         parts.append(blocks_view([destinations_table(answers.destinations, GOES)]))
     if answers.headings is not None:
+        from nonsmooth.reports.checks.equilibrium_headings import headings_blocks
+
         parts.append(blocks_view(headings_blocks(answers.headings)))
     parts.append(Text(stated.rule))
     parts += [Text(f"note: {note}", "yellow") for note in stated.notes]
@@ -136,7 +137,11 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
     headings = None if answered is None else answered.headings
     points = None if answered is None else answered.rest_points
     chosen: Record = {} if points is None else {"rest_points": [_rest_point_record(point) for point in points]}
-    outlined: Record = {} if headings is None else {"equilibrium_headings": headings_record(headings)}
+    outlined: Record = {}
+    if headings is not None:
+        from nonsmooth.reports.checks.equilibrium_headings import headings_record
+
+        outlined = {"equilibrium_headings": headings_record(headings)}
     return {
         **record,
         "destinations": None if destinations is None else _destinations_record(destinations),

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from nonsmooth.symbolic.formulas.surfaces import number_latex
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import (
@@ -230,6 +229,8 @@ def number(value: Real) -> Math:
     if isinstance(fixed, Number) and fixed.field.writes_decimals:
         return decimal(plain_decimal(fixed))
     if isinstance(fixed, Number) and len(plain) <= SHORT:
+        from nonsmooth.symbolic.formulas.surfaces import number_latex
+
         return Math(number_latex(fixed), plain)
     rounded = decimal_text(value)
     return Math(rf"\approx {decimal_latex(rounded)}", f"~ {rounded}")

@@ -21,19 +21,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.clause import Witness
-from nonsmooth.proofs.clauses.feedback.cascade_law import (
-    CascadeLaw,
-    Descent,
-    TurnRegion,
-    build_turn_region,
-    find_cascade,
-)
 from nonsmooth.proofs.clauses.feedback.control_fields import (
     InputCell,
     RowInputs,
@@ -66,6 +59,9 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, turned
 from nonsmooth.symbolic.numbers.rounded import either_way
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, TurnRegion
 
 # ---- how far the contact state may be in doubt ---------------------------------------------------
 #
@@ -414,6 +410,8 @@ def _by_gradient(
 
 def _by_cascade(inputs: RowInputs, stalling: InputCell, stall: Point, squares: ControlLyapunov) -> FeedbackResult:
     """The law that takes theta first where no such V was found, or why there is none of that form."""
+    from nonsmooth.proofs.clauses.feedback.cascade_law import Descent, build_turn_region, find_cascade
+
     none_serves = not shape_regions(inputs.demands)
     cascade = find_cascade(inputs.fan)
     if cascade is not None:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause, witness_record
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargin, decide_feedback
-from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, input_ranks, obstruction_text
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, LimitedRate
 from nonsmooth.proofs.clauses.workspace import Workspace
@@ -22,6 +21,7 @@ from nonsmooth.symbolic.numbers.number_text import decimal_text, float_text, low
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import LoopSample
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+    from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw
     from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
 
 
