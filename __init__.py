@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from nonsmooth.reports.sweeps.sweep import Means as Means
     from nonsmooth.reports.sweeps.sweep_study import SweepResult as SweepResult
     from nonsmooth.reports.workbench.widget import widget as widget
-    from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
-    from nonsmooth.symbolic.files.scene_file import builtin_vehicles as builtin_vehicles
+    from nonsmooth.symbolic.files.documents import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.files.documents import builtin_vehicles as builtin_vehicles
     from nonsmooth.symbolic.messages.scene_error import SceneError as SceneError
 
 _MODULES = {
@@ -71,8 +71,8 @@ _MODULES = {
     "Vehicle": "reports.interface.vehicle",
     "VehicleResult": "reports.checks.vehicles",
     "Wheel": "reports.interface.wheel",
-    "builtin_scenes": "symbolic.files.scene_file",
-    "builtin_vehicles": "symbolic.files.scene_file",
+    "builtin_scenes": "symbolic.files.documents",
+    "builtin_vehicles": "symbolic.files.documents",
     "load": "reports.interface.load",
     "widget": "reports.workbench.widget",
 }

@@ -11,27 +11,15 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, combinations_with_replacement
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
-from nonsmooth.proofs.choices import choice_words, show_choice_of
 from nonsmooth.proofs.findings.verdicts import Fact, Translation, row_fact
-from nonsmooth.proofs.kernel.centres import factor_text, reflection_text, show_integral_of, show_reversible_of
-from nonsmooth.proofs.kernel.escapes import show_escape_of
-from nonsmooth.proofs.kernel.first_terms import lyapunov_solution
 from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
-from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
-from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
-from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function, search_growth
-from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
-from nonsmooth.proofs.many_states.first_integrals import find_kept_function
-from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
-from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
-from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles, find_weak_growth, find_weak_lyapunov
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import Domain, cube_text
@@ -46,13 +34,14 @@ from nonsmooth.proofs.systems.findings import (
     PlaneFunction,
     weak_finding,
 )
-from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
-from nonsmooth.proofs.systems.lyapunov_search import searched_cells
-from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.many_states.decision import SpacePoint
+    from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 
 
 def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | None:
@@ -72,6 +61,8 @@ def decide_beside_stable_subspace(point: CheckedPoint, known: Known) -> Finding 
 def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) -> Finding | None:
     if not known.attraction_is_open:
         return None
+    from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
+
     shown = show_by_center_manifold(_rational(point.system), attracts=attracts)
     if shown is None:
         return None
@@ -91,6 +82,9 @@ def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
     """The V of the scene and one that is searched, in two states, where sums of squares show that it falls."""
     if not known.attraction_is_open:
         return None
+    from nonsmooth.proofs.many_states.decision import SpacePoint
+    from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
+
     space = SpacePoint(point.system)
     stated = space.examine(point.system.check.lyapunov, point.system.check.radius, Effort.STRICT)
     for found in (stated, find_lyapunov(space.system)):
@@ -117,6 +111,8 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
 
 def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
+    from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
+
     found = find_weighted_function(_rational(point.system)) if known.attraction_is_open else None
     return None if found is None else _of_entry(point, found[0])
 
@@ -136,12 +132,17 @@ def _of_entry(point: CheckedPoint, entry: dict[str, Any]) -> Finding:
 
 def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
     """A positive V that does not rise."""
+    from nonsmooth.proofs.many_states.decision import conclude_function
+    from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
+
     found = find_weak_lyapunov(point.system) if known.standing is None else None
     return None if found is None else conclude_function(known, found)
 
 
 def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
     """Of a stable point, that it does not attract, as others of rest lie at all distances."""
+    from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
+
     standing = known.standing
     ray = ray_of_rest(point.system) if standing is not None and standing.is_weak else None
     if standing is None or ray is None:
@@ -153,12 +154,17 @@ def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
 
 def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
     """A positive polynomial that solutions keep."""
+    from nonsmooth.proofs.many_states.decision import conclude_function
+    from nonsmooth.proofs.many_states.first_integrals import find_kept_function
+
     found = find_kept_function(_rational(point.system)) if known.standing is None else None
     return None if found is None else conclude_function(known, found)
 
 
 def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
     """A V that falls and is negative near the point, in two states."""
+    from nonsmooth.proofs.many_states.decision import SpacePoint, search_growth
+
     return search_growth(SpacePoint(point.system), known) if known.standing is None else None
 
 
@@ -167,6 +173,8 @@ def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
     system = _rational(point.system)
     if known.standing is not None or system.only_encloses:  # a solution of an enclosure may be none of the system
         return None
+    from nonsmooth.proofs.kernel.escapes import show_escape_of
+
     try:
         entry, _ = show_escape_of(system, str(Translation.UNSTABLE))
     except NotShownError:
@@ -181,6 +189,8 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     system = _rational(point.system)
     if known.standing is not None or system.only_encloses or not system.others:
         return None
+    from nonsmooth.proofs.choices import choice_words, show_choice_of
+
     try:
         entry, _ = show_choice_of(system)
     except NotShownError:
@@ -192,6 +202,8 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
 
 def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
     """A reflection that reverses time, where all solutions turn about the point."""
+    from nonsmooth.proofs.kernel.centres import reflection_text, show_reversible_of
+
     entry = _centre(point, known, show_reversible_of)
     if entry is None:
         return None
@@ -210,6 +222,8 @@ def decide_enclosed_centre(point: CheckedPoint, known: Known) -> Finding | None:
 
 def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
     """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
+    from nonsmooth.proofs.kernel.centres import factor_text, show_integral_of
+
     entry = _centre(point, known, show_integral_of)
     if entry is None:
         return None
@@ -238,6 +252,8 @@ def _closed_orbits(point: CheckedPoint, method: Method, entry: dict[str, Any], w
 
 def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:
     """A V that does not rise and is negative near the point, with further functions."""
+    from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
+
     found = find_weak_growth(_rational(point.system)) if known.standing is None else None
     if found is None:
         return None
@@ -251,6 +267,8 @@ def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None
 
 def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
     """An energy with sines and cosines that does not rise, which enclosures of these cannot show."""
+    from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
+
     found = find_energy_on_circles(point.system) if known.standing is None else None
     if found is None:
         return None
@@ -273,6 +291,8 @@ def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFuncti
     """A V with its conditions as results in two states hold it: with its polynomials on the cells of the square."""
     if len(point.system.states) != len(PLANE):
         return function
+    from nonsmooth.proofs.systems.lyapunov_search import searched_cells
+
     cells = searched_cells(point.system, function.formula, function.radius)
     shown = LyapunovResult(cells, (), (), function.decrease, None, function.reason)
     return PlaneFunction(shown, Domain(function.radius), function.formula, point.system.states)
@@ -331,6 +351,8 @@ def short_forms(matrix: Floats) -> Iterator[NDArray[np.int64]]:
     slowest = -float(np.linalg.eigvals(matrix).real.max())
     if not slowest > 0:
         return
+    from nonsmooth.proofs.kernel.first_terms import lyapunov_solution
+
     scaled, identity = matrix / slowest, np.eye(len(matrix))  # whatever the unit of time
     solved = [own for mu in SHARES if (own := lyapunov_solution(scaled, -mu, identity)) is not None]
     served = chain.from_iterable(_served(scaled, solved, *own) for own in KEPT_SHARES)
@@ -373,11 +395,11 @@ def _text(system: SwitchedSystem, form: NDArray[np.int64]) -> str:
     return str(total)
 
 
-def _examined(point: CheckedPoint, formula: PiecewiseExpression) -> ExaminedFunction | None:
+def _examined(point: Any, formula: PiecewiseExpression) -> ExaminedFunction | None:
     """V with its conditions: on the plane, or on the cube, where they are about forms."""
-    if isinstance(point, PlanePoint):
-        cells = lyapunov_cells(point.cells, formula, point.system.states, point.system.origin)
-        return PlaneFunction(examine(cells), Domain(None), formula, point.system.states)
-    if isinstance(point, SpacePoint):
-        return point.examine(formula, point.system.check.radius, Effort.STRICT)
-    return None
+    system: SwitchedSystem = point.system
+    if len(system.states) == len(PLANE):
+        cells = lyapunov_cells(point.cells, formula, system.states, system.origin)
+        return PlaneFunction(examine(cells), Domain(None), formula, system.states)
+    found: ExaminedLyapunov | None = point.examine(formula, system.check.radius, Effort.STRICT)
+    return found

@@ -22,7 +22,6 @@ from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.systems.decay_rate import SublevelRegion
 from nonsmooth.proofs.systems.lyapunov_rows import (
-    BEYOND_FLOATS,
     BasisFunction,
     Floats,
     Sides,
@@ -36,6 +35,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
 DEGREES = range(2, 13)  # of V

@@ -451,9 +451,9 @@ def find_region_of_simplices(
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
     """
-    region, function, everywhere = result.reach.region, result.function, result.reach.everywhere
+    region = result.reach.region
     has_mesh = len(result.scene.states) in NAMES and result.scene.by_roots is None
-    if not has_mesh or region is None or function is None or everywhere:
+    if not has_mesh or region is None or not result.has_local_region:
         return None
     try:
         result = replace(result, scene=in_rational_numbers(result.scene))
@@ -490,8 +490,8 @@ def find_region_of_another_function(
     Raises:
         TooMuchWorkError: where the programs are too large for what is asked.
     """
-    function, everywhere = result.function, result.reach.everywhere
-    if result.reach.region is None or function is None or function.formula is None or everywhere:
+    function = result.function
+    if not result.has_local_region or function.formula is None:
         return None
     scene = result.scene
     limit = Fraction(exact_text(scene.check.radius)) if scene.denominators else None

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs import kernel_strategies as kernel
 from nonsmooth.proofs.falling_function import FallingFunction, claims_about
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
-from nonsmooth.proofs.kernel.whole_space import find_global_attraction
-from nonsmooth.proofs.kernel_strategies import decide_linear
-from nonsmooth.proofs.many_states import decision as space
-from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms
-from nonsmooth.proofs.parts import CascadeBlock, Parts, cascade, names_of, slides
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems import scalar_stability as line
-from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.energies import energies
 from nonsmooth.proofs.systems.findings import (
     CheckedPoint,
     DecidedSystem,
@@ -35,21 +26,21 @@ from nonsmooth.proofs.systems.findings import (
     Reach,
     Strategy,
 )
-from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
-from nonsmooth.proofs.systems.scalar_stability import LinePoint
-from nonsmooth.proofs.systems.system_stability import PlanePoint, has_rooted_axis
 from nonsmooth.symbolic.files.system_builder import with_order, without_waves
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.parts import CascadeBlock
 
 MOST_ORDER = 2  # further terms of sines and cosines
 MOST_HALVINGS = 20  # of the cube, until switching surfaces that do not hold the point lie outside
 NARROW = 1  # half-width of a square on which the first terms enclose sines closely
-POINTS: Mapping[int, Callable[[SwitchedSystem], CheckedPoint]] = {1: LinePoint, len(PLANE): PlanePoint}
 
 
 @dataclass(frozen=True, repr=False)
@@ -178,9 +169,18 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
     Raises:
         SceneError: for formulas that cannot be used, and for denominators that may vanish.
     """
-    if len(system.states) > len(PLANE):
-        require_stated(system)
-    return POINTS.get(len(system.states), SpacePoint)(system)
+    if len(system.states) == 1:
+        from nonsmooth.proofs.systems.scalar_stability import LinePoint
+
+        return LinePoint(system)
+    if len(system.states) == len(PLANE):
+        from nonsmooth.proofs.systems.system_stability import PlanePoint
+
+        return PlanePoint(system)
+    from nonsmooth.proofs.many_states.decision import SpacePoint
+
+    require_stated(system)
+    return SpacePoint(system)
 
 
 def _walk(point: CheckedPoint) -> Known:
@@ -221,6 +221,8 @@ def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
 
     A block that none drives says that the whole is unstable where it is, and may rest; others have to attract.
     """
+    from nonsmooth.proofs.parts import Parts, cascade
+
     if known.standing is not None:
         return None
     try:
@@ -253,6 +255,8 @@ def _may_stay(block: CascadeBlock, result: StabilityResult) -> bool:
 
 
 def _said(block: CascadeBlock, result: StabilityResult) -> str:
+    from nonsmooth.proofs.parts import names_of
+
     states = result.scene.stated_states
     it, itself = ("it", "itself") if len(states) == 1 else ("them", "themselves")
     how = f", with what drives {it} at the equilibrium" if block.is_driven else f" by {itself}"
@@ -270,6 +274,8 @@ def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
 
 
 def _by_sliding(point: CheckedPoint, known: Known, *, to_first_order: bool) -> Finding | None:
+    from nonsmooth.proofs.parts import Parts, slides
+
     system = point.system
     if known.standing is not None or system.by_roots is not None:
         return None
@@ -333,6 +339,9 @@ def reach_of(point: CheckedPoint, found: Finding) -> Reach:
         reach = Reach(in_finite_time=reach.in_finite_time)
     entry = found.entry if found.is_global else None
     if not known.everywhere and entry is None:
+        from nonsmooth.proofs.kernel.whole_space import find_global_attraction
+        from nonsmooth.proofs.systems.energies import energies
+
         own = None if function is None else function.formula
         entry = find_global_attraction(system, (own, system.check.lyapunov), energies(system))
     everywhere, in_time = known.everywhere or entry is not None, known.in_finite_time or reach.in_finite_time
@@ -345,6 +354,8 @@ def _with_rate(system: SwitchedSystem, entry: dict[str, Any] | None, reach: Reac
     function = None if entry is None else entry["hypotheses"].get("function")
     if entry is None or not isinstance(function, str) or "denominator" in entry["hypotheses"]:
         return reach
+    from nonsmooth.proofs.many_states.decision import SpacePoint
+
     formula = parse_piecewise(function, system.states)
     examined = SpacePoint(system).examine(formula, system.check.radius, Effort.STRICT)
     if examined is None or examined.decrease is not Decrease.STRICT:
@@ -375,6 +386,8 @@ def _reach_of_function(system: SwitchedSystem, function: ExaminedFunction) -> Re
     if found is None or rate is None:
         return reach
     if system.by_roots is not None:  # in the time of the roots
+        from nonsmooth.proofs.systems.system_stability import has_rooted_axis
+
         in_time = rate.decay is not DecayKind.ALGEBRAIC and has_rooted_axis(system)
         return replace(reach, in_finite_time=in_time)
     scales = is_whole and are_about_forms(found.rate_claims(rate.decay, rate.kappa))
@@ -415,56 +428,61 @@ def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number)
 # ---- the registry --------------------------------------------------------------------------------
 #
 # A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
-# :data:`STRATEGIES`, which says for how many states it speaks.  What it finds it has confirmed exactly, or in balls.
-# The last finding decides, as a strategy is asked only for more than is known; a V that does not increase decides only
-# where there is no other.
+# :data:`STRATEGIES`, which says for how many states it speaks and where the function is: a module is imported when the
+# first of its strategies is asked.  What a strategy finds it has confirmed exactly, or in balls.  The last finding
+# decides, as a strategy is asked only for more than is known; a V that does not increase decides only where there is
+# no other.
 
 
 ONE, TWO, MORE, SEVERAL = range(1, 2), range(2, 3), range(3, 9), range(2, 9)  # states
+KERNEL = "nonsmooth.proofs.kernel_strategies"
+LINE = "nonsmooth.proofs.systems.scalar_stability"
+IN_PLANE = "nonsmooth.proofs.systems.system_stability"
+IN_SPACE = "nonsmooth.proofs.many_states.decision"
 
 STRATEGIES = [
-    Strategy("right-hand sides without sines", ONE, decide_by_exact_sides),
-    Strategy("signs on either side", ONE, line.decide_by_signs),
-    Strategy("no equilibrium", TWO, plane.decide_no_equilibrium),
-    Strategy("no equilibrium", MORE, space.decide_no_equilibrium),
-    Strategy("cascade, of roots", TWO, decide_rooted_cascade),
-    Strategy("uncovered axes of roots", TWO, plane.leave_uncovered),
-    Strategy("solution that leaves", MORE, space.decide_by_escape),
-    Strategy("relative degree of a relay", MORE, space.decide_by_relay),
-    Strategy("linearization", MORE, space.decide_by_linearization),
-    Strategy("stated quotient", SEVERAL, kernel.decide_by_stated_quotient),
-    Strategy("linear system", SEVERAL, decide_linear),
-    Strategy("stated V", TWO, plane.decide_by_stated_function),
-    Strategy("stated V", MORE, space.decide_by_stated_function),
-    Strategy("invariance principle, beside curves", TWO, plane.decide_by_stated_invariance),
-    Strategy("fan of cones", TWO, plane.decide_by_fan),
-    Strategy("leading terms", TWO, plane.decide_by_leading_terms),
-    Strategy("ray of escape", TWO, plane.decide_by_ray),
-    Strategy("centre manifold", TWO, kernel.decide_beside_stable_subspace),
-    Strategy("reversing symmetry, with sines", TWO, kernel.decide_enclosed_centre),
-    Strategy("surface on which solutions slide away", MORE, decide_by_sliding_away),
-    Strategy("searched V", TWO, plane.search_function),
-    Strategy("searched V", MORE, space.search_function),
-    Strategy("sum of squares of the states", MORE, space.decide_by_sum_of_squares),
-    Strategy("energy", MORE, kernel.decide_by_energy),
-    Strategy("first integrals", MORE, kernel.decide_by_first_integrals),
-    Strategy("rest beside the point", MORE, kernel.decide_rest_beside),
-    Strategy("surface on which solutions slide", MORE, decide_by_sliding),
-    Strategy("function that shows instability", MORE, space.search_growth),
-    Strategy("invariance principle", TWO, plane.search_attraction),
-    Strategy("invariance principle", MORE, space.decide_by_invariance),
-    Strategy("integral of motion", TWO, kernel.decide_by_integral),
-    Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
-    Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
-    Strategy("cascade", SEVERAL, decide_by_cascade),
-    Strategy("right-hand sides without sines", SEVERAL, decide_by_exact_sides),
-    Strategy("surface on which solutions slide", TWO, decide_by_sliding),
-    Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),
-    Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
-    Strategy("function that shows instability", TWO, kernel.decide_by_growth),
-    Strategy("quotient of forms", SEVERAL, kernel.decide_by_quotient),
-    Strategy("terms of higher weight", TWO, kernel.decide_by_weights),
-    Strategy("energy with its sign turned", SEVERAL, kernel.decide_by_turned_energy),
-    Strategy("energy on circles", range(1, 9), kernel.decide_by_circles),
-    Strategy("reversing symmetry", TWO, kernel.decide_by_symmetry),
+    Strategy("right-hand sides without sines", ONE, __name__, "decide_by_exact_sides"),
+    Strategy("signs on either side", ONE, LINE, "decide_by_signs"),
+    Strategy("no equilibrium", TWO, IN_PLANE, "decide_no_equilibrium"),
+    Strategy("no equilibrium", MORE, IN_SPACE, "decide_no_equilibrium"),
+    Strategy("cascade, of roots", TWO, __name__, "decide_rooted_cascade"),
+    Strategy("uncovered axes of roots", TWO, IN_PLANE, "leave_uncovered"),
+    Strategy("solution that leaves", MORE, IN_SPACE, "decide_by_escape"),
+    Strategy("relative degree of a relay", MORE, IN_SPACE, "decide_by_relay"),
+    Strategy("linearization", MORE, IN_SPACE, "decide_by_linearization"),
+    Strategy("stated quotient", SEVERAL, KERNEL, "decide_by_stated_quotient"),
+    Strategy("linear system", SEVERAL, KERNEL, "decide_linear"),
+    Strategy("stated V", TWO, IN_PLANE, "decide_by_stated_function"),
+    Strategy("stated V", MORE, IN_SPACE, "decide_by_stated_function"),
+    Strategy("invariance principle, beside curves", TWO, IN_PLANE, "decide_by_stated_invariance"),
+    Strategy("fan of cones", TWO, IN_PLANE, "decide_by_fan"),
+    Strategy("leading terms", TWO, IN_PLANE, "decide_by_leading_terms"),
+    Strategy("ray of escape", TWO, IN_PLANE, "decide_by_ray"),
+    Strategy("centre manifold", TWO, KERNEL, "decide_beside_stable_subspace"),
+    Strategy("reversing symmetry, with sines", TWO, KERNEL, "decide_enclosed_centre"),
+    Strategy("surface on which solutions slide away", MORE, __name__, "decide_by_sliding_away"),
+    Strategy("searched V", TWO, IN_PLANE, "search_function"),
+    Strategy("searched V", MORE, IN_SPACE, "search_function"),
+    Strategy("sum of squares of the states", MORE, IN_SPACE, "decide_by_sum_of_squares"),
+    Strategy("energy", MORE, KERNEL, "decide_by_energy"),
+    Strategy("first integrals", MORE, KERNEL, "decide_by_first_integrals"),
+    Strategy("rest beside the point", MORE, KERNEL, "decide_rest_beside"),
+    Strategy("surface on which solutions slide", MORE, __name__, "decide_by_sliding"),
+    Strategy("function that shows instability", MORE, IN_SPACE, "search_growth"),
+    Strategy("invariance principle", TWO, IN_PLANE, "search_attraction"),
+    Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance"),
+    Strategy("integral of motion", TWO, KERNEL, "decide_by_integral"),
+    Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold"),
+    Strategy("solution that leaves", SEVERAL, KERNEL, "decide_by_solution"),
+    Strategy("cascade", SEVERAL, __name__, "decide_by_cascade"),
+    Strategy("right-hand sides without sines", SEVERAL, __name__, "decide_by_exact_sides"),
+    Strategy("surface on which solutions slide", TWO, __name__, "decide_by_sliding"),
+    Strategy("choice among right-hand sides", SEVERAL, KERNEL, "decide_by_choice"),
+    Strategy("V by sums of squares", TWO, KERNEL, "decide_by_squares"),
+    Strategy("function that shows instability", TWO, KERNEL, "decide_by_growth"),
+    Strategy("quotient of forms", SEVERAL, KERNEL, "decide_by_quotient"),
+    Strategy("terms of higher weight", TWO, KERNEL, "decide_by_weights"),
+    Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy"),
+    Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles"),
+    Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry"),
 ]

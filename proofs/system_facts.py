@@ -7,14 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.checker.outside import place_of
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, row_fact, text_fact, unsaid
 from nonsmooth.proofs.kernel.quotients import quotient_text
-from nonsmooth.proofs.system_audit import AuditResult
-from nonsmooth.proofs.systems.basin import CertifiedBasin
-from nonsmooth.proofs.systems.basin_rings import Floats
 from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
@@ -26,14 +22,18 @@ from nonsmooth.proofs.systems.findings import (
     PotentialPiece,
     Reach,
 )
-from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
-from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.system_audit import AuditResult
+    from nonsmooth.proofs.systems.basin import CertifiedBasin
+    from nonsmooth.proofs.systems.basin_rings import Floats
+    from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 def system_facts(result: DecidedSystem) -> Iterator[Fact]:
@@ -254,6 +254,8 @@ def basin_words(basin: CertifiedBasin, states: Sequence[str]) -> str:
 
 def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
     """The corners with the values of W, in the displacement from the point, and the triangles by their corners."""
+    from nonsmooth.proofs.systems.outer_ring import ring_of
+
     certified, coming = basin.sampled
     return {
         "vertices": basin.corners[:, :-1].tolist(),
@@ -270,6 +272,9 @@ def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
 
 def _line_record(saddle: Floats, hypotheses: dict[str, Any]) -> dict[str, object]:
     """A line over which all velocities lead to the right: its corners, and where its half-lines go from both ends."""
+    from nonsmooth.proofs.checker.outside import place_of
+    from nonsmooth.proofs.systems.outer_ring import ring_of
+
     ends = [list(place_of(own)) for own in hypotheses["ends"]]
     return {"at": saddle.tolist(), "corners": ring_of(hypotheses).tolist(), "ends": ends}
 
@@ -278,6 +283,8 @@ def outside_record(basin: CertifiedBasin) -> dict[str, object] | None:
     """The polygon outside of which no start reaches the point, and how much of its area the region fills."""
     if basin.outside is None:
         return None
+    from nonsmooth.proofs.systems.outer_ring import ring_of
+
     return {"polygon": ring_of(basin.outside).tolist(), "filled": basin.filled}
 
 

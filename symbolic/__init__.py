@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.symbolic.messages.notebook import on_demand
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.files.documents import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.files.scene_file import load_scene as load_scene
     from nonsmooth.symbolic.files.system_file import load_any as load_any
     from nonsmooth.symbolic.files.system_file import load_system as load_system
@@ -46,7 +46,7 @@ __getattr__ = on_demand(
         "governing_equations": "mechanics.equations",
         "stacked_constraints": "mechanics.equations",
         "wheel_constraints": "mechanics.equations",
-        "builtin_scenes": "files.scene_file",
+        "builtin_scenes": "files.documents",
         "load_scene": "files.scene_file",
         "load_any": "files.system_file",
         "load_system": "files.system_file",

@@ -7,7 +7,8 @@ from functools import cache
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.symbolic.files.scene_file import builtin_systems, load_scene
+from nonsmooth.symbolic.files.documents import builtin_systems
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 
 

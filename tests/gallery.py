@@ -16,7 +16,8 @@ from nonsmooth.reports.derivations.derivation import ReportResult, derive_report
 from nonsmooth.reports.figures.cells import cell_map
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import progress
-from nonsmooth.symbolic.files.scene_file import builtin_descriptions, load_scene
+from nonsmooth.symbolic.files.documents import builtin_descriptions
+from nonsmooth.symbolic.files.scene_file import load_scene
 
 PAGE, FOLDER = "gallery.md", "gallery"
 SHOWN = ("four-wheel", "ring-6", "spiral-30", "outward")

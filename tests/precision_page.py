@@ -18,7 +18,8 @@ from nonsmooth.proofs.measurements import PRUNED, PRUNING, STUDIES, WHOLE
 from nonsmooth.reports.checks.measurements import Precision, error_text, setting_text
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import ProgressCall, progress
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_text import measured_text
 
 SHOWN = "four-wheel"

@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cmp_to_key
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, same_direction, turned
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Cell, Partition
 
 S = TypeVar("S", bound="Wedge")
 

@@ -11,9 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Triple, polygon_region, quadrants
 from nonsmooth.symbolic.formulas.expression import ExpressionError
@@ -28,6 +27,9 @@ from nonsmooth.symbolic.systems.switched_system import (
     require_single,
     sign_by_factors,
 )
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
 
 MAX_CELLS = 400
 

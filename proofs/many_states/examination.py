@@ -27,7 +27,6 @@ from nonsmooth.proofs.kernel.cells import (
     surfaces_of,
 )
 from nonsmooth.proofs.kernel.search import SQUARES, Functions, decide_claim, stability_hypotheses
-from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import terms_of
@@ -323,6 +322,8 @@ class ExaminedLyapunov(ExaminedFunction):
         """
         if self.decrease is not Decrease.WEAK:
             return None
+        from nonsmooth.proofs.kernel.second_function import find_attraction
+
         return find_attraction(system, self.formula, self.radius, everywhere=True)
 
     def known_entry(self, reach: Reach) -> dict[str, Any]:

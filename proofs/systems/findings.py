@@ -10,13 +10,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
 from nonsmooth.proofs.inequalities.forms import directions
-from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum
 from nonsmooth.proofs.systems.domain import Domain
@@ -27,6 +27,9 @@ from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.systems.basin import CertifiedBasin
 
 DERIVATIVES = {
     "naive": "naive",
@@ -302,6 +305,11 @@ class DecidedSystem:
         """The V that shows the verdict, an :class:`ExaminedFunction`; None where something else decides alone."""
         return self.deciding.function
 
+    @property
+    def has_local_region(self) -> bool:
+        """Whether a region by a V is known, so that a larger one may be."""
+        return self.reach.region is not None and self.function is not None and not self.reach.everywhere
+
     def by(self, theorem: str) -> Finding | None:
         """What a theorem shows; None where it shows nothing, or was not asked."""
         return next((own for own in self.findings if own.theorem is theorem), None)
@@ -343,17 +351,24 @@ class CheckedPoint(ABC):
 
 @dataclass(frozen=True)
 class Strategy:
-    """A way to a theorem about systems in some number of states.
+    """A way to a theorem about systems in some number of states, imported when it is first asked.
 
     Attributes:
         name: for people.
         states: how many they have.
-        decide: what it finds at a point, beside what is known; None where that is nothing, or nothing more.
+        module: that holds the function.
+        function: its name; from a checked point and what is known to a finding.
     """
 
     name: str
     states: range
-    decide: Callable[[Any, Known], Finding | None]
+    module: str
+    function: str
+
+    def decide(self, point: CheckedPoint, known: Known) -> Finding | None:
+        """What it finds at a point, beside what is known; None where that is nothing, or nothing more."""
+        decide: Callable[[CheckedPoint, Known], Finding | None] = getattr(import_module(self.module), self.function)
+        return decide(point, known)
 
 
 # ---- A V of a system in two states with its conditions, and as people and other programs read it -

@@ -29,7 +29,7 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_values
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -37,7 +37,6 @@ Floats: TypeAlias = NDArray[np.float64]
 DIVISIONS = 6  # of every side of a cell
 SHRINKING = 0.5  # from one distance to the next
 DISTANCES = 8
-BEYOND_FLOATS = np.errstate(over="ignore", invalid="ignore")  # such entries are told by their values
 KEPT = 512  # regions, and pairs of them, whose points are kept: families of functions share most cells
 RIM, HALVINGS = 24, 30  # parts of each side of an outline on which curves are looked for, and how often they are halved
 

@@ -32,7 +32,6 @@ from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain
 from nonsmooth.proofs.systems.findings import PlaneFunction
-from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
     Budget,
@@ -44,7 +43,7 @@ from nonsmooth.proofs.systems.lyapunov_search import (
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Proposal: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # values on rays, and mixed ones

@@ -22,14 +22,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.cells import require_denominators
-from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import (
@@ -42,14 +41,6 @@ from nonsmooth.proofs.systems.findings import (
     Reach,
     weak_finding,
 )
-from nonsmooth.proofs.systems.invariance import Staying, resting_place
-from nonsmooth.proofs.systems.leading_terms import (
-    LeadingTerms,
-    decide_fan_of_leading_terms,
-    decide_leading_terms,
-    needs_no_other_terms,
-)
-from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov, has_curves
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
     RayKind,
@@ -62,11 +53,13 @@ from nonsmooth.proofs.systems.ray_moves import (
     ray_moves,
     resting_edges,
 )
-from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, signs_by_factors
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.systems.leading_terms import LeadingTerms
 
 
 def holds_everywhere(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:
@@ -129,8 +122,11 @@ class PlanePoint(CheckedPoint):
     @cached_property
     def leading(self) -> LeadingTerms | None:
         """The leading terms, where they decide."""
-        asked = self.equilibrium is Equilibrium.HOLDS and self.fan is None
-        return decide_leading_terms(self.system) if asked else None
+        if self.equilibrium is not Equilibrium.HOLDS or self.fan is not None:
+            return None
+        from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
+
+        return decide_leading_terms(self.system)
 
     @cached_property
     def _domains(self) -> list[Domain]:
@@ -162,6 +158,9 @@ class PlanePoint(CheckedPoint):
         return self._attractions[-1][1]
 
     def _searched_attraction(self, function: PlaneFunction) -> dict[str, Any] | None:
+        from nonsmooth.proofs.kernel.second_function import find_attraction
+        from nonsmooth.proofs.systems.invariance import resting_place
+
         if function.formula is None or resting_place(function.result.cells) is not None:
             return None
         with suppress(NoEnclosureError):
@@ -262,6 +261,8 @@ def search_function(point: PlanePoint, known: Known) -> Finding | None:
         or (fan is not None and fan.verdict is not Translation.ASYMPTOTICALLY_STABLE)
     ):
         return None
+    from nonsmooth.proofs.systems.search import search_lyapunov
+
     if leading is not None and leading.verdict is Translation.UNSTABLE:
         cones = are_cones(point.cells) and not point.system.others
         spirals = leading.growth is not None and cones and may_grow
@@ -294,10 +295,11 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
 def decide_by_stated_invariance(point: PlanePoint, known: Known) -> Finding | None:
     """By the V that the scene names, where curves cut the cells: beside these a search takes long."""
     system = point.system
-    asked = known.function is not None and has_curves(system) and not system.check.is_default
-    if not asked or known.attraction_is_refuted or point.rays:
+    if known.function is None or system.check.is_default or known.attraction_is_refuted:
         return None
-    return attraction_by(point, known.function)
+    from nonsmooth.proofs.systems.lyapunov_search import has_curves
+
+    return attraction_by(point, known.function) if has_curves(system) and not point.rays else None
 
 
 @shared_effort(EFFORT)
@@ -315,6 +317,8 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
             shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
         if shown is not None:
             return shown
+    from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov
+
     found = find_weak_lyapunov(point.system, may_attract=not point.rays)
     if found is None:
         return None
@@ -327,6 +331,8 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
     if entry is None:
         return None
+    from nonsmooth.proofs.systems.invariance import Staying
+
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)
 
@@ -377,6 +383,8 @@ def arrives_in_time(system: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:
     degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
     if are_cones(cells) and degrees in ({0}, {1}):
         return True
+    from nonsmooth.proofs.systems.leading_terms import decide_fan_of_leading_terms, needs_no_other_terms
+
     fan = None if system.waves or system.others else build_tangent_fan(system)
     if fan is None or fan.degree > 1 or not needs_no_other_terms(fan):
         return False

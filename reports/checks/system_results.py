@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import (
     audit_facts,
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from nonsmooth.proofs.findings.verdicts import Fact
+    from nonsmooth.proofs.system_audit import AuditResult
     from nonsmooth.proofs.systems.findings import ExaminedFunction
     from nonsmooth.reports.exchange.formulas import FieldFormulas
 
@@ -149,6 +149,8 @@ class SystemCheckResult(FactResult):
         Args:
             search: ``fast`` or ``best``.
         """
+        if not self.evidence.has_local_region:
+            return self
         from nonsmooth.proofs.many_states.reshaped_region import TooMuchWorkError
         from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_simplices
 

@@ -65,7 +65,8 @@ def export(
     from nonsmooth.reports.engine.mjcf import export_scene, export_world
     from nonsmooth.reports.exchange.exports import EXPORTS
     from nonsmooth.reports.output.files import output_path, write_whole
-    from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
+    from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_document
+    from nonsmooth.symbolic.files.scene_file import build_scene
     from nonsmooth.symbolic.files.vehicle_file import build_vehicle
 
     if output is not None and output.lower().endswith(tuple(EXPORTS)):
@@ -101,7 +102,7 @@ def _export_system(scene: str, path: Path) -> int:
     """Decide a plain system, and write what others may prove again or run."""
     from nonsmooth.proofs.kernel.subject import NoCertificateError
     from nonsmooth.reports.checks.check import check_system
-    from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
+    from nonsmooth.symbolic.files.documents import deep_nesting_refused
     from nonsmooth.symbolic.files.system_file import load_system
 
     with deep_nesting_refused(scene):

@@ -18,7 +18,8 @@ from nonsmooth.reports.output.refusals import option_named
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
+from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_document
+from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 

@@ -192,7 +192,8 @@ class Array(PythonScene):
     @cached_property
     def scene(self) -> Scene:
         """The exact array: all numbers in one field."""
-        from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused
+        from nonsmooth.symbolic.files.documents import deep_nesting_refused
+        from nonsmooth.symbolic.files.scene_file import build_scene
 
         label, file = self.origin
         with deep_nesting_refused(label):

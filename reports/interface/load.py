@@ -6,7 +6,7 @@ from pathlib import Path
 
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.system import System
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.documents import read_document
 
 
 def load(source: str | Path) -> Array | System:

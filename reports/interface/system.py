@@ -278,7 +278,7 @@ class System(PythonScene):
     @cached_property
     def system(self) -> SwitchedSystem:
         """The exact system; errors name it as the document does."""
-        from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
+        from nonsmooth.symbolic.files.documents import deep_nesting_refused
         from nonsmooth.symbolic.files.system_builder import build_system
 
         name = self.document.get("name")

@@ -75,7 +75,7 @@ class Vehicle:
         Raises:
             SceneError: for whatever cannot be used.
         """
-        from nonsmooth.symbolic.files.scene_file import read_document
+        from nonsmooth.symbolic.files.documents import read_document
 
         document, _, path = read_document(source)
         vehicle = cls.__new__(cls)
@@ -85,7 +85,7 @@ class Vehicle:
     @cached_property
     def exact(self) -> ExactVehicle:
         """The exact vehicle: all numbers in one field."""
-        from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
+        from nonsmooth.symbolic.files.documents import deep_nesting_refused
         from nonsmooth.symbolic.files.vehicle_file import build_vehicle
 
         name = str(self.document["name"])

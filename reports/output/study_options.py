@@ -94,7 +94,7 @@ def types_of(options: type[Options]) -> dict[str, Any]:
 
 def complete_scene(incomplete: str) -> list[str]:
     """Built-in names and scene files that begin as typed, for the shell."""
-    from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
+    from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
 
     folder = Path(incomplete).parent if "/" in incomplete else Path()
     files = [str(folder / path.name) for path in sorted(folder.glob("*.toml"))]
@@ -103,7 +103,7 @@ def complete_scene(incomplete: str) -> list[str]:
 
 def complete_vehicle(incomplete: str) -> list[str]:
     """Built-in vehicles and scene files that begin as typed, for the shell."""
-    from nonsmooth.symbolic.files.scene_file import builtin_vehicles
+    from nonsmooth.symbolic.files.documents import builtin_vehicles
 
     files = [name for name in complete_scene(incomplete) if name.endswith(".toml")]
     return [*(name for name in builtin_vehicles() if name.startswith(incomplete)), *files]

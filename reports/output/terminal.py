@@ -17,7 +17,6 @@ from rich.text import Text
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.output.facts import fact_lines
-from nonsmooth.symbolic.mechanics.contact_set import wheels_text
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
@@ -132,6 +131,8 @@ def legend() -> RenderableType:
 
 def headline(result: Check) -> Text:
     """What is checked."""
+    from nonsmooth.symbolic.mechanics.contact_set import wheels_text
+
     scene = result.scene
     x, y = (short_text(entry) for entry in scene.check.equilibrium)
     head = Text(one_line(scene.name), "bold")

@@ -149,7 +149,7 @@ class SweepStudy(SceneStudy[SweepOptions]):
 
     def load(self, scene: Any, options: SweepOptions, *, allow_outside: bool = False, **changes: Any) -> Base:
         """The scene before anything varies."""
-        from nonsmooth.symbolic.files.scene_file import deep_nesting_refused, read_document
+        from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_document
 
         with deep_nesting_refused(scene):
             return base_of(*read_document(scene, **changes), allow_outside=allow_outside)

@@ -16,6 +16,7 @@ from nonsmooth.symbolic.files.scene_values import (
     AngleField,
     Exact,
     ExactField,
+    Name,
     Numbers,
     OptionalExact,
     PairField,
@@ -30,8 +31,6 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import short_text
 
-MAX_NAME = 200  # characters
-
 
 def read_lyapunov(value: object) -> PiecewiseExpression:
     """A formula in x and y, with ``sign``, ``Abs``, ``Max`` and ``Min``.
@@ -40,20 +39,6 @@ def read_lyapunov(value: object) -> PiecewiseExpression:
         ExpressionError: for anything else.
     """
     return parse_piecewise(value, PLANE)
-
-
-def read_name(value: object) -> str:
-    """A printable line.
-
-    Raises:
-        ValueError: for anything else.
-    """
-    if not isinstance(value, str) or not value.strip() or len(value) > MAX_NAME or not value.isprintable():
-        raise ValueError(f"required a printable text of 1 to {MAX_NAME} characters")
-    return value.strip()
-
-
-Name = Annotated[str | None, PlainValidator(read_name)]
 
 
 class UnitsTable(TomlTable):

@@ -6,17 +6,14 @@ in one :class:`SceneError` that names file, key, what was expected and what was 
 
 from __future__ import annotations
 
-import re
-import tomllib
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from decimal import Decimal
-from difflib import get_close_matches
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.files.body_table import build_body, build_inertia
+from nonsmooth.symbolic.files.documents import deep_nesting_refused, path_beside, read_document, read_text
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
 from nonsmooth.symbolic.files.scene_document import (
     SceneDocument,
@@ -25,126 +22,22 @@ from nonsmooth.symbolic.files.scene_document import (
     build_loop_errors,
     build_tolerance,
 )
-from nonsmooth.symbolic.files.scene_validation import angle_hints, unit_hints, validate
+from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
+from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene, Wheel
+from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
 
-__all__ = [
-    "SceneError",
-    "build_scene",
-    "builtin_descriptions",
-    "builtin_scenes",
-    "builtin_systems",
-    "builtin_vehicles",
-    "deep_nesting_refused",
-    "load_scene",
-    "read_document",
-    "stated_units",
-    "wheel_table",
-]
-
-MAX_TOML_BYTES = 1 << 20
 MAX_CSV_BYTES = 64 << 20
 KEYS_OF_OTHERS = {  # tables of other documents, with the keys that tell them
     "system": {"states", "rhs"},
     "vehicle": {"track", "wheel_base"},
 }
-_SCENES = Path(__file__).parents[1] / "scenes"
-_BUILTIN = (
-    "four-wheel",
-    "four-wheel-side",
-    "rectangle",
-    "ring-3",
-    "ring-5",
-    "ring-6",
-    "ring-8",
-    "grid-4x4",
-    "elliptic",
-    "spiral-30",
-    "conveyor-3",
-    "saddle",
-    "outward",
-    "off-center",
-    "differential-drive",
-    "omni-3",
-    "mecanum-4",
-    "roller-bed",
-    "carton-on-6x6",
-)
-_SYSTEMS = (
-    "relay-oscillator",
-    "relay-oscillator-damped",
-    "flower",
-    "escaping-slide",
-    "line-of-equilibria",
-    "eq-3",
-    "eq-4",
-    "stick-slip",
-    "relay-chain",
-)
-_VEHICLES = (
-    "lynx-wh05",
-    "jackal",
-    "husky-a200",
-    "leo-rover",
-    "panther-wh01",
-    "rosbot",
-    "warthog",
-    "mecanum-base",
-    "swerve-base",
-    "tracked-base",
-)
-
-
-def builtin_scenes() -> tuple[str, ...]:
-    """Names of the built-in scenes."""
-    return _BUILTIN
-
-
-def builtin_systems() -> tuple[str, ...]:
-    """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.files.system_file`)."""
-    return _SYSTEMS
-
-
-def builtin_vehicles() -> tuple[str, ...]:
-    """Names of the built-in vehicles on their own wheels (see :mod:`nonsmooth.symbolic.files.vehicle_file`)."""
-    return _VEHICLES
-
-
-def builtin_descriptions() -> dict[str, str]:
-    """One line about each built-in scene, by name."""
-    return {name: _read_toml(_SCENES / f"{name}.toml", name)["description"] for name in _BUILTIN}
-
-
-def read_document(
-    source: str | Path,
-    *,
-    rule: str | None = None,
-    radius: str | None = None,
-    at: str | None = None,
-    accuracy: str | None = None,
-) -> tuple[dict[str, Any], str, Path]:
-    """The TOML document of a scene with the given replacements, the scene's name for messages, and its file.
-
-    Raises:
-        SceneError: for a file that cannot be read, and a point of an array that is not two numbers; a plain system has
-            one for each state.
-    """
-    file = str(source) or "''"
-    path = _path(source)
-    document = _read_toml(path, file)
-    if at and at.count(",") != 1 and "system" not in document:
-        raise SceneError(file, "check.equilibrium", "two numbers with a comma between them, such as 240,0", at)
-    changes: dict[str, dict[str, object]] = {
-        "contact": {"rule": None if rule == MIXED else rule},
-        "check": {"radius": radius, "equilibrium": at and at.split(","), "accuracy": accuracy},
-    }
-    return _overridden(document, changes), file, path
 
 
 def load_scene(
@@ -172,59 +65,6 @@ def load_scene(
     with deep_nesting_refused(source):
         document = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
         return build_scene(*document, rule=rule, allow_outside=allow_outside)
-
-
-@contextmanager
-def deep_nesting_refused(source: str | Path) -> Iterator[None]:
-    """Refuse a document whose nested brackets exhaust the stack.
-
-    Raises:
-        SceneError: in place of Python's error.
-    """
-    try:
-        yield
-    except RecursionError:
-        raise SceneError(str(source), "", "a document with fewer nested brackets", StatedFact("too many")) from None
-
-
-def _path(source: str | Path) -> Path:
-    """File of a scene: built-in names come before files, so that a stray file changes no result."""
-    if isinstance(source, str) and source in _BUILTIN:
-        return _SCENES / f"{source}.toml"
-    if isinstance(source, str) and source in _SYSTEMS:
-        return _SCENES / "systems" / f"{source}.toml"
-    if isinstance(source, str) and source in _VEHICLES:
-        return _SCENES / "vehicles" / f"{source}.toml"
-    return Path(source)
-
-
-def _read_toml(path: Path, file: str) -> dict[str, Any]:
-    text = read_text(path, MAX_TOML_BYTES, file, "", _wanted(file))
-    excess = toml_excess(text)
-    if excess is not None:
-        raise SceneError(file, "", excess[0], StatedFact(excess[1]))
-    try:
-        return tomllib.loads(text, parse_float=Decimal)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(file, "", "a TOML document", StatedFact(f"an error: {str(error)[:120]}")) from None
-    except (ValueError, ArithmeticError):  # of int and Decimal
-        raise SceneError(file, "", "numbers of moderate length", StatedFact("one that is too long")) from None
-
-
-def _wanted(file: str) -> str:
-    """What a missing scene should have been."""
-    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS, *_VEHICLES), 2) or _BUILTIN[:2]
-    return f"a scene file or a built-in scene such as {' or '.join(close)}"
-
-
-def _overridden(data: dict[str, Any], changes: Mapping[str, Mapping[str, object]]) -> dict[str, Any]:
-    """The document with the command line's values in their places, to be validated like the file's own."""
-    for name, values in changes.items():
-        given = {key: value for key, value in values.items() if value is not None}
-        section = data.get(name, {})
-        if given and isinstance(section, dict):
-            data = {**data, name: {**section, **given}}
-    return data
 
 
 def wheel_table(data: Mapping[str, Any], file: str, path: Path, *, allow_outside: bool = False) -> str | None:
@@ -360,102 +200,64 @@ def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:
     yield from angle_remarks([document, table.cells])
 
 
-# ---- texts of files ------------------------------------------------------------------------------
-
-
-OUTSIDE_OPTION = "--allow-outside"
-
-
-def read_text(path: Path, limit: int, file: str, key: str, wanted: str) -> str:
-    """Text of a file.
-
-    Args:
-        path: the file.
-        limit: its largest size (bytes).
-        file: the scene, for messages.
-        key: the key that names the file, for messages; empty for the scene itself.
-        wanted: what a missing file should have been, for messages.
-
-    Raises:
-        SceneError: for a missing, unreadable, oversized or binary file.
-    """
-    try:
-        if not path.is_file():
-            raise SceneError(file, key, wanted, StatedFact(_kind(path)))
-        with path.open("rb") as stream:
-            data = stream.read(limit + 1)
-        if len(data) > limit:
-            raise SceneError(file, key, f"a file of at most {limit >> 20} MB", StatedFact("more"))
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = StatedFact(f"other bytes at position {error.start}")
-        raise SceneError(file, key, "a text file in UTF-8", found) from None
-    except OSError as error:
-        raise SceneError(file, key, "a readable file", StatedFact(error.strerror or "an error")) from None
-
-
-def path_beside(scene: Path, name: str, file: str, key: str, *, allow_outside: bool) -> Path:
-    """The file that a scene names, relative to the scene's folder.
-
-    A scene may come from somebody else: without ``allow_outside`` the file must lie in that folder or below it, links
-    resolved, and nothing is looked up elsewhere.
-
-    Raises:
-        SceneError: for a file outside the folder.
-    """
-    path = scene.parent / name
-    if allow_outside:
-        return path
-    try:
-        target, folder = path.resolve(), scene.parent.resolve()
-    except ValueError:  # a null character: no file has such a name
-        return path
-    except (OSError, RuntimeError):  # links that lead to each other
-        raise SceneError(file, key, "a readable file", StatedFact("a path that leads nowhere")) from None
-    if not target.is_relative_to(folder):
-        expected = f"a file in the scene's folder or below it (or the option {OUTSIDE_OPTION})"
-        raise SceneError(file, key, expected, StatedFact("a path that leads outside"))
-    return target
-
-
-def _kind(path: Path) -> str:
-    if path.is_dir():
-        return "a directory"
-    return "something that is no regular file" if path.exists() else "no such file"
-
-
-# ---- bounds of TOML ------------------------------------------------------------------------------
+# ---- hints at units ------------------------------------------------------------------------------
 #
-# The parser of the standard library takes time that grows with the square of the number of parts of a dotted key, and a
-# stack that grows with the depth of brackets.  A scene needs three of either.
+# Hints at units: sizes and speeds a thousand times off are mostly a table in millimetres beside one in metres.
 
 
-MAX_PARTS = 16  # of a dotted key
-MAX_NESTING = 64  # of brackets
-
-# Strings and comments, each to its end or, where that is missing, to where the parser would give up.  Possessive, so
-# that no character is looked at twice.
-_OPAQUE = re.compile(
-    r'"""(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5})?'
-    r"|'''(?:[^']|'(?!''))*+(?:'{3,5})?"
-    r'|"(?:[^"\\\n]|\\[^\n])*+"?'
-    r"|'[^'\n]*+'?"
-    r"|#[^\n]*+",
-    re.DOTALL,
-)
-_STRUCTURE = re.compile(r"[\n=,\[\]{}]")
+SIZES = 1 / 500, 50.0  # metres that an array may measure without a hint
+SPEEDS = 1 / 2000, 50.0  # m/s of the fastest wheel
+BODIES = 0.01, 100.0  # of the size of an array that a body may have
+SQUARES = 1 / 2000, 20.0  # of the size of an array that the half-width of the checked square may have
+AWAY = 20.0  # sizes of an array that the checked point may be away from its first wheel
+MEANT = {LengthUnit.METRE: LengthUnit.MILLIMETRE, LengthUnit.MILLIMETRE: LengthUnit.METRE}
 
 
-def toml_excess(text: str) -> tuple[str, str] | None:
-    """What a document must keep to and what this one holds; None where it keeps to both bounds."""
-    bare = _OPAQUE.sub("", text)
-    parts = 1 + max(piece.count(".") for piece in _STRUCTURE.split(bare))
-    if parts > MAX_PARTS:
-        return f"keys of at most {MAX_PARTS} parts", f"one of {parts}"
-    depth = deepest = 0
-    for bracket in re.findall(r"[\[\]{}]", bare):
-        depth = depth + 1 if bracket in "[{" else max(depth - 1, 0)
-        deepest = max(deepest, depth)
-    if deepest > MAX_NESTING:
-        return f"a document with fewer nested brackets (at most {MAX_NESTING})", f"{deepest}"
-    return None
+def unit_hints(wheels: Sequence[Wheel], body: Body | None, check: CheckedSquare, units: Units) -> Iterator[str]:
+    """What looks as if it were stated in another unit; nothing where the scene states none."""
+    metres = units.metres
+    if metres is None:
+        return
+    size = max(_extent([float(wheel.position[k]) for wheel in wheels]) for k in (0, 1))
+    fastest = max(abs(float(wheel.speed)) for wheel in wheels)
+    meant = MEANT.get(LengthUnit(units.length))
+    ask = "" if meant is None else f': is length = "{meant}" meant?'
+    if not SIZES[0] <= size * float(metres) <= SIZES[1]:
+        yield f"[units]: the wheels lie within {size:.4g} {units.length}{ask}"
+    elif fastest and not SPEEDS[0] <= fastest * float(metres) <= SPEEDS[1]:
+        yield f"[units]: the fastest wheel runs at {fastest:.4g} {units.speed}: is another units.speed meant?"
+    if body is not None and not BODIES[0] * size <= body_size(body) <= BODIES[1] * size:
+        wide, apart = f"{body_size(body):.4g} {units.length}", f"{size:.4g} {units.length}"
+        yield f"[body]: it is {wide} wide, and the wheels lie within {apart}: are both in {units.length}?"
+    yield from _of_check(wheels, check, size, units)
+
+
+def angle_hints(turns: Iterable[Fraction], unit: AngleUnit | None) -> Iterator[str]:
+    """Angles of more than a full turn where radians are stated: mostly degrees; ``turns`` are angles over pi."""
+    largest = max(map(abs, turns), default=Fraction(0))
+    if unit is AngleUnit.RADIAN and largest > 2:
+        said = f"an angle is {float(largest) * math.pi:.4g} rad, more than a full turn"
+        yield f'[units]: {said}: is angle = "{AngleUnit.DEGREE}" meant?'
+
+
+def _of_check(wheels: Sequence[Wheel], check: CheckedSquare, size: float, units: Units) -> Iterator[str]:
+    """A checked point far from all wheels, or a checked square that is far larger or smaller than the array."""
+    length, first = units.length, wheels[0]
+    away = max(abs(float(check.equilibrium[k]) - float(first.position[k])) for k in (0, 1))
+    radius, wheels_lie = float(check.radius), f"the wheels lie within {size:.4g} {length}"
+    if away > AWAY * size:
+        place = f"{away:.6g} {length} away from wheel {first.index}"
+        yield f"[check]: equilibrium is {place}, and {wheels_lie}: are both in {length}?"
+    elif not SQUARES[0] * size <= radius <= SQUARES[1] * size:
+        yield f"[check]: radius is {radius:.6g} {length}, and {wheels_lie}: are both in {length}?"
+
+
+def body_size(body: Body) -> float:
+    """The larger side of the box around a body, or its diameter."""
+    if isinstance(body.outline, Disc):
+        return 2 * float(body.outline.radius)
+    return max(_extent([float(corner[k]) for corner in body.vertices]) for k in (0, 1))
+
+
+def _extent(values: Sequence[float]) -> float:
+    return max(values) - min(values)

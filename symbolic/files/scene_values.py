@@ -28,12 +28,27 @@ from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.plane import Vector
 
 PLANE = ("x", "y")  # the variables of a formula in the plane
+MAX_NAME = 200  # characters
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
 MAX_ROOT_WORK = 2_048  # in a time that grows with their number times the degree of the base field
 WITH_UNIT = re.compile(r"(.*\S)\s*(deg(?:rees?)?|rad(?:ians?)?|\N{DEGREE SIGN})", re.DOTALL)
 _PLAIN_DECIMAL = re.compile(r"[+-]?([0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1,3})?|nan|inf(inity)?)", re.I)
 
 Exact: TypeAlias = Expression | Fraction
+
+
+def read_name(value: object) -> str:
+    """A printable line.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, str) or not value.strip() or len(value) > MAX_NAME or not value.isprintable():
+        raise ValueError(f"required a printable text of 1 to {MAX_NAME} characters")
+    return value.strip()
+
+
+Name = Annotated[str | None, PlainValidator(read_name)]
 
 
 class TomlTable(BaseModel):

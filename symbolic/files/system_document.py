@@ -14,8 +14,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, StrictBool
 
-from nonsmooth.symbolic.files.scene_document import Name
-from nonsmooth.symbolic.files.scene_values import Exact, ExactField, TomlTable, read_exact
+from nonsmooth.symbolic.files.scene_values import Exact, ExactField, Name, TomlTable, read_exact
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text
 from nonsmooth.symbolic.formulas.piecewise import NUMBERS, SWITCHES

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.files.documents import builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 if TYPE_CHECKING:
+    from nonsmooth.symbolic.mechanics.scene import Scene
     from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
@@ -40,6 +40,8 @@ def load_any(
     with deep_nesting_refused(source):
         data, file, path = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
         if "system" not in data:
+            from nonsmooth.symbolic.files.scene_file import build_scene  # a plain system does without
+
             scene = build_scene(data, file, path, rule=rule, allow_outside=allow_outside)
             scene.field.writes_decimals &= not exact
             return scene

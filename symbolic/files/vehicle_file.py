@@ -14,24 +14,20 @@ from typing import Annotated, Any
 
 from pydantic import Field, StrictInt
 
+from nonsmooth.symbolic.files.documents import builtin_vehicles, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.layouts import Own, WheelPlace, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
     ContactTable,
     DriveTable,
     FrictionTable,
-    Name,
     SceneDocument,
     UnitsTable,
 )
-from nonsmooth.symbolic.files.scene_file import (
-    builtin_vehicles,
-    deep_nesting_refused,
-    read_document,
-    stated_units,
-)
+from nonsmooth.symbolic.files.scene_file import stated_units
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import (
     ExactField,
+    Name,
     Numbers,
     OptionalExact,
     PairField,

@@ -19,11 +19,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
-from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 Triple: TypeAlias = tuple[Number, Number, Number]
 X = TypeVar("X", bound=Any)  # numbers of one arithmetic

@@ -27,6 +27,8 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 Exponents: TypeAlias = tuple[int, ...]
 Terms: TypeAlias = dict[Exponents, Any]  # nonzero coefficients of any ordered ring
 
+BEYOND_FLOATS = np.errstate(over="ignore", invalid="ignore")  # values that no float holds are told by what they are
+
 
 def add_terms(first: Mapping[Exponents, Any], second: Mapping[Exponents, Any]) -> Terms:
     """Sum, without zero coefficients."""

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, input_power, share_of_limit, usage
 from nonsmooth.analysis.minimizers.minimum import balance_forces, imbalance
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import constraint_matrix
 
 ROUNDING = 1e-13  # relative, of sums of a few dozen terms

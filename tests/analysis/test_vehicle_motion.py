@@ -14,7 +14,7 @@ from nonsmooth.analysis.bodies.vehicles import VehicleMotion, friction_ratio, tu
 from nonsmooth.analysis.cells.contact_rule import all_rules, contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.files.scene_file import builtin_vehicles
+from nonsmooth.symbolic.files.documents import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from tests.thorough import few, thorough

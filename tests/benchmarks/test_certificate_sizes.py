@@ -9,7 +9,7 @@ from pathlib import Path
 
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
-from nonsmooth.symbolic.files.scene_file import builtin_scenes
+from nonsmooth.symbolic.files.documents import builtin_scenes
 from tests.array_certificates import evidence, subject
 from tests.benchmarks.conftest import Stopwatch
 from tests.built_in import checked

@@ -14,7 +14,8 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.engine.mjcf import export_scene
-from nonsmooth.symbolic.files.scene_file import build_scene, read_document
+from nonsmooth.symbolic.files.documents import read_document
+from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.benchmarks.conftest import Stopwatch
 from tests.body_engine import run_beside_engine

@@ -11,7 +11,8 @@ from nonsmooth.analysis.measurements.harness import Limits, Measured, Run, measu
 from nonsmooth.analysis.measurements.studies import ELLIPSE_MINIMIZERS
 from nonsmooth.proofs.measurements import PRUNING, STUDIES
 from nonsmooth.reports.output.progress import silent
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 
 ALLOWED = 300  # seconds of processor time for one array, all of it on one core

@@ -8,7 +8,7 @@ from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.sweep import Means, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from nonsmooth.reports.sweeps.workers import ProcessPool, Task, Work
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.documents import read_document
 from tests.benchmarks.conftest import Stopwatch
 
 SCENES = 40  # of each of the two that are compared

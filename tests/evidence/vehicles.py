@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from nonsmooth.analysis.bodies.vehicles import turns, vehicle_motion
-from nonsmooth.symbolic.files.scene_file import builtin_vehicles
+from nonsmooth.symbolic.files.documents import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.evidence.comparison import Comparison, Verdict, measured

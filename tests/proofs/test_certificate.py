@@ -22,7 +22,8 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verified import UnverifiedError
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from tests.array_certificates import check_certificate, claim_disc, evidence, proofs, said, subject
 from tests.built_in import checked

@@ -23,7 +23,7 @@ from nonsmooth.reports.output.document import Block, Section, findings
 from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.studies.result import DataTable, Record, Result
 from nonsmooth.symbolic.files import system_file
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.messages.scene_error import SceneError
 
 BRANCHES = 4  # files of the product in which :func:`branches` stands for a line or two, beside the member of the kind

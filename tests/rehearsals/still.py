@@ -51,7 +51,7 @@ def decide_still(point: SpacePoint, known: Known) -> Finding | None:
     return None if moves else Finding("no motion", Translation.STABLE, "nothing moves there")
 
 
-NO_MOTION = Strategy("no motion", range(3, 9), decide_still)
+NO_MOTION = Strategy("no motion", range(3, 9), __name__, "decide_still")
 
 
 def show_by_constants(claim: Claim, evidence: Any) -> None:

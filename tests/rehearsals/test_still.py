@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
+from inspect import signature
 from typing import Any
 
 import pytest
@@ -60,3 +62,11 @@ def test_a_strategy_decides(monkeypatch: pytest.MonkeyPatch) -> None:
     assert decide_system(built(["-x", "-y", "-z"])).method == Method.LYAPUNOV
     claimed = replace(result, scene=built(["x", "y", "z"]))
     assert not claimed.check()
+
+
+def test_every_strategy_of_the_registry_is_a_function_of_a_point_and_what_is_known() -> None:
+    """Modules are named, so that they are imported when they are asked: nothing else would tell a wrong name."""
+    for strategy in STRATEGIES:
+        function = getattr(import_module(strategy.module), strategy.function)
+        assert list(signature(function).parameters) == ["point", "known"], strategy
+        assert function.__module__ == strategy.module

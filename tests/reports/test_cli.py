@@ -24,7 +24,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles
+from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems, builtin_vehicles
 from nonsmooth.symbolic.formulas.expression import parse
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

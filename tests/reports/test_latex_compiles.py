@@ -13,7 +13,8 @@ import pytest
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import derive_report, render_report
 from nonsmooth.reports.derivations.parts import PART_NAMES
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
 from tests.thorough import few, keep
 

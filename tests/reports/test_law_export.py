@@ -28,7 +28,8 @@ from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.reports.laws.law_table import LawKind
 from nonsmooth.reports.output.study_options import LawName
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.mechanics.units import Units
 from tests.conftest import Arrays

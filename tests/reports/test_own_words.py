@@ -14,8 +14,9 @@ import pytest
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.figures.wheels import wheel_labels
+from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.one_by_one import one_by_one
-from nonsmooth.symbolic.files.scene_file import load_scene, read_document
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.formulas.surfaces import constant
 from nonsmooth.symbolic.mechanics.scene import WheelNumber
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -7,7 +7,8 @@ import pytest
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.output.document import Math
 from nonsmooth.reports.output.prose import with_formulas
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import few, keep
 
 

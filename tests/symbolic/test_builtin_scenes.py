@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 import nonsmooth.symbolic.files.scene_file
-from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_descriptions, builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import Twist, cross_product, scene_rows, side_row
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.scene import Scene

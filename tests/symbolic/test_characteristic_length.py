@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, default_length, rational_size
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, moved, scaled
 from nonsmooth.symbolic.messages.scene_error import SceneError

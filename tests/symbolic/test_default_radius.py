@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.mechanics.body import FEW, default_radius, outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
 from nonsmooth.symbolic.mechanics.vehicles import FORMULA
 

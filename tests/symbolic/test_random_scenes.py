@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nonsmooth.symbolic.files.scene_file import SceneError, load_scene
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import examples, keep, thorough
 
 Strategy: TypeAlias = st.SearchStrategy[Any]

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.scene_file import MAX_NESTING, MAX_PARTS, load_scene, toml_excess
+from nonsmooth.symbolic.files.documents import MAX_NESTING, MAX_PARTS, toml_excess
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_any
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import few

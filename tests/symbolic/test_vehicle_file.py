@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems, builtin_vehicles
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle, vehicle_descriptions
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -35,7 +35,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.fan import Cone, build_fan, is_plane, rays_of
 from nonsmooth.analysis.cells.full_turns import (
@@ -47,13 +47,15 @@ from nonsmooth.analysis.cells.full_turns import (
     most_growth,
 )
 from nonsmooth.analysis.cells.moves import departure_sign, slide_speed
-from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.plane import cross, dot
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
 
 
 class Move(StrEnum):

@@ -34,7 +34,8 @@ from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.reports.checks.check import REQUIRABLE
 from nonsmooth.reports.output.facts import fact_lines
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import few, keep
 

@@ -32,7 +32,7 @@ from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from nonsmooth.reports.sweeps.sweep_study import SweepResult
 from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.reports.sweeps.workers import DEATHS, DIED, InProcess, ProcessPool, Task, Work
-from nonsmooth.symbolic.files.scene_file import read_document
+from nonsmooth.symbolic.files.documents import read_document
 from tests.reports.conftest import Invoke
 from tests.thorough import keep
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from nonsmooth.reports.sweeps.borders import simplest_fraction
 from nonsmooth.reports.sweeps.sweep_plan import SweepPlan, read_plan
 from nonsmooth.reports.sweeps.values import Range, SweepError, read_values
+from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.key_paths import find_path, numeric_paths, path_text, with_value
-from nonsmooth.symbolic.files.scene_file import read_document
 from nonsmooth.symbolic.messages.scene_error import SceneError
 
 

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.workbench.documents import canonical, document_of, opened, read_toml, written
 from nonsmooth.reports.workbench.requests import RequestError, read_request
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
+from nonsmooth.symbolic.files.scene_file import load_scene
 
 NUMBERS = st.one_of(
     st.integers(-(10**20), 10**20), st.floats(allow_nan=False, allow_infinity=False), st.decimals(-9, 9)

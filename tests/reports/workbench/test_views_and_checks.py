@@ -14,7 +14,8 @@ from nonsmooth.reports.interface.load import load
 from nonsmooth.reports.workbench import array_view
 from nonsmooth.reports.workbench.documents import document_of
 from nonsmooth.reports.workbench.jobs import view
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.thorough import few

@@ -46,7 +46,8 @@ from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     THEOREM_4_RATE,
     is_paper_array,
 )
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import Arrays
 from tests.hulls import hull_holds_zero
 
