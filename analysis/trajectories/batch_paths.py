@@ -10,7 +10,7 @@ integrator.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,6 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.cells.moves import RaySpeeds, sliding
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.cell_motion import Free, line_times, times_back
 from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
@@ -35,6 +34,9 @@ from nonsmooth.analysis.trajectories.slides import (
 )
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.numbers.plane import cross, dot
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.contact_model import Floats
 
 MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
 DONE = -1
