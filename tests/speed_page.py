@@ -162,6 +162,12 @@ def audit_beside_z3() -> tuple[Work, Work]:
     return lambda: audit(system, potential), lambda: ask(with_z3, questions, 20.0)
 
 
+def feedback_beside_z3() -> tuple[Work, Work]:
+    from tests.benchmarks.test_feedback_speed import rate_beside_z3
+
+    return rate_beside_z3()
+
+
 def body_beside_mujoco() -> tuple[Work, Work]:
     """A plate on 36 wheels with inward rims; the engine's wheels are so slow that its loads are those at rest."""
     from nonsmooth.analysis.bodies.path import BodyPath
@@ -202,6 +208,14 @@ PAIRS = (
         400,
         400,
         "test_symbolic_derivation",
+    ),
+    Pair(
+        "feedback inequalities of four wheels, eight cones",
+        "Z3",
+        feedback_beside_z3,
+        150,
+        150,
+        "test_feedback_speed",
     ),
     Pair(
         "40 twists of rule `box` at points, of 4,000",

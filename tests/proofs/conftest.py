@@ -29,7 +29,7 @@ def load(tmp_path: Path) -> Load:
 
 
 STRICT_SEARCHES = (
-    "nonsmooth.proofs.systems.system_stability.search_lyapunov",
+    "nonsmooth.proofs.systems.search.search_lyapunov",
     "nonsmooth.proofs.many_states.decision.find_lyapunov",
 )
 
