@@ -46,6 +46,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, clear_sign, is_clear, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
 # than this are compared exactly.
@@ -404,15 +405,17 @@ def order(form: Affine, place: Beside) -> Lexicographic:
 def is_multiple(form: Affine, line: Affine) -> bool:
     """Whether one affine form is a multiple of another that is not zero: a rational one, else by minors.
 
-    Products of long numbers are many: where floats show that a minor does not vanish, there are none.
+    Products of long numbers are many: where floats show that a minor does not vanish, there are none.  Of rounded
+    numbers every member has a quotient of its own, so there minors alone are the same question for all of them.
     """
     minors = (1, 2), (0, 1), (0, 2)
     a, b = [sure_float(x) for x in form], [sure_float(x) for x in line]
     if any(clear_sign(a[i] * b[j], -a[j] * b[i]) for i, j in minors):
         return False
-    factor = next(rational_quotient(a.terms, b.terms) for a, b in zip(form, line, strict=True) if b)
-    if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
-        return True
+    if not any(isinstance(x, Rounded) for x in (*form, *line)):
+        factor = next(rational_quotient(a.terms, b.terms) for a, b in zip(form, line, strict=True) if b)
+        if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
+            return True
     return not any(form[i] * line[j] - form[j] * line[i] for i, j in minors)
 
 

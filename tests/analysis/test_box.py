@@ -3,6 +3,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,9 +24,11 @@ from nonsmooth.symbolic.mechanics.constraints import Twist, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import regular_states
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import Rounded
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
+from tests.oracles.measured_tables import MeasuredTable
 from tests.thorough import few, keep
 
 # Relative to D: the linear program's own feasibility tolerance is 1e-7 absolute, its optimum is a vertex and so
@@ -285,3 +288,15 @@ def test_the_explicit_minimizer_proves_itself_at_random_points(name: str) -> Non
     scene = load_scene(name, rule="box", radius="1/4")
     points = np.random.default_rng(0).uniform(-0.25, 0.25, (60, 2))
     assert PointLocator(build_box_partition(scene)).minima(points).check().all()
+
+
+@few(2)
+@pytest.mark.parametrize("seed", [28, 15, *range(15), *range(16, 28), *range(29, 40)])
+def test_no_cell_of_a_measured_table_is_left_to_rounding(tmp_path: Path, seed: int) -> None:
+    """Whether two sides lie on one line is the same question for all angles so close: its quotients are not."""
+    file = tmp_path / "table.toml"
+    file.write_text(MeasuredTable.random(seed, "box", off=seed % 10).toml, encoding="utf-8")
+    scene = load_scene(file)
+    assert any(isinstance(entry, Rounded) for wheel in scene.wheels for entry in wheel.direction)
+    assert build_box_partition(scene.recentred()).cells
+    assert scene.field.rounded_signs == 0
