@@ -210,7 +210,12 @@ def _precisely(operation: Callable[..., arb], *operands: arb) -> arb:
 
 
 def _reduced(numerator: Number, denominator: Number) -> Quotient:
-    """The same quotient without a rational denominator: such numbers stay short, and dividing by them is cheap."""
+    """The same quotient without a rational denominator: such numbers stay short, and dividing by them is cheap.
+
+    Rounded numbers are rational ones with a box; dividing by them decides nothing.
+    """
+    if isinstance(denominator, Rounded):
+        return numerator / denominator, denominator.field.one
     rational = denominator.as_rational()
     if rational is None or rational == 1:
         return numerator, denominator

@@ -114,6 +114,17 @@ def test_orders_of_exact_and_rounded_numbers(field: NumberField) -> None:
     assert not field.rounded_signs
 
 
+def test_late_quotients_are_carried_out_without_a_decision(field: NumberField) -> None:
+    c, d = Lazy.of(field.cos_pi(SEVEN)), Lazy.of(field.cos_pi(ELEVEN))
+    a, b = cosine(SEVEN), cosine(ELEVEN)
+    found = (c / d + d / c) / (c - 2 * d)
+    assert float(found) == pytest.approx(float((a / b + b / a) / (a - 2 * b)))
+    assert isinstance(found.exact(), Rounded)
+    assert not field.rounded_signs
+    assert ((c / d) * (d / c) - 1).sign() == 0
+    assert not field.rounded_signs
+
+
 def test_ways_that_do_not_matter_are_not_counted(field: NumberField) -> None:
     tie = field.cos_pi(SEVEN) - field.cos_pi(53 * DEGREE) - field.cos_pi(67 * DEGREE)
     with either_way(field):
