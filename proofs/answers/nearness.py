@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 
+from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.fan import CellCone, rays_of
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.moves import departure_sign
@@ -197,10 +198,11 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
         return _beside_a_rest(asked.place, array, accuracy, ends, kept)
     if ends is not None or rests or asked.equilibrium is Equilibrium.UNDECIDED:
         return Nearness(ends)
-    if holds:
-        is_out = kept.keeps(accuracy, None) and _is_thrown_out(asked, array)
-        return Nearness(thrown_out_from=Fraction(0) if is_out else None)
-    return Nearness(out_after=_driven_out(array, accuracy, kept))
+    after = None if holds else _driven_out(array, accuracy, kept)
+    if after is not None:
+        return Nearness(out_after=after)
+    is_out = _is_thrown_out(asked, array) if holds else _is_driven_to_one_side(array, accuracy)
+    return Nearness(thrown_out_from=Fraction(0) if is_out and kept.keeps(accuracy, None) else None)
 
 
 def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction | None:
@@ -274,7 +276,17 @@ def _is_thrown_out(asked: _Asked, array: Scene) -> bool:
     if asked.translation is Translation.UNSTABLE and is_carried_away(array, accuracy, Fraction(0)):
         return True
     out = fan is not None and any(_is_carried_out(move, fan, accuracy) for move in fan.evidence)
-    return (out or _comes_home_reversed(array, accuracy)) and array.field.rounded_signs == before
+    out = out or _is_driven_to_one_side(array, accuracy) or _comes_home_reversed(array, accuracy)
+    return out and array.field.rounded_signs == before
+
+
+def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
+    """Whether bodies on one side of a line through the point leave the disc, for every member; of cells alone."""
+    from nonsmooth.proofs.robust.drift import is_driven_out_on_one_side
+
+    before = array.field.rounded_signs
+    is_out = isinstance(rule_of(array), CellRule) and is_driven_out_on_one_side(array, accuracy)
+    return is_out and array.field.rounded_signs == before
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:

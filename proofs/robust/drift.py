@@ -11,7 +11,7 @@ Bounds are those of cells with one motion each where the rule has cells, else of
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -21,12 +21,15 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nearest
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
+from nonsmooth.symbolic.numbers.number import sign
 
 Floats: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
@@ -62,6 +65,67 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
     zero, one = (Intervals.of(np.full(corners.shape[:2], entry)) for entry in (0.0, 1.0))
     most = _largest(forces, corners, [(zero, zero, turn) for turn in (one, -one)])
     return Fraction(most) / Fraction(forces.length) if math.isfinite(most) else None
+
+
+# ---- one side of a line through the point --------------------------------------------------------
+#
+# Of an array that a half turn does not change bodies on the two sides of the point go opposite ways, and of one that
+# nearly is so the point is driven to one side.  So the same is asked of a half of the disc.
+
+
+def is_driven_out_on_one_side(scene: Scene, accuracy: Fraction) -> bool:
+    """Whether bodies on one side of some line through a centred scene's point are driven out of the disc.
+
+    Let ``m . c' > 0`` at all places of a square about the disc with ``m . c >= 0``, for every motion of the cells that
+    have places with ``m . c > 0`` there.  A body that starts in the disc with ``m . c > 0`` then moves away from the
+    line, at a speed that is bounded from below, as the cells are compact; so it leaves the disc.  Such starts are as
+    near the point as one likes.
+
+    Args:
+        scene: centred, without an outline, under a rule with cells.
+        accuracy: the radius of the disc.
+    """
+    half = scene.field.rational(accuracy * (1 + Fraction(1, 2**20)))
+    if half > scene.check.radius:
+        return False
+    try:
+        cells = build_partition(scene).cells
+    except RefusalError:
+        return False
+    about = square((scene.field.zero, scene.field.zero), half)
+    near = [(_within(cell.polygon, about.sides), cell.twists) for cell in cells]
+    known = [(polygon, twists) for polygon, twists in near if polygon is not None]
+    return any(_drives(known, direction) for direction in _directions(known))
+
+
+def _within(polygon: Polygon, sides: Iterable[HalfPlane]) -> Polygon | None:
+    """The part of a polygon inside of some half-planes; None where it has no area."""
+    part: Polygon | None = polygon
+    for side in sides:
+        part = part and part.clipped(side)
+    return part
+
+
+def _directions(cells: Sequence[tuple[Polygon, Sequence[Twist]]]) -> Iterator[Point]:
+    """Directions to try: the normals of all sides, and the velocities at the point."""
+    for polygon, twists in cells:
+        yield from (side.normal for side in polygon.sides)
+        if all(sign(side.offset) >= 0 for side in polygon.sides):
+            yield from (twist.velocity for twist in twists if any(twist.velocity))
+
+
+def _drives(cells: Sequence[tuple[Polygon, Sequence[Twist]]], direction: Point) -> bool:
+    """Whether every motion moves along a direction at all places on its side: affine in c, so corners decide."""
+    a, b = direction
+    beyond = HalfPlane((-a, -b), a - a)
+    for polygon, twists in cells:
+        part = polygon.clipped(beyond)
+        for x, y in () if part is None else part.vertices:
+            for twist in twists:
+                vx, vy = twist.velocity
+                if sign(a * (vx - twist.omega * y) + b * (vy + twist.omega * x)) <= 0:
+                    return False
+    return True
 
 
 # ---- rule nearest --------------------------------------------------------------------------------

@@ -13,10 +13,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.nearness import _escapes
-from nonsmooth.proofs.robust.drift import driven_out, largest_spin
+from nonsmooth.proofs.robust.drift import _directions, driven_out, is_driven_out_on_one_side, largest_spin
 from nonsmooth.proofs.robust.ends import decide_ends
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -140,11 +141,13 @@ def test_friction_axes_of_their_own_are_followed_by_the_exact_cells() -> None:
     assert largest_spin(scene.recentred(), scene.accuracy) is not None
 
 
-@pytest.mark.parametrize(
-    ("rule", "seed"), keep(2, [("nearest", 104), ("box", 128), *(("nearest", k) for k in (100, 106, 110, 114, 116))])
-)
-def test_a_body_that_one_cell_carries_out_leaves(rule: str, seed: int, tmp_path: Path) -> None:
-    """From as near the point as one likes: one motion leads out of the disc before its cell ends."""
+IN_ONE_CELL = [("nearest", 104), ("box", 128), *(("nearest", seed) for seed in (100, 106, 110, 114, 116))]
+TO_ONE_SIDE = [("nearest", 102), ("box", 114), ("nearest", 112), ("nearest", 122), ("box", 116)]
+
+
+@pytest.mark.parametrize(("rule", "seed"), [*keep(2, IN_ONE_CELL), *keep(1, TO_ONE_SIDE)])
+def test_a_body_that_is_carried_out_from_as_near_as_one_likes_leaves(rule: str, seed: int, tmp_path: Path) -> None:
+    """One motion leads out of the disc before its cell ends; or all do, on one side of a line through the point."""
     table = MeasuredTable.symmetric(seed, rule)
     scene = scene_of(tmp_path, table.toml)
     answer, accuracy = position_of(scene), float(scene.accuracy)
@@ -182,3 +185,18 @@ def test_an_arc_out_of_the_disc_lies_in_the_triangle_that_is_asked(turn: str) ->
         assert np.allclose(np.stack([tangent, end], axis=1) @ weights, inside.T, atol=1e-9)
         assert weights.min() >= -1e-9
         assert weights.sum(axis=0).max() <= 1 + 1e-9
+
+
+@pytest.mark.parametrize(("rule", "seed"), keep(1, TO_ONE_SIDE))
+def test_bodies_on_one_side_of_a_line_never_come_back_over_it(rule: str, seed: int, tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(seed, rule)
+    scene = scene_of(tmp_path, table.toml).recentred()
+    assert is_driven_out_on_one_side(scene, scene.accuracy)
+    assert not is_driven_out_on_one_side(scene, Fraction(10**6))
+    cells = [(cell.polygon, cell.twists) for cell in build_partition(scene).cells]
+    accuracy, body, rng = float(scene.accuracy), SmallSteps(table), np.random.default_rng(0)
+    places = accuracy * rng.uniform(-0.7, 0.7, (300, 2))
+    velocities = np.array([body.velocity(place) for place in places]).reshape(-1, 2)
+    directions = [np.array([float(x) for x in own]) for own in _directions(cells)]
+    least = [(velocities[places @ own > 0] @ own).min() for own in directions]
+    assert max(least) > 0
