@@ -26,6 +26,7 @@ from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
+from nonsmooth.proofs.many_states.curve_of_rest import beside_curve_of_rest
 from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function, search_growth
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.many_states.first_integrals import find_kept_function
@@ -149,6 +150,22 @@ def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
     through = ", ".join(map(str, ray))
     refutes = f"every point of the ray through ({through}) near the equilibrium is an equilibrium"
     return weak_finding(standing.function, refutes)
+
+
+def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | None:
+    """Whether a curve of equilibria passes through the point, to which everything beside it falls back.
+
+    A positive V that does not increase is found with it, unless one is known.
+    """
+    system, standing = _rational(point.system), known.standing
+    if system.only_encloses or not known.attraction_is_open:
+        return None
+    curve = beside_curve_of_rest(system, with_function=standing is None)
+    if curve is None:
+        return None
+    function = _of_point(point, curve.function) if curve.function is not None else known.function
+    refutes = f"every point of the curve {curve.words} near the equilibrium is an equilibrium"
+    return weak_finding(function, refutes)
 
 
 def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
