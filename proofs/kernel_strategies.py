@@ -152,6 +152,24 @@ def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
     return weak_finding(standing.function, refutes)
 
 
+def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | None:
+    """Whether a curve of equilibria passes through the point, to which everything beside it falls back.
+
+    A positive V that does not increase is found with it, unless one is known.
+    """
+    system, standing = _rational(point.system), known.standing
+    if system.only_encloses or not known.attraction_is_open:
+        return None
+    from nonsmooth.proofs.many_states.curve_of_rest import beside_curve_of_rest
+
+    curve = beside_curve_of_rest(system, with_function=standing is None)
+    if curve is None:
+        return None
+    function = _of_point(point, curve.function) if curve.function is not None else known.function
+    refutes = f"every point of the curve {curve.words} near the equilibrium is an equilibrium"
+    return weak_finding(function, refutes)
+
+
 def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
     """A positive polynomial that solutions keep."""
     from nonsmooth.proofs.many_states.decision import conclude_function

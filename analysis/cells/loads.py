@@ -31,7 +31,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import EXACT, EqualSprings, exact_moments, load_model
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.number_text import float_text, short_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
@@ -160,10 +160,10 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
         reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
     largest = min(reach)
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
-    exact = "" if str(largest) == float_text(largest) else f"{largest} ~ "
+    exact = "" if str(largest) == float_text(largest) else f"{short_text(largest)} ~ "
     advice = f"at most {exact}{float_text(largest)}" if largest.sign() > 0 else "an equilibrium inside it"
     return (
-        f"check.radius: required {advice}, received {scene.check.radius}: "
+        f"check.radius: required {advice}, received {short_text(scene.check.radius)}: "
         f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"
     )
 

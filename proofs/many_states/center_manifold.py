@@ -233,7 +233,7 @@ class Reduction:
         for degree in range(2, order + 1):
             moved = self._along(found, degree)
             carried = [self._carried(own, moved, degree) for own in found]
-            stable = _times(_identity(split.count) - split.onto_center, moved)
+            stable = times(_identity(split.count) - split.onto_center, moved)
             missing = [_part(own - other, degree) for own, other in zip(stable, carried, strict=True)]
             found = [own + more for own, more in zip(found, self._homological(missing, degree), strict=True)]
         return found
@@ -241,14 +241,14 @@ class Reduction:
     def _along(self, manifold: Sequence[Polynomial], degree: int) -> Vector:
         """``f(R u + h(u))`` up to a degree."""
         size = self.split.size
-        places = _times(self.split.right, [variable(size, k) for k in range(size)])
+        places = times(self.split.right, [variable(size, k) for k in range(size)])
         places = [own + more for own, more in zip(places, manifold, strict=True)]
         return [_composed(part, places, size, degree) for part in self.field]
 
     def _carried(self, value: Polynomial, moved: Sequence[Polynomial], degree: int) -> Polynomial:
         """``grad(value) . L f`` up to a degree."""
         total = constant(self.split.size, 0)
-        for k, speed in enumerate(_times(self.split.left, moved)):
+        for k, speed in enumerate(times(self.split.left, moved)):
             total += value.derivative(k) * speed
         return _cut(total, degree)
 
@@ -274,7 +274,7 @@ class Reduction:
     def _rotated(self, value: Polynomial) -> Polynomial:
         """``grad(value) . A_c u``."""
         size = self.split.size
-        turning = _times(self.split.center, [variable(size, k) for k in range(size)])
+        turning = times(self.split.center, [variable(size, k) for k in range(size)])
         total = constant(size, 0)
         for k, speed in enumerate(turning):
             total += value.derivative(k) * speed
@@ -284,7 +284,7 @@ class Reduction:
 
     def line(self) -> Leading | None:
         """One centre coordinate: the first term of the reduced field decides."""
-        (speed,) = _times(self.split.left, self._along(self.manifold, MOST_ORDER))
+        (speed,) = times(self.split.left, self._along(self.manifold, MOST_ORDER))
         if not speed:
             return None
         order = min(map(sum, speed.terms))
@@ -353,8 +353,8 @@ class Reduction:
         """V for some k."""
         split = self.split
         count, half = split.count, leading.weight // 2
-        center = _times(split.left, [variable(count, k) for k in range(count)])
-        beside = _times(_identity(count) - split.onto_center, [variable(count, k) for k in range(count)])
+        center = times(split.left, [variable(count, k) for k in range(count)])
+        beside = times(_identity(count) - split.onto_center, [variable(count, k) for k in range(count)])
         manifold = [_cut(own, half).on(center, count) for own in self.manifold]
         off = [own - other for own, other in zip(beside, manifold, strict=True)]
         base = leading.potential.on(center, count)
@@ -394,23 +394,23 @@ class Reduction:
         if split.size > 1 or split.count == 1:
             return found
         beside = _identity(split.count) - split.onto_center
-        places = _times(split.right, [variable(1, 0)])
+        places = times(split.right, [variable(1, 0)])
         places = [own + more for own, more in zip(places, self.manifold, strict=True)]
         jacobian = [[_composed(part.derivative(k), places, 1, half) for k in range(split.count)] for part in self.field]
-        (speed,) = _times(split.left, self._along(self.manifold, half + 1))
+        (speed,) = times(split.left, self._along(self.manifold, half + 1))
         slope = leading.potential.derivative(0)
         for degree in range(1, half):
             total = [constant(1, 0)] * split.count
             for k in range(split.count):
                 column = [row[k] for row in jacobian]
-                (center,) = _times(split.left, column)
+                (center,) = times(split.left, column)
                 own = slope * center
-                for i, part in enumerate(_times(beside, column)):
+                for i, part in enumerate(times(beside, column)):
                     own += found[i] * (part - self.manifold[i].derivative(0) * center)
                 total[k] = own
-            total = _times(beside.transpose(), total)
+            total = times(beside.transpose(), total)
             total = [_part(own + found[k].derivative(0) * speed, degree) for k, own in enumerate(total)]
-            solved = _times(split.hurwitz.transpose().inv(), total)
+            solved = times(split.hurwitz.transpose().inv(), total)
             found = [own - more for own, more in zip(found, solved, strict=True)]
         return found
 
@@ -418,7 +418,7 @@ class Reduction:
 # ---- polynomials in the centre coordinates -------------------------------------------------------
 
 
-def _times(matrix: fmpq_mat, vector: Sequence[Polynomial]) -> Vector:
+def times(matrix: fmpq_mat, vector: Sequence[Polynomial]) -> Vector:
     """A matrix times a vector of polynomials."""
     found = []
     for i in range(matrix.nrows()):
@@ -512,7 +512,7 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
             return None
         if len(around) != 1:
             continue
-        proposals = list(center_functions(_unscaled(around.pop(), stated)))
+        proposals = list(center_functions(unscaled(around.pop(), stated)))
         if not proposals or proposals[0].attracts is not attracts:
             return None
         if number == WIDE and not proposals[0].is_whole:
@@ -524,7 +524,7 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
     return None
 
 
-def _unscaled(field: Sequence[Polynomial], stated: StatedCells) -> Vector:
+def unscaled(field: Sequence[Polynomial], stated: StatedCells) -> Vector:
     """A field of the displacement, from one of the displacement in units of half the side of the cube."""
     size = _fraction(stated.cells.radius)
     return [Polynomial(part.count, {e: c / size ** sum(e) for e, c in part.terms.items()}) for part in field]

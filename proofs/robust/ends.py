@@ -333,7 +333,7 @@ def _nearest_velocity(scene: Scene) -> Velocity:
     speeds = [float(wheel.speed) for wheel in scene.wheels]
     rows = []
     for k, wheel in enumerate(scene.wheels):
-        (a, b), (x, y) = rims[k], places[k]
+        (a, b), (x, y) = rims[k].tolist(), places[k].tolist()
         along, across = ([a, b, x * b - y * a], speeds[k]), ([-b, a, x * a + y * b], 0.0)
         rows.append([along, across] if wheel.friction.roll >= wheel.friction.side else [across, along])
 

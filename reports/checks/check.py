@@ -35,6 +35,7 @@ THEOREM = "theorem4"
 REQUIRABLE = ("position", "heading", "pose", "inertia", "tolerances", THEOREM)
 CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
 ONE_FAILS = (None, 1, "1", "any")  # of --fail
+OF_ARRAYS = {"require": "--require", "prune": "--no-prune"}  # what a plain system does not have
 OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
 OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
 
@@ -141,6 +142,8 @@ class CheckStudy(SceneStudy[CheckOptions]):
             if scene.kind is SceneKind.SYSTEM:
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
                 _require_array(scene, "--at auto" * (options.at == AUTO), "a plain system")
+                unused = next((flag for name, flag in OF_ARRAYS.items() if name in asked.given), "")
+                _require_array(scene, unused, "a plain switched system")
         if len(scenes) > 1:
             asked.refuse(OF_ONE_SCENE, "one scene", str(len(scenes)))
         elif scenes[0].kind is SceneKind.SYSTEM:

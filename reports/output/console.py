@@ -10,7 +10,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import typer
 
@@ -76,7 +76,7 @@ def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except OSError as error:
-        _drop_output()
+        _drop(sys.stdout)
         return _refuse(f"standard output: required a stream that can be written, received the error {error.strerror!r}")
     except Exception as error:
         return _report_fault(error)
@@ -95,7 +95,11 @@ def _report_fault(error: Exception) -> int:
 
 
 def _refuse(message: str) -> int:
-    print(f"{PROGRAM}: {one_line(message)}", file=sys.stderr)
+    """Say it on one line, where that can be written; the exit status says it anyhow."""
+    try:
+        print(f"{PROGRAM}: {one_line(message)}", file=sys.stderr, flush=True)
+    except OSError:
+        _drop(sys.stderr)
     return BAD_INPUT
 
 
@@ -136,10 +140,10 @@ def _instead(message: str, command: str, option: str) -> str | None:
     return None if name is None else f"the command {name} was removed: {removed.COMMANDS[name]}"
 
 
-def _drop_output() -> None:
+def _drop(stream: TextIO) -> None:
     """Send what is still buffered nowhere: writing it again at exit would fail again."""
     null = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(null, sys.stdout.fileno())
+    os.dup2(null, stream.fileno())
     os.close(null)
 
 

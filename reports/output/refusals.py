@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+from warnings import catch_warnings, simplefilter
 
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
@@ -79,30 +80,37 @@ DIGITS = 6
 def beyond_floats_named(loaded: Any) -> Iterator[None]:
     """Arithmetic that fails on an array with a number far beyond floats is that number's doing, which is named.
 
-    Such a number is no fault of itself: exact steps take it, and whole checks do where they need no others.
+    Such a number is no fault of itself: exact steps take it, and whole checks do where they need no others.  What NumPy
+    warns of meanwhile, infinite floats and their differences, is said by this refusal or harms nothing.
 
     Args:
-        loaded: a scene, one with its document or words, or a list of scenes.
+        loaded: a scene, one with its document or words, or a list of scenes; of other things nothing is named.
     """
-    try:
-        yield
-    except (SceneError, RefusedError):
-        raise
-    except (ArithmeticError, TypeError, ValueError) as error:
-        for one in loaded if isinstance(loaded, list) else [loaded]:
-            _refuse_beyond_floats(getattr(one, "scene", one), error)
-        raise
+    refusals = list(filter(None, map(_beyond_floats, loaded if isinstance(loaded, list) else [loaded])))
+    with catch_warnings():
+        if refusals:
+            simplefilter("ignore", RuntimeWarning)
+        try:
+            yield
+        except (SceneError, RefusedError):
+            raise
+        except (ArithmeticError, TypeError, ValueError) as error:
+            if refusals:
+                raise refusals[0] from error
+            raise
 
 
-def _refuse_beyond_floats(scene: Any, error: Exception) -> None:
-    """Name the first number of an array that is beyond floats, if there is one."""
+def _beyond_floats(loaded: Any) -> SceneError | None:
+    """What names the first number of an array that is beyond floats; None where there is none."""
     from nonsmooth.symbolic.messages.scene_kind import SceneKind
     from nonsmooth.symbolic.numbers.number_text import decimal_text
 
-    for key, value in _numbers_of(scene) if scene.kind is SceneKind.ARRAY else ():
+    scene = getattr(loaded, "scene", loaded)
+    for key, value in _numbers_of(scene) if getattr(scene, "kind", None) is SceneKind.ARRAY else ():
         if value.sign() and not LEAST <= abs(float(value)) <= LARGEST:
             expected = f"0 or a size of {LEAST:g} to {LARGEST:g}: floats, which are needed here, fail beyond"
-            raise SceneError(scene.origin, key, expected, StatedFact(decimal_text(value, DIGITS))) from error
+            return SceneError(scene.origin, key, expected, StatedFact(decimal_text(value, DIGITS)))
+    return None
 
 
 def _numbers_of(scene: Scene) -> Iterator[tuple[str, Number]]:

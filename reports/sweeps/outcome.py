@@ -22,6 +22,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks.records import failure_records
 from nonsmooth.reports.output.facts import exact_texts, floats
+from nonsmooth.reports.output.refusals import beyond_floats_named
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
 from nonsmooth.reports.sweeps.values import Entry, SweepError, Value, WrittenValue
@@ -66,8 +67,9 @@ def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, f
         return system_outcome(base, paths, entries)
     try:
         scene = base.scene(paths, entries)
-        found = _checked(scene)
-        return {**found, "failures": failure_records(failures_of(scene))} if failures else found
+        with beyond_floats_named(scene):
+            found = _checked(scene)
+            return {**found, "failures": failure_records(failures_of(scene))} if failures else found
     except TipsError as tipping:
         why = f"a body with {tipping.why}"
         return _record(Position.TIPS, Heading.UNDECIDED, Pose.UNDECIDED, Theorem4.HYPOTHESES_NOT_MET, why)

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.files.system_document import parameter_texts, with_param
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
-from nonsmooth.symbolic.formulas.sine_enclosures import Wave, enclosing_formulas, has_waves, named_formulas
+from nonsmooth.symbolic.formulas.sine_enclosures import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 
@@ -131,11 +131,22 @@ def _enclosed(
         try:
             found, here = enclosing_formulas(formulas, order)
         except ExpressionError as error:
-            j = next((k for k, text in enumerate(formulas) if has_waves(text)), 0)
-            raise SceneError(file, f"{key}[{j + 1}]", requirement(error), formulas[j]) from None
+            for j, formula in enumerate(formulas, 1):
+                if _is_refused(formula, order):
+                    raise SceneError(file, f"{key}[{j}]", requirement(error), formula) from None
+            raise SceneError(file, key, requirement(error), StatedFact(_received(error))) from None  # too many in all
         sides += [(key, side) for side in found]
         waves += here
     return sides, waves
+
+
+def _is_refused(formula: object, order: int) -> bool:
+    """Whether the sines and cosines of one formula cannot be enclosed by themselves."""
+    try:
+        enclosing_formulas((formula,), order)
+    except ExpressionError:
+        return True
+    return False
 
 
 def _require_arguments(formulas: Sequence[object], states: Collection[str], file: str, key: str) -> None:

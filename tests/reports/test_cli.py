@@ -327,6 +327,14 @@ def test_a_closed_pipe_ends_quietly() -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_bad_input_is_told_by_the_exit_status_where_nothing_can_be_said() -> None:
+    """The status was 1, which says that what was asked is not so."""
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        ended = subprocess.run([sys.executable, "-m", "nonsmooth.reports.cli", "check", "no"], stderr=full, check=False)
+    assert ended.returncode == BAD_INPUT
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
 def test_a_full_disk_is_bad_input_not_a_verdict() -> None:
     with open("/dev/full", "w", encoding="utf-8") as full:
         line = [sys.executable, "-m", "nonsmooth.reports.cli", "check", "ring-3"]

@@ -173,7 +173,6 @@ def test_commands_end(tmp_path: Path, name: str, command: str) -> None:  # small
         assert len(run.stderr.strip().splitlines()) == 1
 
 
-@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")  # of floats that are not finite: what is refused
 @pytest.mark.parametrize(
     ("key", "wheel", "friction"),
     [
@@ -194,3 +193,27 @@ def test_a_number_beyond_floats_is_named_where_they_fail(
         said = capsys.readouterr().err
         assert said.startswith(f"nonsmooth: {file}: {key}: required 0 or a size of 1e-150 to 1e+150")
         assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [["check"], ["simulate", "--grid", "2"], ["sweep", "--vary", "mu_side=0.1:0.2:2"]])
+def test_a_place_beyond_floats_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
+) -> None:
+    """A sweep ended in an AttributeError; under `nearest` NumPy warned of infinite floats beside the refusal."""
+    wheels = "".join(
+        f'[[wheel]]\nheading = "inward"\nposition = [{x}, {y}]\n' for x, y in ((-1, "1e400"), (1, 0), (0, -1))
+    )
+    file = written(tmp_path, f"[friction]\nmu_roll = 1\nmu_side = 0.5\n{wheels}")
+    assert run(app, [command[0], file, *command[1:]]) == 2
+    said = capsys.readouterr().err
+    assert "wheel[1].position: required 0 or a size of 1e-150 to 1e+150" in said
+    assert said.count("\n") == 1
+
+
+def test_a_square_beyond_its_support_is_refused_in_a_short_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its half-width was written with four hundred digits."""
+    file = written(tmp_path, "[friction]\nmu_roll = 1\nmu_side = 0.5\n[ring]\ncount = 4\n[check]\nradius = 1e400\n")
+    assert run(app, ["check", file, "--rule", "ellipse"]) == 2
+    assert "received ~1.00000e+400" in capsys.readouterr().err
