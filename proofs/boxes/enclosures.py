@@ -79,14 +79,24 @@ def approximate_inverse(matrix: arb_mat) -> arb_mat | None:
         return None
 
 
-def newton(equations: Map, point: arb_mat, steps: int) -> arb_mat | None:
-    """A point (n, 1) about a zero; None where the map is not known on the way, or its Jacobian singular."""
+def newton(equations: Map, point: arb_mat, steps: int, *, last: float = 0.0) -> arb_mat | None:
+    """A point (n, 1) about a zero; None where the map is not known on the way, or its Jacobian singular.
+
+    Args:
+        equations: the map with its Jacobian.
+        point: where the search begins.
+        steps: that are made at most.
+        last: a step that is shorter than this share of the point is the last.
+    """
     for _ in range(steps):
         found = equations(point)
         inverse = None if found is None else approximate_inverse(found[1])
         if found is None or inverse is None:
             return None
-        point = (point - inverse * found[0]).mid()
+        step = inverse * found[0]
+        point = (point - step).mid()
+        if last and max(map(abs, map(float, step.entries()))) < last * max(map(abs, map(float, point.entries()))):
+            break
     return point
 
 

@@ -235,6 +235,7 @@ def _times(matrices: Floats, vectors: Intervals) -> Intervals:
 Floats: TypeAlias = NDArray[np.float64]
 
 PARTS = 6  # of each side of the square in which the field is differentiated
+CENTRED = 2.0**-30  # of twist and forces: Newton's step in the middle of a part after which no better one is needed
 CONE, CONE_PARTS = 16, 16  # the same for cones, of which few of them are asked: of at most so many sectors
 DISCS = tuple(Fraction(1, 8**k) for k in range(1, 6))  # of the accuracy: where the field is taken for nearly linear
 WIDTHS = (1.0, 0.5, 0.25)  # b of the cones that are tried
@@ -370,7 +371,7 @@ def _slope_over_part(balance: Balance, near: arb_mat, middle: tuple[float, float
         found = balance.at(unknowns, there)
         return None if found is None else found[:2]
 
-    start = newton(lambda unknowns: equations(unknowns, centre), near, NEWTON_STEPS)
+    start = newton(lambda unknowns: equations(unknowns, centre), near, NEWTON_STEPS, last=CENTRED)
     unknowns = None if start is None else isolated_zero(lambda unknowns: equations(unknowns, place), start)
     found = None if unknowns is None else balance.at(unknowns, place)
     if unknowns is None or found is None:
