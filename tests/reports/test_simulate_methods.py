@@ -7,7 +7,7 @@ import pytest
 from tests.reports.conftest import Invoke
 
 WIDTH = 1e-3
-ERROR_PER_WIDTH = 4  # as in tests/analysis/test_hysteresis.py
+ERROR_PER_WIDTH = 4  # as in tests/analysis/test_steppers.py
 
 
 def end_of(invoke: Invoke, *options: str) -> tuple[str, list[float]]:
