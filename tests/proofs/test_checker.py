@@ -1,7 +1,8 @@
 """The stand-alone checker: what it accepts is true, and what is forged, damaged or malformed it rejects.
 
-Mutants are another chapter (tests/proofs/test_mutants.py), and what one condition alone refuses is in the corpus
-(tests/certificates/array_conditions.py).  Here is what else is forged by hand, and a test of the oracle of mutants.
+Mutants are another chapter (tests/proofs/test_forged_certificates.py), and what one condition alone refuses is in the
+corpus (tests/certificates/array_conditions.py).  Here is what else is forged by hand, and a test of the oracle of
+mutants.
 """
 
 from __future__ import annotations

@@ -1,19 +1,30 @@
-"""Rule ``roller`` at the checked point and its feedback: exact statements against the numerical minimizer."""
+"""The rules ``box``, ``ellipse`` and ``roller`` at the checked point: exact statements against minimizers."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import load_regions
-from nonsmooth.analysis.fields.contact_model import contacts_under
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.fields.contact_model import Floats, contact_model, contacts_under
+from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import proved
+from nonsmooth.analysis.minimizers.sampling import (
+    SampledLaw,
+    relative_rates,
+    sample_closed_loop,
+    sample_smooth_derivative,
+)
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.feedback.balanced_twists import (
@@ -24,20 +35,26 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     exclude_twist,
     wheel_forces,
 )
-from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, candidate_twists
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Translation
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult
+from nonsmooth.proofs.clauses.translation.on_cells import rest_area
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.theorem4 import check_smooth
+from nonsmooth.proofs.theorem4 import check_cells, check_smooth, check_theorem4
+from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from tests.conftest import Arrays
+from tests.four_wheel import CORNERS
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import verifies
-from tests.ruled import centred
+from tests.ruled import centred, ruled
 from tests.thorough import few
+
+# ---- Rule ``roller`` at the checked point and its feedback: exact statements against the numerical minimizer.
 
 NEAR = 1e-3  # length: where a linearization is compared
 IMPOSED = 1e-7
@@ -206,3 +223,199 @@ def test_a_unicycle_stays_one(arrays: Arrays) -> None:
 def test_there_is_no_certificate_file() -> None:
     with pytest.raises(NoCertificateError, match='"nearest" or "box", received "roller"'):
         build_certificate(check_smooth(load_scene("four-wheel", rule="roller")))
+
+
+# ---- Theorem 4 under the rules ``box`` and ``ellipse``: verdicts, evidence and what pruning may leave out.
+
+SLACK = 1e-9  # of D, about the accuracy of CLARABEL; D is of order 0.1
+RATE_ERROR = 1e-6  # of V'/V
+EVIDENT = ["four-wheel", "rectangle", "ring-5", "grid-4x4", "elliptic", "spiral-30", "conveyor-3", "saddle", "outward"]
+
+
+def without_feedback(scene: Scene) -> Scene:
+    """Side friction first, so that no closed loop is sampled."""
+    return replace(
+        scene,
+        wheels=tuple(replace(w, friction=replace(w.friction, side=w.friction.roll * 2)) for w in scene.wheels),
+    )
+
+
+@cache
+def checked(name: str, rule: str) -> CellCheck | SmoothCheck:
+    """Once in a process: two tests look at it."""
+    return check_theorem4(load_scene(name, rule=rule))
+
+
+@few(2)
+@pytest.mark.parametrize("name", EVIDENT)
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_evidence_verifies(name: str, rule: str) -> None:
+    result = checked(name, rule)
+    assert result.check()
+    assert isinstance(result, CellCheck if rule == "box" else SmoothCheck)
+
+
+def test_four_wheel_under_box_rests_in_a_diamond() -> None:
+    result = check_cells(load_scene("four-wheel", rule="box"))
+    assert result.verdict is Theorem4.FAILS
+    assert result.translation.verdict is Translation.STABLE
+    assert result.translation.worst_rate == 0
+    assert rest_area(result.partition) == Fraction(1, 2)
+    assert result.rotation.verdict is Rotation.NEUTRAL
+    assert result.feedback.verdict is Feedback.STABILIZABLE
+    assert any("lemma" in s.why for s in result.skipped)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-6", "ring-3", "four-wheel-side", "off-center"])
+def test_pruning_changes_no_verdict(name: str) -> None:
+    scene = without_feedback(load_scene(name, rule="box"))
+    pruned, full = check_cells(scene), check_cells(scene, prune=False)
+    for clause in ("equilibrium", "translation", "rotation", "feedback"):
+        assert getattr(pruned, clause).verdict is getattr(full, clause).verdict
+    assert pruned.verdict is full.verdict
+    assert full.partition.complete
+    assert full.partition.tiles
+    assert full.check()
+
+
+@few(1)
+@pytest.mark.parametrize("friction", [(1, Fraction(1, 5)), (1, Fraction(1, 10))])
+def test_the_rotation_bound_of_rule_box_holds_on_every_cell(arrays: Arrays, friction: tuple[int, Fraction]) -> None:
+    """V* <= -kappa |c| and |omega| <= bound kappa/2 wherever the body moves."""
+    scene = ruled(arrays.four_wheel(friction), "box")
+    rotation = check_theorem4(scene, prune=False, beside=False).results["rotation"]
+    assert isinstance(rotation, RotationResult)
+    bound = rotation.rotation_per_distance
+    assert bound is not None
+    rng = np.random.default_rng(0)
+    for derivative in cell_derivatives(build_box_partition(scene)):
+        if any(derivative.twist):
+            for _ in range(20):
+                x, y = arrays.interior_point(derivative.cell.polygon, rng)
+                rate = 2 * float(x * derivative.twist.vx + y * derivative.twist.vy) / np.hypot(float(x), float(y))
+                assert 2 * abs(float(derivative.twist.omega)) <= float(bound) * -rate + 1e-12
+
+
+@pytest.mark.parametrize("ratio", [Fraction(1, 2), Fraction(1, 10), 2])
+def test_four_wheel_under_ellipse_is_exponentially_stable(arrays: Arrays, ratio: Fraction) -> None:
+    result = check_theorem4(ruled(arrays.four_wheel((1, ratio)), "ellipse"))
+    assert isinstance(result, SmoothCheck)
+    assert result.translation.verdict is Translation.ASYMPTOTICALLY_STABLE
+    linear = result.translation.point.linearization
+    assert linear is not None
+    assert linear.spectral_abscissa == -result.scene.field.sqrt(2) / (Fraction(ratio) * ratio)
+    assert result.rotation.verdict is Rotation.NEUTRAL
+    assert result.translation.worst_rate == 0
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-5", "rectangle", "spiral-30"])
+def test_sampled_rates_agree_with_the_verdict(name: str) -> None:
+    """Exponentially stable points of these arrays also decrease |c|^2 on the whole square."""
+    scene = load_scene(name, rule="ellipse").recentred()
+    sampled = sample_smooth_derivative(scene, 400)
+    assert (sampled.samples, sampled.not_certified) == (400, "")
+    assert sampled.largest is not None
+    assert sampled.largest < 1e-9
+
+
+def test_spinning_and_carried_bodies_are_unstable_in_theta() -> None:
+    for name, rate in (("spiral-30", "-4*sqrt(2)/7"), ("conveyor-3", "-1")):
+        result = checked(name, "ellipse")
+        assert result.equilibrium.verdict is Equilibrium.HOLDS
+        assert result.rotation.verdict is Rotation.UNSTABLE
+        assert result.rotation.drift is not None
+        assert [str(w) for w in result.rotation.drift.interval] == [rate, rate]
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_a_body_that_would_tip_is_refused(arrays: Arrays, rule: str) -> None:
+    with pytest.raises(RefusalError, match="support polygon"):
+        check_theorem4(ruled(arrays.four_wheel(radius=2), rule))
+
+
+# ---- feedback: two laws of the field, sampled ----------------------------------------------------
+
+
+def test_tangential_rims_track_a_wanted_motion(arrays: Arrays) -> None:
+    """Full torque authority: twist tracking decreases V at the rate -2k on every sample (all wheels roll)."""
+    scene = ruled(arrays.four_wheel(turn=(0, 1)), "ellipse")
+    model = contact_model(scene)
+    states = np.random.default_rng(0).uniform(-0.3, 0.3, (40, 3))
+    rates = relative_rates(model, Functional.ELLIPSE, SampledLaw.TRACKING, states)
+    assert rates.max() < 0
+    assert check_theorem4(scene).authority.rank == 3
+
+
+def test_inward_rims_have_no_torque_about_the_equilibrium(arrays: Arrays) -> None:
+    """Tracking asks nothing of any wheel at the turned equilibrium; a law that lets wheels slip does."""
+    scene = ruled(arrays.four_wheel(), "ellipse")
+    result = check_theorem4(scene)
+    assert [[str(x) for x in twist] for twist in result.authority.missing] == [["0", "0", "1"]]
+    assert result.feedback.verdict is Feedback.STABILIZABLE
+    model = contact_model(scene)
+    for functional in Functional:
+        assert abs(relative_rates(model, functional, SampledLaw.TRACKING, np.array([[0.0, 0.0, 1.0]]))[0]) < 1e-9
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_samples_are_taken_where_nothing_is_left_out_and_decide_nothing(
+    arrays: Arrays, rule: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nonsmooth.proofs.clauses.feedback.sampled_laws.STATES", dict.fromkeys(("box", "ellipse"), 2))
+    scene = ruled(arrays.four_wheel(), rule)
+    pruned, full = check_theorem4(scene), check_theorem4(scene, prune=False)
+    assert "samples of the closed loop" in [skipped.what for skipped in pruned.skipped]
+    assert isinstance(pruned.feedback, DrivenFeedback)
+    assert isinstance(full.feedback, DrivenFeedback)
+    assert not pruned.feedback.samples
+    assert [sample.law for sample in full.feedback.samples]
+    assert pruned.feedback == full.feedback
+
+
+def with_speeds(law: SampledLaw, p: Floats, d: Floats, state: Floats) -> Floats:
+    """u_i at gain one: the nearest two wheels drive, or every rim follows the wanted motion ``-(c, theta)``."""
+    c, theta = state[:2], state[2]
+    if law is SampledLaw.TRACKING:
+        return np.array(
+            [d_i @ (-c - theta * np.array([c[1] - p_i[1], p_i[0] - c[0]])) for p_i, d_i in zip(p, d, strict=True)]
+        )
+    i, j = np.argsort(np.hypot(*(p - c).T))[:2]
+    arm, speeds = p[j] - p[i], np.zeros(len(p))
+    speeds[j] = -np.sign(d[j] @ np.array([-arm[1], arm[0]])) * theta
+    speeds[i] = abs(speeds[j]) + np.hypot(*c)
+    return speeds
+
+
+def rates_of_minimizers(functional: Functional, law: SampledLaw, side: float, state: Floats) -> tuple[float, float]:
+    """Least and largest V'/V over the twists that minimize D for the four-wheel array, by CVXPY."""
+    import cvxpy as cp
+
+    p = np.array(CORNERS, float)
+    d = -p / np.sqrt(2)
+    n, speeds = np.column_stack([-d[:, 1], d[:, 0]]), with_speeds(law, p, d, state)
+    arms, loads = np.column_stack([-p[:, 1], p[:, 0]]), (1 + p @ state[:2]) / 4
+    twist, slips, sizes = cp.Variable(3), cp.Variable((4, 2)), cp.Variable((4, 2))
+    roll, across = (np.column_stack([axes, (axes * arms).sum(1)]) @ twist for axes in (d, n))
+    held = [slips[:, 0] == roll - speeds, slips[:, 1] == side * across]
+    if functional is Functional.BOX:
+        held += [slips <= sizes, -slips <= sizes]
+    else:
+        held += [cp.SOC(sizes[:, 0], slips, axis=1), sizes[:, 1] == 0]
+    total, rate = loads @ sizes @ np.ones(2), 2 * (state @ twist) / (state @ state)
+    least = cp.Problem(cp.Minimize(total), held).solve(solver=cp.CLARABEL)
+    ends = (cp.Minimize(rate), cp.Maximize(rate))
+    low, high = (cp.Problem(end, [*held, total <= least + SLACK]).solve(solver=cp.CLARABEL) for end in ends)
+    return float(low), float(high)
+
+
+@pytest.mark.parametrize("functional", list(Functional))
+@pytest.mark.parametrize("law", list(SampledLaw))
+def test_worst_states_are_as_bad_by_a_convex_program(arrays: Arrays, functional: Functional, law: SampledLaw) -> None:
+    """The law, the loads and D are written out here; where D has many minimizers one of them has the rate."""
+    sample = sample_closed_loop(contact_model(arrays.four_wheel((1, Fraction(1, 5)))), functional, law, 0.3, 20)
+    assert sample.worst_rate is not None
+    assert not sample.not_certified
+    low, high = rates_of_minimizers(functional, law, 0.2, np.array(sample.worst_state))
+    assert low - RATE_ERROR <= sample.worst_rate <= high + RATE_ERROR
+    assert sample.fails
+    assert sample.worst_rate >= -RATE_ERROR
