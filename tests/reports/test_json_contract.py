@@ -1,9 +1,12 @@
-"""The page on design against the program: its JSON table, its commands and its layout leave nothing out."""
+"""The help and the page on design against the program: commands, what the shell completes, JSON, layout."""
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +14,14 @@ import pytest
 from typer.main import get_command
 
 from nonsmooth.reports.cli import app
+from nonsmooth.reports.commands.registry import COMMANDS, command_function
+from nonsmooth.reports.derivations.derivation import complete_part
 from nonsmooth.reports.output.console import run
+from nonsmooth.reports.output.study_options import complete_scene, complete_study
+from tests.reports.conftest import Invoke
 from tests.thorough import few
+
+# ---- The page on design against the program: its JSON table, its commands and its layout leave nothing out.
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
@@ -123,3 +132,55 @@ def test_every_part_is_in_the_layout() -> None:
         for path in (ROOT / package).rglob("__init__.py")
     }
     assert {part for part in parts if f"| `{part}/` |" not in PAGE} == set()
+
+
+# ---- The help, and what the shell completes. -----------------------------------------------------
+
+# ---- The help: what stands in the registry of commands is what the commands say, and showing it imports no command.
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_summaries_are_those_of_the_commands(name: str) -> None:
+    first, _, _ = (inspect.getdoc(command_function(name)) or "").partition("\n\n")
+    assert COMMANDS[name].summary == " ".join(first.split())
+
+
+def test_the_help_names_every_command_and_imports_none() -> None:
+    code = (
+        "import sys; from nonsmooth.reports.cli import app; from nonsmooth.reports.output.console import run; "
+        "run(app, ['--help']); "
+        "heavy = {'rich', 'pydantic', 'flint', 'numpy', 'sympy', 'nonsmooth.analysis'}; "
+        "heavy |= {'nonsmooth.reports.output.study_options'}; "
+        "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stderr == "[]\n"
+    listed = [line.split()[0] for line in done.stdout.partition("Commands:")[2].splitlines() if line[2:3].strip()]
+    assert listed == [*COMMANDS, "Example:"]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_example_stands_on_one_line_to_be_copied(invoke: Invoke, name: str) -> None:
+    assert f"  Example: nonsmooth {COMMANDS[name].example}\n" in invoke(name, "--help").out
+
+
+def test_options_stand_under_their_headings(invoke: Invoke) -> None:
+    out = invoke("simulate", "--help").out
+    places = [out.index(text) for text in ("Arguments:", "Options:", "--until", "One path:", "--from", "--mass")]
+    assert places == sorted(places)
+    assert out.count("--json") == 1
+
+
+# ---- What the shell completes: sections, studies, rules and scenes. ------------------------------
+
+
+def test_sections_are_completed_after_a_comma() -> None:
+    assert complete_part("verd") == ["verdict"]
+    assert complete_part("verdict,cel") == ["verdict,cells"]
+    assert complete_part("nothing") == []
+
+
+def test_studies_and_scenes_are_completed() -> None:
+    assert "derivation" in complete_study("der")
+    assert complete_study("nothing") == []
+    assert complete_scene("four-wheel") == ["four-wheel", "four-wheel-side"]

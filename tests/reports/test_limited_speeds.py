@@ -324,7 +324,7 @@ def test_paths_say_when_speeds_end_in_every_format(tmp_path: Path, capsys: pytes
     capsys.readouterr()
 
 
-@thorough  # the small one: tests/reports/test_cli_system_paths.py, test_pictures
+@thorough  # the small one: tests/reports/test_path_ends.py, test_pictures
 def test_speeds_are_drawn_alike_twice(tmp_path: Path) -> None:
     first, again = (tmp_path / name for name in ("first.svg", "again.svg"))
     for picture in (first, again):

@@ -1,23 +1,28 @@
-"""Texts of pictures: all inside the figure, names of wheels apart from each other and from the rims."""
+"""Pictures: all texts inside the figure, and the bytes of their files."""
 
 from __future__ import annotations
 
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pytest
 
-from nonsmooth.reports.figures.style import lay_out
+from nonsmooth.reports.figures.style import figure_bytes, lay_out
 from nonsmooth.reports.figures.wheels import array_figure
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing, whole
-from tests.thorough import few
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Bbox
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+# ---- Texts of pictures: all inside the figure, names of wheels apart from each other and from the rims.
 
 HEAD = 'units = { length = "mm", speed = "mm/s" }\nfriction = { mu_roll = 0.62, mu_side = 0.62 }\n'
 TABLE = f"""{HEAD}
@@ -110,3 +115,47 @@ def test_the_names_of_a_crowded_array_are_left_out(tmp_path: Path) -> None:
     (tmp_path / "many.toml").write_text(text, encoding="utf-8")
     figure = array_figure(load_scene(tmp_path / "many.toml"))
     assert not [text for text in figure.axes[0].texts if text.get_text() == "17"]
+
+
+# ---- Pictures as files: laid out once before they are saved, they are those that Matplotlib lays out as it saves.
+
+LAST = {".svg": b"</svg>", ".png": b"IEND", ".pdf": b"%%EOF"}  # near the end of a whole file
+
+
+def crowded(layout: Literal["constrained"] | None) -> Figure:
+    """Two panels of equal axes, one with a scale of colors, with titles, a legend and long labels."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5, 3), layout=layout)
+    left, right = figure.subplots(1, 2)
+    left.set_aspect("equal")
+    left.plot([0, 1], [0, 2000], label="a line")
+    left.set_ylabel("a long label of an axis")
+    figure.colorbar(right.scatter([0, 1], [0, 1], c=[0.0, 1.0]), ax=right, label="a scale")
+    right.set_title("a title\nof two lines")
+    figure.legend(loc="outside lower center")
+    return figure
+
+
+@pytest.mark.parametrize("suffix", keep(1, LAST))
+def test_the_layout_is_that_of_saving(suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    ours = figure_bytes(lambda: crowded("constrained"), suffix)
+    assert LAST[suffix] in ours[-40:]
+    assert ours != figure_bytes(lambda: crowded(None), suffix)
+    monkeypatch.setattr("nonsmooth.reports.figures.style.lay_out", lambda figure, suffix: None)
+    assert ours == figure_bytes(lambda: crowded("constrained"), suffix)
+
+
+def test_a_picture_is_drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    from matplotlib.figure import Figure
+
+    drawn: list[Figure] = []
+    draw = Figure.draw
+
+    def counted(figure: Figure, renderer: Any) -> None:
+        drawn.append(figure)
+        draw(figure, renderer)
+
+    monkeypatch.setattr(Figure, "draw", counted)
+    figure_bytes(lambda: crowded("constrained"), ".svg")
+    assert len(drawn) == 1

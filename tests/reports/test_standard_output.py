@@ -1,4 +1,4 @@
-"""Nothing but the product writes on standard output, whatever else is installed."""
+"""What commands write and read: standard output, files of their own, tables outside the scene's folder."""
 
 from __future__ import annotations
 
@@ -13,9 +13,14 @@ from typing import TypeAlias
 
 import pytest
 
+from nonsmooth.reports.output.console import BAD_INPUT
+from nonsmooth.reports.output.files import OutputError, write_whole
 from nonsmooth.symbolic.numbers.plane import Vector
 from tests.conftest import Arrays
+from tests.reports.conftest import Invoke
 from tests.thorough import thorough
+
+# ---- Nothing but the product writes on standard output, whatever else is installed. --------------
 
 ROOT = Path(__file__).resolve().parents[2]
 # Every package that a solver interface of CVXPY 1.9 imports and that CVXPY does not require.
@@ -146,3 +151,98 @@ def test_every_import_of_cvxpy_goes_through_ours() -> None:
                 assert "load_cvxpy()" in before, place
                 found += 1
     assert found >= 2  # where V and P are searched
+
+
+# ---- Output files: a temporary file that nobody can foresee, never through a link. ---------------
+
+
+def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:
+    """The name was foreseeable: a link planted there made the program overwrite its target."""
+    victim = tmp_path / "victim"
+    victim.write_text("untouched", encoding="utf-8")
+    (tmp_path / f".nonsmooth-{os.getpid()}.tmp").symlink_to(victim)
+    write_whole(tmp_path / "out.json", b"{}")
+    assert victim.read_text(encoding="utf-8") == "untouched"
+    assert (tmp_path / "out.json").read_bytes() == b"{}"
+
+
+@pytest.mark.parametrize("dangling", [True, False])
+def test_a_link_at_the_very_name_is_not_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, dangling: bool
+) -> None:
+    victim = tmp_path / "victim"
+    if not dangling:
+        victim.write_text("untouched", encoding="utf-8")
+    names = iter(["taken", "free"])
+    monkeypatch.setattr("secrets.token_hex", lambda _: next(names))
+    (tmp_path / ".nonsmooth-taken.tmp").symlink_to(victim)
+    write_whole(tmp_path / "out.json", b"{}")
+    assert victim.exists() is not dangling
+    assert dangling or victim.read_text(encoding="utf-8") == "untouched"
+    assert (tmp_path / "out.json").read_bytes() == b"{}"
+    assert (tmp_path / ".nonsmooth-taken.tmp").is_symlink()
+
+
+def test_names_that_are_all_taken_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("secrets.token_hex", lambda _: "taken")
+    (tmp_path / ".nonsmooth-taken.tmp").write_text("somebody else's", encoding="utf-8")
+    with pytest.raises(OutputError, match="required a file that can be written"):
+        write_whole(tmp_path / "out.json", b"{}")
+    assert (tmp_path / ".nonsmooth-taken.tmp").read_text(encoding="utf-8") == "somebody else's"
+    assert not (tmp_path / "out.json").exists()
+
+
+def test_new_files_follow_the_umask_and_old_ones_keep_their_mode(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        write_whole(tmp_path / "new", b"1")
+        (tmp_path / "old").write_bytes(b"0")
+        (tmp_path / "old").chmod(0o604)
+        write_whole(tmp_path / "old", b"1")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "new").stat().st_mode & 0o777 == 0o640
+    assert (tmp_path / "old").stat().st_mode & 0o777 == 0o604
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["new", "old"]
+
+
+# ---- ``--allow-outside``: every command that reads a scene keeps its table of wheels in the scene's folder without
+# it.
+
+SCENE = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[wheels]\nfile = "../table.csv"\n[check]\nradius = "1/10"\n'
+COMMANDS = {
+    "check": (),
+    "partition": (),
+    "derive": ("--only", "verdict"),
+    "simulate": ("--from", "0,0,0", "--until", "0.1"),
+    "precision": ("--study", "derivation", "--runs", "1", "--time-limit", "0.1"),
+    "stress": (),
+    "audit": ("--lyapunov", "x**2 + y**2"),
+}
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> str:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "my.toml").write_text(SCENE, encoding="utf-8")
+    (tmp_path / "table.csv").write_text("x,y\n1,1\n-1,1\n-1,-1\n1,-1\n", encoding="utf-8")
+    return "folder/my.toml"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_table_outside_is_refused_in_one_line(invoke: Invoke, scene: str, command: str) -> None:
+    outcome = invoke(command, scene, *COMMANDS[command])
+    assert (outcome.status, outcome.out) == (BAD_INPUT, "")
+    assert "my.toml: wheels.file ../table.csv: required a file in the scene's folder" in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [name for name in COMMANDS if name != "stress"])
+def test_the_option_allows_it(invoke: Invoke, scene: str, command: str) -> None:
+    outcome = invoke(command, scene, *COMMANDS[command], "--allow-outside")
+    assert outcome.status in (0, 1, 3)
+    assert outcome.out
+
+
+def test_a_report_names_the_option_that_it_needs(invoke: Invoke, scene: str) -> None:
+    assert "--allow-outside" in invoke("derive", scene, "--only", "versions", "--allow-outside").out
