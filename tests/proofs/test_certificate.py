@@ -47,7 +47,7 @@ from tests.conftest import Arrays, Pair, WheelData
 from tests.four_wheel import CORNERS
 from tests.oracles.array_bounds import assert_bounds_hold
 from tests.oracles.clause_evidence import evidence_holds
-from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
+from tests.oracles.rebuilt_arrays import assert_still_true
 from tests.proofs.forces_oracle import verifies
 from tests.thorough import few, keep, thorough
 
@@ -57,9 +57,7 @@ from tests.thorough import few, keep, thorough
 Record: TypeAlias = dict[str, Any]
 
 HALF = Fraction(1, 2)
-FREE_ROLLERS = ("omni-3", "mecanum-4")  # rule nearest leaves rows without friction out; version 1 did not
 BOTH_RULES = list(product(builtin_scenes(), ("nearest", "box")))
-NO_WORDS = [(name, "nearest") for name in FREE_ROLLERS]
 LARGEST_FILE = 40_000  # bytes; the largest built-in certificate (elliptic, rule box) has about half of it
 SLOWEST_CHECK = 10.0  # seconds; the slowest (grid-4x4, rule box) takes about one
 
@@ -76,7 +74,7 @@ def test_each_built_in_scene_has_a_valid_certificate(name: str, rule: str) -> No
     assert check_certificate(certificate) == ""
     seconds = time.process_time() - start
     cells, roots = len(evidence(certificate)["cells"]), len(subject(certificate)["field"])
-    assert earlier_array(certificate) is None if (name, rule) in NO_WORDS else not refusal_of_version_1(certificate)
+    assert_still_true(certificate)
     print(f"{name}, {rule}: {cells} cells, {roots} generators, {len(text)} bytes, {seconds:.3f} s")
     assert len(text) < LARGEST_FILE
     assert seconds < SLOWEST_CHECK
