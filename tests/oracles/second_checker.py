@@ -1,18 +1,19 @@
-"""A second checker of plain systems in two states, written from docs/specification.md alone: what a V shows.
+"""A second checker of plain systems, written from docs/specification.md alone: what a V shows, and departures.
 
 It shares no code with the first one, and takes polynomials, common divisors and quotients from FLINT.  It knows no
-roots of states, no further functions and no curved surfaces on which V bends, and refuses what has them.
+roots of states, no curved surfaces on which functions bend and no theorems but these, and refuses what has them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
-from typing import Any
+from math import prod
+from typing import Any, TypeAlias
 
 from flint import fmpq
 
-from tests.oracles.second_cells import Cell, Inclusion, Signs, flip
+from tests.oracles.second_cells import Cell, Inclusion, Signs, Subspace, flip
 from tests.oracles.second_evidence import Claim, Proofs, Row
 from tests.oracles.second_formulas import (
     GENS,
@@ -20,6 +21,7 @@ from tests.oracles.second_formulas import (
     Poly,
     RefusedError,
     along,
+    at_zero,
     degree,
     keys,
     need,
@@ -28,6 +30,7 @@ from tests.oracles.second_formulas import (
     terms,
 )
 
+Fields: TypeAlias = list[tuple[Cell, list[Poly]]]
 LYAPUNOV = "cells function second verdict everywhere level below rate"
 ATTRACTS, STABLE = "asymptotically stable", "stable"
 
@@ -45,12 +48,12 @@ class Lyapunov:
         for name, guard in named.items():
             if degree(guard):
                 found[name] = guard
-            elif guard(0, 0, 0) < 0:
+            elif at_zero(guard) < 0:
                 return None
         room = ZERO if self.below is None else self.below - on(v, coordinates)
         if degree(room):
             found["sl"] = room
-        return None if self.below is not None and not degree(room) and room(0, 0, 0) <= 0 else found
+        return None if self.below is not None and not degree(room) and at_zero(room) <= 0 else found
 
     def show(self, name: str, n: int, rows: list[Row], *, strict: bool, at_origin: bool = False) -> None:
         border = "" if self.below is None else self.border
@@ -58,17 +61,12 @@ class Lyapunov:
 
     def show_positive(self) -> None:
         for name, signs, v in self.pieces():
-            guards = self.guards(GENS[:2], signs, v) or {}
-            self.show(f"V {name}", 2, [Row(v, guards, open=guards)], strict=True)
+            guards = self.guards(self.inclusion.z, signs, v) or {}
+            self.show(f"V {name}", self.inclusion.count, [Row(v, guards, open=guards)], strict=True)
 
     def show_zero(self) -> None:
         own = self.inclusion
-        around = [
-            cell
-            for cell in own.cells
-            if all(g(0, 0, 0) * s >= 0 for g, s in zip(own.surfaces, cell.signs, strict=True))
-        ]
-        need(all(not cell.v(0, 0, 0) for cell in around), "V(0) = 0")
+        need(all(not at_zero(cell.v) for cell in own.cells_at_point()), "V(0) = 0")
 
     def pieces(self) -> Iterator[tuple[str, dict[int, int], Poly]]:
         own = self.inclusion
@@ -79,27 +77,28 @@ class Lyapunov:
     def show_falls(self, prefix: str, shift: Callable[[Poly], Poly], *, strict: bool, gain: bool = False) -> None:
         own = self.inclusion
         for cell in own.cells:
-            guards = self.guards(GENS[:2], dict(enumerate(cell.signs)), cell.v) or {}
+            guards = self.guards(own.z, dict(enumerate(cell.signs)), cell.v) or {}
             for k, f in cell.fields:
                 name = f"{prefix}cell {own.name(cell.signs, range(len(cell.signs)))} field {k}"
                 row = Row(-(along(cell.v, f) + shift(cell.v)), guards, open=guards)
-                self.show(name, 2, [row], strict=strict)
+                self.show(name, own.count, [row], strict=strict)
+        for name, cells, zero, (coordinates, n) in self.groups():
+            need(not gain or len(zero) == 1, "a V that bends on one surface at a time")
+            rows = list(self.rows(cells, zero, coordinates, shift))
+            if rows:
+                away = any(map(at_zero, coordinates))
+                self.show(f"{prefix}face {name}", n, rows, strict=strict, at_origin=away)
+
+    def groups(self) -> Iterator[tuple[str, list[Cell], tuple[int, ...], Subspace]]:
+        """The groups of cells beside faces that are not settled, with the surfaces that vanish there."""
+        own = self.inclusion
         for zero, coordinates, n in own.faces():
             groups: dict[str, list[Cell]] = {}
             for cell in own.cells:
                 groups.setdefault(own.name(cell.signs, own.bending, zero), []).append(cell)
             for name, cells in self.parts(groups):
                 if not is_settled(cells, coordinates):
-                    need(not gain or len(zero) == 1, "a V that bends on one surface at a time")
-                    rows = list(self.rows(cells, zero, coordinates, shift))
-                    if rows:
-                        self.show(
-                            f"{prefix}face {name}",
-                            n,
-                            rows,
-                            strict=strict,
-                            at_origin=any(z(0, 0, 0) for z in coordinates),
-                        )
+                    yield name, cells, zero, (coordinates, n)
 
     def parts(self, groups: dict[str, list[Cell]]) -> Iterator[tuple[str, list[Cell]]]:
         own = self.inclusion
@@ -123,20 +122,75 @@ class Lyapunov:
                 pushes = [-on(along(self.inclusion.surfaces[j], f), coordinates) for j in zero]
                 yield Row(-value, guards or {}, pushes, side)
 
+    def show_fall(self, second: Any, *, strict: bool) -> None:
+        """V falls, by itself or by the steps of further functions."""
+        if second is None:
+            self.show_falls("", lambda v: ZERO, strict=strict)
+        else:
+            self.show_further(second)
+
+    def show_further(self, second: Any) -> None:
+        """V does not rise, and on what solutions tend to a further function says where they go."""
+        own, zeros = self.inclusion, keys(second, "functions zeros")[1]
+        for cell in own.cells:
+            for k, f in cell.fields:
+                name = f"cell {own.name(cell.signs, range(len(cell.signs)))} field {k}"
+                self.show_steps(name, [(cell, f)], (), (own.z, own.count), zeros)
+        for name, cells, zero, part in self.groups():
+            fields = [(cell, f) for cell in cells for _, f in cell.fields]
+            self.show_steps(f"face {name}", fields, zero, part, zeros)
+
+    def show_steps(
+        self, name: str, fields: Fields, zero: Sequence[int], part: Subspace, zeros: Any, path: tuple[int, ...] = ()
+    ) -> None:
+        """The claim of a step on a part of a closed cell or a face, and those after it where its bound is zero."""
+        (coordinates, n), own, cells = part, self.inclusion, [cell for cell, _ in fields]
+        need(len(path) < len(cells[0].functions), "a further function")
+        full = f"{name} then {'.'.join(map(str, path))}" if path else name
+        bound = [own.bound_term(cells, term) for term in zeros[full]] if full in zeros else []
+        least = sum((prod((on(h, coordinates) ** m for h, m in powers), start=ZERO + c) for c, powers in bound), ZERO)
+        rows = []
+        for cell, f in fields:
+            guards = self.guards(coordinates, {j: s for j, s in enumerate(cell.signs) if j not in zero}, cells[0].v)
+            if guards is None:
+                continue
+            rates = [on(along(w, f), coordinates) * (1 if k else -1) for k, w in enumerate(cells[0].functions)]
+            earlier, q = rates[: len(path)], [on(along(own.surfaces[j], f), coordinates) for j in zero]
+            if len(zero) > 1:
+                q += earlier
+            else:
+                guards |= {f"sv{k}": -rate for k, rate in enumerate(earlier) if degree(rate)}
+            opened = guards if not zero and n == own.count else {}
+            side = tuple(cell.signs[j] for j in zero)
+            rows.append(Row(rates[len(path)] - least, guards, q, side, opened, earlier))
+        if rows:
+            away = any(map(at_zero, coordinates))
+            self.show(full, n, rows, strict=full not in zeros, at_origin=full not in zeros and away)
+            for k, smaller in enumerate(own.zeros_of(bound, part) if full in zeros else []):
+                self.show_steps(name, fields, zero, smaller, zeros, (*path, k))
+
     def show_gradient(self, bound: fmpq) -> None:
         for name, signs, v in self.pieces():
-            guards = self.guards(GENS[:2], signs, v) or {}
-            square = v.derivative(0) ** 2 + v.derivative(1) ** 2
-            self.show(f"gradient {name}", 2, [Row(bound * bound - square, guards, open=guards)], strict=False)
+            guards = self.guards(self.inclusion.z, signs, v) or {}
+            square = sum((v.derivative(k) ** 2 for k in range(self.inclusion.count)), ZERO)
+            self.show(
+                f"gradient {name}",
+                self.inclusion.count,
+                [Row(bound * bound - square, guards, open=guards)],
+                strict=False,
+            )
 
     def show_border(self, level: fmpq) -> None:
         for name, signs, v in self.pieces():
-            for k, side in product((0, 1), (1, -1)):
-                coordinates = [ZERO + side, GENS[0]] if k == 0 else [GENS[0], ZERO + side]
+            for k, side in product(range(self.inclusion.count), (1, -1)):
+                coordinates = list(GENS[: self.inclusion.count - 1])
+                coordinates.insert(k, ZERO + side)
                 guards = Lyapunov(self.inclusion, None, self.proofs).guards(coordinates, signs, v)
                 if guards is not None:
                     row = Row(on(v, coordinates) - level, guards)
-                    self.proofs.show(Claim(f"border {name} {'-.+'[side + 1]}{k}", 1, [row], strict=False))
+                    self.proofs.show(
+                        Claim(f"border {name} {'-.+'[side + 1]}{k}", self.inclusion.count - 1, [row], strict=False)
+                    )
 
 
 def joined(patterns: set[Signs], parted: set[frozenset[Signs]]) -> Iterator[set[Signs]]:
@@ -153,7 +207,7 @@ def joined(patterns: set[Signs], parted: set[frozenset[Signs]]) -> Iterator[set[
 
 def is_settled(cells: Sequence[Cell], coordinates: Sequence[Poly]) -> bool:
     fields = [{tuple(str(on(p, coordinates)) for p in f) for _, f in cell.fields} for cell in cells]
-    return all(cell.v == cells[0].v for cell in cells) or all(own == fields[0] for own in fields)
+    return all(cell.functions == cells[0].functions for cell in cells) or all(own == fields[0] for own in fields)
 
 
 def statements(subject: Any, entry: Any) -> list[Any]:
@@ -161,24 +215,27 @@ def statements(subject: Any, entry: Any) -> list[Any]:
     theorem, hypotheses, evidence = keys(entry, "theorem hypotheses proofs")
     if theorem == "instability":
         return instability(subject, hypotheses, evidence)
-    need(theorem == "lyapunov", "theorem lyapunov or instability")
+    if theorem == "departure":
+        return departure(subject, hypotheses, evidence)
+    need(theorem == "lyapunov", "theorem lyapunov, instability or departure")
     cells, function, second, verdict, everywhere, level, below, rate = keys(hypotheses, LYAPUNOV, "gain")
     gain = hypotheses.get("gain")
-    need(second is None and verdict in (ATTRACTS, STABLE), "a verdict by V alone")
+    need(verdict in (ATTRACTS, STABLE), "a verdict")
     need(type(everywhere) is type(below) is bool, "everywhere and below as true or false")
     proofs = Proofs(evidence)
-    inclusion = Inclusion(subject, cells, function, proofs)
+    inclusion = Inclusion(subject, cells, [function, *further(second)], proofs)
     alone = second is None and level is None and rate is None and everywhere is False
     need(cells.get("frame") is None or alone, "a verdict alone in a frame")
     own = Lyapunov(inclusion, number(level) if below else None, proofs)
     own.show_zero()
     own.show_positive()
-    own.show_falls("", lambda v: ZERO, strict=verdict == ATTRACTS)
+    own.show_fall(second, strict=verdict == ATTRACTS)
+    need(second is None or not everywhere, "a V alone for the whole space")
     shown: list[Any] = [{"stability": verdict}]
     about = {"function": function, "within": cells["within"]}
     about |= {} if type(function) is str else {"surfaces": cells["surfaces"]}
     if everywhere:
-        cones = all(degree(g) == 1 and not g(0, 0, 0) for g in inclusion.surfaces)
+        cones = all(degree(g) == 1 and not at_zero(g) for g in inclusion.surfaces)
         need(cones and proofs.are_forms and not below and verdict == ATTRACTS, "forms on cones")
         shown.append({"attracts": "everywhere"})
     if level is not None:
@@ -206,12 +263,12 @@ def statements(subject: Any, entry: Any) -> list[Any]:
 def instability(subject: Any, hypotheses: Any, evidence: Any) -> list[Any]:
     """V falls where it is not positive, and is negative in a direction, inside a cell."""
     cells, function, second, direction = keys(hypotheses, "cells function second direction")
-    need(second is None and cells["within"] is not None and len(direction) == 2, "V alone, a cube and a direction")
+    need(cells["within"] is not None and len(direction) == len(subject["states"]), "a cube and a direction")
     proofs, ray = Proofs(evidence), [number(x) for x in direction]
-    inclusion = Inclusion(subject, cells, function, proofs)
+    inclusion = Inclusion(subject, cells, [function, *further(second)], proofs)
     own = Lyapunov(inclusion, fmpq(0), proofs, border="")
     own.show_zero()
-    own.show_falls("", lambda v: ZERO, strict=True)
+    own.show_fall(second, strict=True)
     inside = [
         cell
         for cell in inclusion.cells
@@ -220,6 +277,25 @@ def instability(subject: Any, hypotheses: Any, evidence: Any) -> list[Any]:
     need(any(sign_along(cell.v, ray) < 0 for cell in inside), "a V that is negative in the direction")
     need(not proofs.left, "proofs that are asked for")
     return [{"stability": "unstable"}]
+
+
+def further(second: Any) -> list[Any]:
+    """Further functions, at most four."""
+    functions = [] if second is None else keys(second, "functions zeros")[0]
+    need(type(functions) is list and len(functions) <= 4, "at most four further functions")
+    return functions
+
+
+def departure(subject: Any, hypotheses: Any, evidence: Any) -> list[Any]:
+    """All fields at the point have a positive part in a direction."""
+    cells, direction = keys(hypotheses, "cells direction")
+    proofs, n = Proofs(evidence), [number(x) for x in direction]
+    inclusion = Inclusion(subject, cells, ["0"], proofs)
+    need(cells.get("frame") is None, "the states themselves")
+    fields = [f for cell in inclusion.cells_at_point() for _, f in cell.fields]
+    need(all(sum(x * at_zero(p) for x, p in zip(n, f, strict=True)) > 0 for f in fields), "fields in a direction")
+    need(not proofs.left, "proofs that are asked for")
+    return [{"stability": "unstable"}, {"equilibrium": False}]
 
 
 def sign_along(p: Poly, ray: Sequence[fmpq]) -> int:

@@ -9,18 +9,22 @@ from typing import Any
 
 from flint import fmpq
 
-from tests.oracles.second_formulas import GENS, RING, ZERO, Poly, degree, keys, need, number, terms
+from tests.oracles.second_formulas import GENS, RING, SIZE, ZERO, Poly, at_zero, degree, keys, need, number, terms
 
 
 @dataclass
 class Row:
-    """``p + sum mu q > 0`` where guards are not negative, on one side of a face; guards are open by name."""
+    """``p + sum mu q > 0`` where guards are not negative, on one side of a face; guards are open by name.
+
+    Rates of earlier steps are zero where it matters.
+    """
 
     p: Poly
     guards: dict[str, Poly]
     q: list[Poly] = field(default_factory=list)
     side: tuple[int, ...] = ()
     open: Collection[str] = ()
+    earlier: Sequence[Poly] = ()
 
 
 @dataclass
@@ -63,6 +67,8 @@ def by_pairs(claim: Claim, listed: Any) -> None:
     asked = [(i, j, a, b) for (i, a), (j, b) in numbered if a.side != b.side]
     for (i, j, a, b), evidence in zip(asked, listed, strict=True):
         guards = {**a.guards, **{f"{name}'": g for name, g in b.guards.items()}, "sp": a.q[0], "sq": -b.q[0]}
+        mixed = zip(a.earlier, b.earlier, strict=True)
+        guards |= {f"sv{k}": w * b.q[0] - v * a.q[0] for k, (w, v) in enumerate(mixed)}
         row = Row(b.p * a.q[0] - a.p * b.q[0], guards, open=("sp", "sq"))
         name = f"{claim.name} pair {i} {j}"
         show(Claim(name, claim.n, [row], claim.strict, claim.bounded, claim.at_origin, claim.border), evidence)
@@ -70,7 +76,7 @@ def by_pairs(claim: Claim, listed: Any) -> None:
 
 def monomial(exponents: Any, n: int) -> Poly:
     need(len(exponents) == n and all(type(k) is int and 0 <= k <= 40 for k in exponents), "exponents")
-    return RING.from_dict({(*exponents, *[0] * (3 - n)): fmpq(1)})
+    return RING.from_dict({(*exponents, *[0] * (SIZE - n)): fmpq(1)})
 
 
 def by_squares(claim: Claim, row: Row, asked: Poly, blocks: Any) -> bool:
@@ -104,7 +110,7 @@ def by_mixture(claim: Claim, row: Row, asked: Poly, weights: Any) -> bool:
     need(not row.q and all(number(w) >= 0 for w in weights.values()), "multipliers that are not negative")
     rest = asked - sum((row.guards[name] * number(w) for name, w in weights.items()), ZERO)
     slopes = sum((abs(c) for e, c in terms(rest) if any(e)), fmpq(0))
-    least = rest(0, 0, 0) - slopes
+    least = at_zero(rest) - slopes
     need(degree(rest) <= 1 and (claim.bounded or not slopes) and least >= 0, f"an affine mixture of {claim.name}")
     return bool(least > 0)
 
@@ -182,7 +188,7 @@ def is_positive(claim: Claim, corners: Sequence[Sequence[fmpq]], total: Poly, bo
 
 def supports(p: Poly) -> set[frozenset[int]]:
     """The coordinates in each term."""
-    return {frozenset(k for k in range(3) if e[k]) for e, _ in terms(p)}
+    return {frozenset(k for k in range(SIZE) if e[k]) for e, _ in terms(p)}
 
 
 class Proofs:

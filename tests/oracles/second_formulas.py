@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, TypeAlias
 
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx
 
-RING = fmpq_mpoly_ctx.get(("a", "b", "c"), Ordering.lex)  # z_0 and z_1; or coordinates of a face, or of a triangle
+SIZE = 9  # variables: those of eight states, of a face, or the coordinates in a simplex
+RING = fmpq_mpoly_ctx.get(tuple("abcdefghi"), Ordering.lex)
 GENS, ZERO, ONE = RING.gens(), RING.constant(0), RING.constant(1)
 TOKEN = re.compile(r"(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][+-]?\d{1,3})?|[A-Za-z]\w*|\*\*|[-+*/(),]")
 Poly: TypeAlias = fmpq_mpoly
@@ -43,6 +44,11 @@ def terms(p: Poly) -> list[tuple[tuple[int, ...], fmpq]]:
 
 def degree(p: Poly) -> int:
     return max((sum(e) for e, _ in terms(p)), default=0)
+
+
+def at_zero(p: Poly) -> fmpq:
+    """The value where all variables are zero."""
+    return p.to_dict().get((0,) * SIZE, fmpq(0))
 
 
 # ---- formulas ------------------------------------------------------------------------------------
@@ -174,7 +180,7 @@ class Reading:
         first, second = values
         if kind == "/":
             need(second and not degree(second), "a division by a number")
-            return first * (1 / second(0, 0, 0))
+            return first * (1 / at_zero(second))
         return first * second if kind == "*" else first + second if kind == "+" else first - second
 
     def call(self, name: str, values: list[Poly]) -> Poly:
@@ -201,18 +207,23 @@ class Reading:
 
 
 def on(p: Poly, coordinates: Sequence[Poly]) -> Poly:
-    return p.compose(*coordinates, ZERO)
+    return p.compose(*coordinates, *[ZERO] * (SIZE - len(coordinates)))
 
 
 def along(v: Poly, f: Sequence[Poly]) -> Poly:
-    return v.derivative(0) * f[0] + v.derivative(1) * f[1]
+    return sum((v.derivative(k) * own for k, own in enumerate(f)), ZERO)
 
 
-def solve(lines: Sequence[Poly]) -> tuple[list[Poly], int]:
-    """Both variables where lines vanish, in the free one; none where they do nowhere."""
-    p, q, r = ([own.to_dict().get(e, fmpq(0)) for own in lines] for e in ((1, 0, 0), (0, 1, 0), (0, 0, 0)))
-    if len(lines) == 1:
-        return ([(GENS[0] * q[0] + r[0]) * (-1 / p[0]), GENS[0]] if p[0] else [GENS[0], ZERO - r[0] / q[0]]), 1
-    bottom = p[0] * q[1] - p[1] * q[0]
-    x, y = q[0] * r[1] - q[1] * r[0], p[1] * r[0] - p[0] * r[1]
-    return ([ZERO + x / bottom, ZERO + y / bottom], 0) if bottom else ([], 0)
+def solve(lines: Sequence[Poly], n: int) -> tuple[list[Poly], int]:
+    """All n variables where affine functions vanish, in those without a pivot; none where they do nowhere."""
+    rows = [[own.derivative(k) for k in range(n)] + [own] for own in lines]
+    matrix = fmpq_mat([[at_zero(entry) for entry in row] for row in rows])
+    reduced, rank = matrix.rref()
+    pivots = [next(k for k in range(n + 1) if reduced[i, k]) for i in range(rank)]
+    if n in pivots:
+        return [], 0
+    free = [k for k in range(n) if k not in pivots]
+    named = dict(zip(free, GENS, strict=False))
+    for i, k in enumerate(pivots):
+        named[k] = sum((-reduced[i, j] * named[j] for j in free), ZERO - reduced[i, n])
+    return [named[k] for k in range(n)], len(free)
