@@ -393,7 +393,7 @@ def test_what_still_moves_is_said_to(tmp_path: Path) -> None:
     assert found.by(BodyEnd.LEAVES).tolist() == [False, True]
 
 
-# ---- Smoothed twists of many bodies at once against proved minimizers, one by one. ---------------
+# ---- Smoothed twists of many bodies at once against proved minimizers, one by one ----------------
 
 POINTS = 40
 ERRORS = {"ellipse": 1e-5, "roller": 2e-3}  # of the fastest wheel's speed: by how much they are smoothed

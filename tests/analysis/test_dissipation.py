@@ -181,7 +181,7 @@ def test_a_rim_without_direction_is_refused() -> None:
         ContactModel.build([(0, 0)], [(0, 0)], [1], (1, 1))
 
 
-# ---- The least dissipation at 100 digits: a golden value, certified minima, and scales. ----------
+# ---- The least dissipation at 100 digits: a golden value, certified minima, and scales -----------
 
 SOLVERS = 1e-7  # relative gap of the reference solvers
 EXACT = 1e-12  # of the others

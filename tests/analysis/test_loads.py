@@ -203,7 +203,7 @@ def test_hull_of_floats_as_qhull_finds_it() -> None:
             assert (_outside(corners, places) == beyond).all()
 
 
-# ---- Sets of loads against a linear program, and against springs that are pressed one by one. ----
+# ---- Sets of loads against a linear program, and against springs that are pressed one by one -----
 
 OPTIMUM_ROUNDING = 1e-9
 

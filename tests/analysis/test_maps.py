@@ -170,7 +170,7 @@ def test_exact_fields_are_rounded_and_input_is_checked(arrays: Arrays) -> None:
         grid_starts(field, 1)
 
 
-# ---- How paths end: against paths whose end is known without following them. ---------------------
+# ---- How paths end: against paths whose end is known without following them ----------------------
 
 Pose = tuple[float, float, float]
 
@@ -248,7 +248,7 @@ def test_samples_without_pieces_are_read_between() -> None:
     assert ending(sampled, 1.0, 1.0).since == pytest.approx(1.0, abs=1e-3)
 
 
-# ---- Paths are called unique only where nothing else was left open. ------------------------------
+# ---- Paths are called unique only where nothing else was left open -------------------------------
 
 
 def follow(tmp_path: Path, rhs: list[str], start: list[float]) -> Trajectory:

@@ -29,7 +29,7 @@ from tests.four_wheel import CORNERS, ROLL, SIDE
 from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few, keep, thorough
 
-# ---- Rule ``nearest``: its exact cells against the rule's own words, point by point. -------------
+# ---- Rule ``nearest``: its exact cells against the rule's own words, point by point --------------
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 

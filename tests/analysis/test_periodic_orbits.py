@@ -188,7 +188,7 @@ def test_newtons_method_that_goes_on_to_ever_longer_turns_finds_no_return(start:
         orbit(["x", "y"], ["y + 3/20*x - sign(x)/10", "-3/2*x - 3/20*y - y*Abs(x)*3/40"], start, 60.0)
 
 
-# ---- Closed orbits: a trillion turns are as exact as one. ----------------------------------------
+# ---- Closed orbits: a trillion turns are as exact as one -----------------------------------------
 
 START = (Fraction(3, 10), Fraction(1, 5), Fraction(1, 7))
 PERIOD = 2  # the orbit is the square |x| + |y| = 1/2, at speed one in x and in y

@@ -272,7 +272,7 @@ def test_home_may_lie_anywhere(arrays: Arrays, seed: int, start: tuple[float, fl
     assert np.abs(far - simulate(closed_loop(scene), start, 6.0).sample(times)).max() < 1e-9  # corners: 1e-10
 
 
-# ---- Events of sliding of codimension two against references in closed form or in 40 digits. -----
+# ---- Events of sliding of codimension two against references in closed form or in 40 digits ------
 
 EVENT_ERROR = 1e-9
 UNTIL = 2.5, 5.0
@@ -513,7 +513,7 @@ def exact_turn(field: ConstantField, rays: Sequence[Ray], start: float) -> tuple
     return distance / Fraction(start), time
 
 
-# ---- Limits of loops of crossings whose times are only as sure as slow crossings can be. ---------
+# ---- Limits of loops of crossings whose times are only as sure as slow crossings can be ----------
 
 LIMIT = 2.0
 

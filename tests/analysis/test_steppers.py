@@ -208,7 +208,7 @@ def test_errors_are_proportional_to_the_tolerance() -> None:
     assert log_slope(TOLERANCES, errors) == pytest.approx(1, abs=WITHIN)
 
 
-# ---- Stiff stretches: when Radau takes over, and that nothing is lost by it. ---------------------
+# ---- Stiff stretches: when Radau takes over, and that nothing is lost by it ----------------------
 
 ACCURACY = 1e-10  # a hundred steps of 1e-12 each
 FEW = 1_000  # samples: an explicit method would need a million

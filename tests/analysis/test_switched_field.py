@@ -38,7 +38,7 @@ from tests.conftest import Arrays
 from tests.hulls import hull_holds_zero
 from tests.oracles.differences import STEP, smooth_surface
 
-# ---- Cell complexes, the two kinds of switched fields, and small problems on convex hulls. -------
+# ---- Cell complexes, the two kinds of switched fields, and small problems on convex hulls --------
 
 
 def complex_of(partition: Partition) -> CellComplex:

@@ -9,7 +9,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from tests.benchmarks.conftest import Stopwatch
-from tests.clauses import verdicts
+from tests.built_in import verdicts
 from tests.conftest import Arrays
 
 

@@ -109,7 +109,7 @@ def test_what_is_refused() -> None:
         switching(("x", "z"), ("x", "y"))
 
 
-# ---- Arbitrary switching and disturbances that make the point unstable by one switching law. -----
+# ---- Arbitrary switching and disturbances that make the point unstable by one switching law ------
 
 BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bound, beyond what the law can take
     "a push that a relay does not hold": (("y", "-2*sign(x) - sign(y) + d"), 4),

@@ -40,7 +40,7 @@ from tests.conftest import Arrays, WheelData
 from tests.four_wheel import SIDE
 from tests.oracles.nearest_paths import Wheel as OracleWheel
 from tests.oracles.rebuilt_arrays import assert_still_true
-from tests.oracles.tied_scenes import LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
+from tests.oracles.tied_arrays import LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
 from tests.thorough import few
 
 Record: TypeAlias = dict[str, Any]

@@ -339,7 +339,7 @@ def test_one_input_acts_where_the_cell_is_centred_on_the_equilibrium(arrays: Arr
     assert check_theorem4(scene).check()
 
 
-# ---- The certified rate of the feedback law, against brute force. --------------------------------
+# ---- The certified rate of the feedback law, against brute force ---------------------------------
 
 
 def sampled_kappa(cone: ConeRate, samples: int = 40_000) -> float:
@@ -548,7 +548,7 @@ def test_random_arrays_show_all_kinds() -> None:
     assert {(bool(m.squared), m.is_exact) for m in margins} == {(False, True), (True, True), (True, False)}
 
 
-# ---- Ranks of the control vector fields against numerical rank. ----------------------------------
+# ---- Ranks of the control vector fields against numerical rank -----------------------------------
 
 
 def test_four_wheel_ranks(arrays: Arrays) -> None:

@@ -193,7 +193,7 @@ def test_all_curves_through_a_place_make_a_face() -> None:
     assert (0, 1, 2) in {face.zero for face in inclusion.faces()}
 
 
-# ---- Statements that are false, for which the checker must ask something that cannot be shown. ---
+# ---- Statements that are false, for which the checker must ask something that cannot be shown ----
 #
 # Each was accepted once: with surfaces that have a factor in common, patterns of signs that have no point, functions
 # that jump, or inequalities that hold near the point only, the claims that were asked were too few.

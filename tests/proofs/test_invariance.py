@@ -400,7 +400,7 @@ def test_rests_of_several_fields_against_their_hulls(count: int) -> None:
     assert known[False] >= 2
 
 
-# ---- LaSalle's principle in many states, beside observability of what slides, and paths. ---------
+# ---- LaSalle's principle in many states, beside observability of what slides, and paths ----------
 
 ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
 SQUARES = "x**2 + y**2 + z**2"

@@ -217,7 +217,7 @@ def test_claims_about_one_point(number: int, at_origin: bool) -> None:
         show(claim, found)
 
 
-# ---- A V that is a quotient: where no polynomial serves, and what the checker refuses of one. ----
+# ---- A V that is a quotient: where no polynomial serves, and what the checker refuses of one -----
 
 TURN = "-x**4 + 2*x**2*y**2 + y**4", "x**4 + 2*x**2*y**2 - y**4"  # gradient of V, times |x|^4/2, over x and y
 NO_POLYNOMIAL = [  # Ahmadi and El Khadir 2018: no polynomial V at all

@@ -22,16 +22,14 @@ from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-from tests.oracles.solver_questions import Questions, read
-from tests.oracles.solvers import ask, with_z3
+from tests.oracles.solver_questions import Questions, ask, read, with_z3
 from tests.proofs.conftest import Load
-from tests.proofs.plain_agreement import contradictions
-from tests.proofs.plain_ties import Oracle, Tie, holds_zero, random_tie
+from tests.proofs.plain_ties import Oracle, Tie, contradictions, holds_zero, random_tie
 from tests.proofs.system_families import Known as KnownPlanar
 from tests.proofs.system_families import families
 from tests.thorough import few, keep, thorough
 
-# ---- Known systems in families: every third here, all of them in tests/benchmarks. ---------------
+# ---- Known systems in families: every third here, all of them in tests/benchmarks ----------------
 
 SLOW = {"relay, viscous 1/4", "damping at one side only"}
 CHOSEN = [known for known in list(families())[::3] if known.name not in SLOW]
@@ -192,7 +190,7 @@ def test_known_systems(known: Known) -> None:
     assert result.check()
 
 
-# ---- Loops with a layer of rectifiers: verdicts agree with paths of the same loop in floats. -----
+# ---- Loops with a layer of rectifiers: verdicts agree with paths of the same loop in floats ------
 
 DAMPED = np.array([-2.0, -1.5])
 

@@ -416,7 +416,7 @@ def test_a_stated_function_comes_before() -> None:
     assert result.function.text == "3*x**2/2 + x*y + y**2"
 
 
-# ---- Candidates for V of systems of second order: energies with a cross term. --------------------
+# ---- Candidates for V of systems of second order: energies with a cross term ---------------------
 
 # Right-hand sides, the place of the position, and its force; at rest that of friction is the mean of both directions.
 SECOND_ORDER = [

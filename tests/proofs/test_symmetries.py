@@ -16,7 +16,7 @@ from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.mechanics.scene import Friction, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector
-from tests.clauses import drift, verdicts
+from tests.built_in import drift, verdicts
 from tests.conftest import Arrays
 
 Rational: TypeAlias = int | Fraction

@@ -32,13 +32,20 @@ from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from tests.array_certificates import check_certificate, said, subject
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
-from tests.oracles.agreement import box_contradiction, contradiction
-from tests.oracles.box_paths import observe_box
+from tests.oracles.box_paths import box_contradiction, contradiction, observe_box
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.nearest_paths import End, Wheel, observe
-from tests.oracles.tied_arrays import FOUND, found_by_search, tied_array, untied_array
-from tests.oracles.tied_box_arrays import tied_box
-from tests.oracles.tied_scenes import CENTRE, LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
+from tests.oracles.tied_arrays import (
+    CENTRE,
+    FOUND,
+    LEAVES_FROM_1E_9,
+    LEAVES_LIKE_A_ROOT,
+    found_by_search,
+    scene_of,
+    tied_array,
+    tied_box,
+    untied_array,
+)
 from tests.thorough import thorough
 
 # ---- Translation verdicts of arrays with exact coincidences, against paths that know nothing of the fan of cones.
@@ -286,7 +293,7 @@ def test_all_verdicts_occur(arrays: Arrays) -> None:
     assert {"stable", "asymptotically stable", "unstable", "no equilibrium"} <= set(seen)
 
 
-# ---- What the checker accepts about translation, against paths that share no theory with it. -----
+# ---- What the checker accepts about translation, against paths that share no theory with it ------
 #
 # The workbench's own decision of an array that is built anew rests on the checker's theorems: an error in these would
 # pass. Here the array of each certificate is read back from its own data and followed by the definitions; so are the

@@ -32,7 +32,7 @@ from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.nearest_states import nearest_states
 from tests.thorough import few, keep, thorough
 
-# ---- Clause 2: stability of (x, y) by V = |c|^2, its rate, its region, its witnesses. ------------
+# ---- Clause 2: stability of (x, y) by V = |c|^2, its rate, its region, its witnesses -------------
 
 RINGS = range(3, 13)
 SEEDS = range(30)
@@ -375,7 +375,7 @@ def test_there_is_no_region_where_the_body_tips_at_the_point(arrays: Arrays) -> 
     assert "tips at c*" in result.support_note
 
 
-# ---- ``V = c^T P c`` where ``|c|^2`` is no certificate. ------------------------------------------
+# ---- ``V = c^T P c`` where ``|c|^2`` is no certificate -------------------------------------------
 
 ARRIVED = 1e-9  # a distance; coordinates are of order 1
 LOOSE = 9  # the largest bound of the time of arrival against the longest path, over these arrays

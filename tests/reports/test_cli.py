@@ -406,7 +406,7 @@ def test_why_there_are_no_headings_of_rest_is_said(invoke: Invoke) -> None:
     assert said.count("\n") == 1
 
 
-# ---- ``nonsmooth check`` for many scenes: one line each, all records, the worst exit status. -----
+# ---- ``nonsmooth check`` for many scenes: one line each, all records, the worst exit status ------
 
 TIPPING = """
 [check]

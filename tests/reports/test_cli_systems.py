@@ -31,7 +31,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
 
-# ---- Plain systems, audits and certificates through the command line. ----------------------------
+# ---- Plain systems, audits and certificates through the command line -----------------------------
 
 
 @pytest.mark.parametrize(

@@ -40,10 +40,10 @@ from nonsmooth.reports.simulations.paths import follow_array, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
+from tests.built_in import ruled
 from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds
 from tests.reports.conftest import Invoke
-from tests.ruled import ruled
 from tests.thorough import few, keep, thorough
 
 # ---- The closed loop of imposed twists: V falls as certified, and small steps with minimizers of D lead the same

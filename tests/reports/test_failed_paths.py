@@ -233,7 +233,7 @@ def test_what_cannot_fail_is_refused(invoke: Invoke, arguments: tuple[str, ...],
     assert said in done.err
 
 
-# ---- ``--fail 1`` on check and sweep. ------------------------------------------------------------
+# ---- ``--fail 1`` on check and sweep -------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")

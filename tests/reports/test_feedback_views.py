@@ -120,7 +120,7 @@ def test_a_clause_that_the_certificate_leaves_open_is_named(invoke: Invoke, tmp_
     assert invoke("verify", str(path)).status == 0
 
 
-# ---- Headings of rest on the terminal, in JSON, in Python and in the report. ---------------------
+# ---- Headings of rest on the terminal, in JSON, in Python and in the report ----------------------
 
 SWIRL = """
 name = "swirl"
@@ -255,7 +255,7 @@ def test_no_section_without_a_field(tmp_path: Path) -> None:
     assert "What was left out, and why" in titles
 
 
-# ---- ``nonsmooth partition SCENE --compare``: table, JSON and picture. ---------------------------
+# ---- ``nonsmooth partition SCENE --compare``: table, JSON and picture ----------------------------
 
 
 def test_record_holds_exact_shares() -> None:

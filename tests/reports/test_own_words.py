@@ -178,7 +178,7 @@ def test_a_design_is_written_in_degrees_and_decimals_where_units_are_stated(tmp_
     assert math.degrees(math.atan2(b, a)) == pytest.approx(float(second["heading"]), abs=1e-9)
 
 
-# ---- What no forces prove is said in words, in every view of a check under rule ``ellipse``. -----
+# ---- What no forces prove is said in words, in every view of a check under rule ``ellipse`` ------
 
 INWARD = """
 friction = { mu_roll = 1, mu_side = 0 }
@@ -308,7 +308,7 @@ def test_reports_show_the_load_that_refutes_and_say_what_is_about_one_load(
     assert invoke("derive", str(path), "-o", "grid.html").status == 0
 
 
-# ---- A contradiction is undecided and said with both sides, wherever the verdict is written. -----
+# ---- A contradiction is undecided and said with both sides, wherever the verdict is written ------
 
 BOTH_SIDES = ("translation unstable: V* < 0 at every nonzero vertex", "sampled starts near the point")
 

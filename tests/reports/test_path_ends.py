@@ -30,7 +30,7 @@ from nonsmooth.symbolic.mechanics.units import Units
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
 
-# ---- ``simulate`` says where, when and how a path ends, with inertia and without. ----------------
+# ---- ``simulate`` says where, when and how a path ends, with inertia and without -----------------
 
 TABLE = """
 name = "table"
@@ -377,7 +377,7 @@ def test_layers_stay_near_the_events(method: str, invoke: Invoke) -> None:
     assert found == pytest.approx(exact, abs=ERROR_PER_WIDTH * WIDTH)
 
 
-# ---- Solutions of plain systems through the command line, against their closed forms. ------------
+# ---- Solutions of plain systems through the command line, against their closed forms -------------
 
 ROUNDING = 1e-14
 EVENT = 1e-12  # times of events found on DOP853's dense output

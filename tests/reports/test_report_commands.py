@@ -95,7 +95,7 @@ def test_the_path_that_a_command_draws_is_that_of_the_report(
     assert start == pytest.approx([0.3 + 0.04, -0.1 + 0.08, 0.0])
 
 
-# ---- ``derive --brief``: two pages that say nothing but what the whole report says. --------------
+# ---- ``derive --brief``: two pages that say nothing but what the whole report says ---------------
 
 PAGES = 2
 
@@ -243,7 +243,7 @@ def test_the_command_writes_and_refuses(invoke: Invoke, tmp_path: Path) -> None:
         assert named in refused.err
 
 
-# ---- Formulas of systems that were rewritten: short in reports, and with the same values. --------
+# ---- Formulas of systems that were rewritten: short in reports, and with the same values ---------
 
 RATES = ["sin(x) - 2*sgn(x + y) - y", "1/4 - (1 - x)*cos(2*x - y) + Abs(y)", "-(x/2 + sin(y + pi/2)) + 10*sin(x)**2"]
 
@@ -283,7 +283,7 @@ def test_the_factor_that_clears_fractions_is_tidied() -> None:
     assert said.startswith("multiplied by (1 + Abs(y))*(1 + Abs(y)), which is positive")
 
 
-# ---- Sentences of the program with their formulas set as formulas. -------------------------------
+# ---- Sentences of the program with their formulas set as formulas --------------------------------
 
 
 def plain(text: str) -> str:

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.numbers.plane import cross, dot
 from tests.four_wheel import CORNERS
 from tests.thorough import examples, keep, thorough
 
-# ---- Built-in scenes: what their names promise. --------------------------------------------------
+# ---- Built-in scenes: what their names promise ---------------------------------------------------
 
 HALF = Fraction(1, 2)
 

@@ -193,7 +193,7 @@ def test_shown(value: object, text: str) -> None:
     assert shown(value) == text
 
 
-# ---- Messages that guess what was meant. ---------------------------------------------------------
+# ---- Messages that guess what was meant ----------------------------------------------------------
 
 SCENE = """
 name = "guess"
@@ -276,7 +276,7 @@ def test_angles_may_name_their_unit(text: str, value: float) -> None:
     assert abs(read_start_angle(text) - value) <= math.ulp(value)
 
 
-# ---- Scenes that come from somebody else: which files they may name, and what they may cost. -----
+# ---- Scenes that come from somebody else: which files they may name, and what they may cost ------
 
 TABLE = "x,y\n1,0\n0,2\n-1,0\n"
 SECRET = "password-of-root-3141592653589793"

@@ -470,7 +470,7 @@ def test_python_changes_some_of_them() -> None:
     assert system.with_(parameters={"c": -1}).check().verdict == "unstable"
 
 
-# ---- Starts of solutions: formulas against mpmath, rounded once to the nearest float. ------------
+# ---- Starts of solutions: formulas against mpmath, rounded once to the nearest float -------------
 
 DIGITS = 80
 

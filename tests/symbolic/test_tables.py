@@ -178,7 +178,7 @@ def test_decimal_commas_are_refused(text: str, line: str) -> None:
     assert str(caught.value) == f"my.toml: {line}"
 
 
-# ---- ``[body]``: footprints from their centroid, and what is refused. ----------------------------
+# ---- ``[body]``: footprints from their centroid, and what is refused -----------------------------
 
 HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\n[body]\n'
 
@@ -472,7 +472,7 @@ def test_tables_or_formulas_not_both() -> None:
         built(TABLES[0], rhs=["y", "x"])
 
 
-# ---- Vehicle files: what is built, and what is refused in one line. ------------------------------
+# ---- Vehicle files: what is built, and what is refused in one line -------------------------------
 
 FRICTION = "[friction]\nmu_roll = 1\nmu_side = 1\n"
 SIDES = "[vehicle]\ntrack = 0.6\nwheel_base = 0.5\n"

@@ -197,7 +197,7 @@ def test_an_error_is_formed_before_it_is_rounded() -> None:
     assert exact.error(rounded + np.array([0, 0, 0.5])) == pytest.approx(0.5)
 
 
-# ---- Reference paths at 60 digits against closed forms, and where they must stop. ----------------
+# ---- Reference paths at 60 digits against closed forms, and where they must stop -----------------
 
 LAST_DIGIT = 2.0**-52
 

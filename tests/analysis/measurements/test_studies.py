@@ -56,7 +56,7 @@ from tests.conftest import Arrays
 from tests.plain import built
 from tests.thorough import few, keep, thorough
 
-# ---- Measuring: outcomes, limits and slopes, on trials whose results are known. ------------------
+# ---- Measuring: outcomes, limits and slopes, on trials whose results are known -------------------
 
 LIMITS = Limits(runs=3, seconds=0.2)
 PAUSE = 0.01  # seconds of work

@@ -247,7 +247,7 @@ def test_speeds_that_move_no_body_hold_no_pose() -> None:
         assert np.allclose(BoxHighs().minimize(driven, loads_at(driven, np.zeros((1, 2)))).twists, 0)
 
 
-# ---- The answers with one wheel failed, against arrays that are written down without it. ---------
+# ---- The answers with one wheel failed, against arrays that are written down without it ----------
 
 CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 PLACES = [*CORNERS, (2, 0), (0, 2)]

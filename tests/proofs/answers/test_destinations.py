@@ -42,7 +42,7 @@ from tests.oracles.small_steps import Contacts
 from tests.outlined import Floats
 from tests.thorough import few, keep, thorough
 
-# ---- Where bodies go from all over the square: exact places beside sampled shares. ---------------
+# ---- Where bodies go from all over the square: exact places beside sampled shares ----------------
 
 # Eight wheels with headings and speeds drawn at random: the checked point is no equilibrium.
 RANDOM = """

@@ -37,7 +37,7 @@ from tests.proofs.robust.test_nearest_bounds import drawn, velocities
 from tests.reports.conftest import Invoke
 from tests.thorough import few, thorough
 
-# ---- What a user writes after ``--vary``: exact values, grids, draws, and what is refused. -------
+# ---- What a user writes after ``--vary``: exact values, grids, draws, and what is refused --------
 
 
 def entries(text: str) -> list[int | str]:
@@ -403,7 +403,7 @@ def test_results_of_cells_are_kept(invoke: Invoke, tmp_path: Path) -> None:
     assert first == again
 
 
-# ---- Sweeps on a Dask cluster, where the optional package is installed. --------------------------
+# ---- Sweeps on a Dask cluster, where the optional package is installed ---------------------------
 
 needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is optional")
 SWEEP = ("sweep", "four-wheel", "--vary", "mu_side=1/10:2:40", "--store", "r.sqlite", "-o", "t.csv")

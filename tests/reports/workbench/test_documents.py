@@ -29,7 +29,7 @@ from tests.random_edits import Hand
 from tests.thorough import few
 from tests.workbench_server import Workbench
 
-# ---- Documents: scenes as JSON, the way to TOML and back, and layouts written out. ---------------
+# ---- Documents: scenes as JSON, the way to TOML and back, and layouts written out ----------------
 
 NUMBERS = st.one_of(
     st.integers(-(10**20), 10**20), st.floats(allow_nan=False, allow_infinity=False), st.decimals(-9, 9)
@@ -114,7 +114,7 @@ def test_a_table_of_wheels_is_written_out(tmp_path: Any) -> None:
     assert [str(w.direction) for w in array.scene.wheels] == [str(w.direction) for w in load_scene(str(file)).wheels]
 
 
-# ---- Edits of wheels: exact in all numbers, and their own inverses where they should be. ---------
+# ---- Edits of wheels: exact in all numbers, and their own inverses where they should be ----------
 
 SCENES = ("four-wheel", "ring-5", "spiral-30", "off-center", "omni-3", "elliptic")
 

@@ -23,7 +23,7 @@ from tests.reports.workbench.workbench_page import Opened, document, edited, set
 from tests.thorough import keep, thorough
 from tests.workbench_server import Workbench
 
-# ---- The stages of a view over HTTP: what they say, and that newer ones cancel older ones. -------
+# ---- The stages of a view over HTTP: what they say, and that newer ones cancel older ones --------
 
 CORNERS = [[1, 1], [-1, 1], [-1, -1], [1, -1]]
 
@@ -157,7 +157,7 @@ def test_the_token_is_the_user_s_own(server: Workbench) -> None:
     assert (server.state / "nonsmooth" / "workbench-token").stat().st_mode & 0o077 == 0
 
 
-# ---- What is opened and saved over HTTP. ---------------------------------------------------------
+# ---- What is opened and saved over HTTP ----------------------------------------------------------
 
 ENDS = {
     "toml": (".toml", "application/toml"),
@@ -286,7 +286,7 @@ def _lives(pid: int) -> bool:
     return True
 
 
-# ---- What a worker does when its server is gone. -------------------------------------------------
+# ---- What a worker does when its server is gone --------------------------------------------------
 
 
 def test_a_server_that_went_with_messages_unread_is_no_fault_of_the_job(capfd: pytest.CaptureFixture[str]) -> None:

@@ -288,7 +288,7 @@ def plain_of(inline: Inline) -> str:
     return inline.plain if isinstance(inline, Math) else inline if isinstance(inline, str) else inline.text
 
 
-# ---- The paper's sign forms, and its pair of wheels for symbolic geometry. -----------------------
+# ---- The paper's sign forms, and its pair of wheels for symbolic geometry ------------------------
 
 # ---- Sign forms: the paper's eqs. (3) and (4) as printed, and forms found again from what they say.
 
@@ -387,7 +387,7 @@ def test_mirrored_lines_are_one_factor() -> None:
     assert str(factors[1][2, 0]) == "-4"
 
 
-# ---- Theorem 4's pair of wheels, for symbolic geometry, and what the paper displays of it. -------
+# ---- Theorem 4's pair of wheels, for symbolic geometry, and what the paper displays of it --------
 #
 # Positions ``(x_i, y_i), (x_j, y_j)``, headings ``phi_i, phi_j`` and speeds ``u_i, u_j`` are symbols, headings by
 # their cosines and sines. Both rows of wheel i and the roll row of wheel j give::

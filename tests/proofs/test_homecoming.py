@@ -30,11 +30,11 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.built_in import ruled
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import solves
-from tests.ruled import ruled
 from tests.thorough import few, keep
 
 Pair = tuple[Fraction | int, Fraction | int]

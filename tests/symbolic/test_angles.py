@@ -325,7 +325,7 @@ def test_an_exact_field_has_no_measured_angles() -> None:
     assert NumberField(20).measured == ()
 
 
-# ---- Angles are read with their unit as people write it, in scene files, tables and starts. ------
+# ---- Angles are read with their unit as people write it, in scene files, tables and starts -------
 
 WORDS = ["-45deg", "-45 deg", "-45 degrees", "-45degree", "-45\N{DEGREE SIGN}", "-45 \N{DEGREE SIGN}", "-pi/4 rad"]
 HEAD = "[friction]\nmu_roll = 1\nmu_side = 0.5\n"
@@ -374,7 +374,7 @@ def test_a_heading_of_a_table(word: str, tmp_path: Path) -> None:
     assert tuple(map(float, wheel.unit_direction)) == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)), abs=1e-15)
 
 
-# ---- Units of a scene: labels, and speeds that a file states in another unit of length. ----------
+# ---- Units of a scene: labels, and speeds that a file states in another unit of length -----------
 
 WHEELS = (
     "[[wheel]]\nposition = [1, 1]\nspeed = 2\n[[wheel]]\nposition = [-1, 2]\n"

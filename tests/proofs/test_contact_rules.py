@@ -47,11 +47,11 @@ from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
+from tests.built_in import centred, ruled
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import verifies
-from tests.ruled import centred, ruled
 from tests.thorough import few
 
 # ---- Rule ``roller`` at the checked point and its feedback: exact statements against the numerical minimizer.

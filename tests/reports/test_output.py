@@ -20,7 +20,7 @@ from tests.conftest import Arrays
 from tests.reports.conftest import Invoke
 from tests.thorough import thorough
 
-# ---- Nothing but the product writes on standard output, whatever else is installed. --------------
+# ---- Nothing but the product writes on standard output, whatever else is installed ---------------
 
 ROOT = Path(__file__).resolve().parents[2]
 # Every package that a solver interface of CVXPY 1.9 imports and that CVXPY does not require.
@@ -153,7 +153,7 @@ def test_every_import_of_cvxpy_goes_through_ours() -> None:
     assert found >= 2  # where V and P are searched
 
 
-# ---- Output files: a temporary file that nobody can foresee, never through a link. ---------------
+# ---- Output files: a temporary file that nobody can foresee, never through a link ----------------
 
 
 def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:

@@ -42,9 +42,8 @@ from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from tests.analysis.test_body_path import pushed_back
 from tests.analysis.test_dynamics import random_model
 from tests.conftest import Arrays, WheelData
-from tests.oracles.heavy_bodies import HeavyTable
+from tests.oracles.heavy_bodies import HeavyTable, SprungBody
 from tests.oracles.small_steps import small_steps_of_mass
-from tests.oracles.tall_bodies import SprungBody
 from tests.outlined import Depths, Pair, on, polygon_depths, polygon_of
 from tests.thorough import few, keep, thorough
 

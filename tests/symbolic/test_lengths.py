@@ -258,7 +258,7 @@ def test_the_built_in_arrays_name_theirs_and_plain_systems_keep_one_half() -> No
     assert {str(load_system(name).check.radius) for name in builtin_systems()} == {"1/2"}
 
 
-# ---- Scenes that must behave alike: what the changes do to wheels, loads and formulas. -----------
+# ---- Scenes that must behave alike: what the changes do to wheels, loads and formulas ------------
 
 FACTOR = Fraction(10) ** -9
 
