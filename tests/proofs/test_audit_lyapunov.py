@@ -6,7 +6,6 @@ from collections.abc import Callable
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -29,6 +28,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.conftest import Arrays
+from tests.oracles.floats import value, velocity
 from tests.plain import built
 from tests.proofs.published_regions import (
     GUIDE,
@@ -59,9 +59,8 @@ def audited(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
 
 
 def float_potential(text: str) -> Callable[[float, float], float]:
-    """V in floats, by Python's own evaluation of the trusted test text."""
-    names: dict[str, Any] = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt}
-    return lambda x, y: float(eval(text, {"__builtins__": {}}, {**names, "x": x, "y": y}))  # noqa: S307 - test text
+    """V in floats."""
+    return lambda x, y: float(value(text, x=x, y=y))
 
 
 def partition_of(scene: Scene) -> Partition:
@@ -310,10 +309,7 @@ def test_a_published_level_is_certified_and_the_largest_is_the_limit(published: 
         assert found.level == pytest.approx(published.limit, rel=1e-3)
         assert found.refuted == pytest.approx(published.limit, rel=1e-3)
         x, y = map(float, found.point)
-        slope = eval(  # noqa: S307 - formulas of the tests
-            " + ".join(f"({d})*({f})" for d, f in zip(gradient(published.potential), published.rhs, strict=True)),
-            {"x": x, "y": y},
-        )
+        slope = velocity(gradient(published.potential), (x, y)) @ velocity(published.rhs, (x, y))
         assert slope > -1e-9
     else:
         assert found.level == published.radius**2
@@ -363,7 +359,7 @@ def test_a_larger_region_is_certified(published: Published, degree: int, least: 
 
 
 def below(text: str, point: NDArray[np.float64], level: float) -> bool:
-    return bool(eval(text, {"x": point[0], "y": point[1]}) < level)  # noqa: S307 - our own V
+    return bool(value(text, x=point[0], y=point[1]) < level)
 
 
 def test_no_region_where_nothing_comes_back() -> None:

@@ -31,6 +31,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.oracles.floats import velocity
 from tests.proofs.conftest import Load
 from tests.proofs.forged import with_reach
 from tests.thorough import examples, few
@@ -301,17 +302,13 @@ def test_sliding_that_increases_v_refutes_it(load: Load) -> None:
 # ---- V that bends along curves: against the definition at sampled points, paths, and a corner at which solutions
 # rest.
 
-NAMES = {"sign": np.sign, "Abs": np.abs}
 STEP, STEPS = 1e-3, 4000
 
 
 def follow(system: SwitchedSystem, points: np.ndarray) -> np.ndarray:
     """Where Euler polygons end."""
-    rhs = [compile(side.text, "rhs", "eval") for side in system.rhs]
     for _ in range(STEPS):
-        values = {"x": points[0], "y": points[1], **NAMES}
-        rates = [eval(side, values) for side in rhs]  # noqa: S307 - texts of this test
-        points = points + STEP * np.array(np.broadcast_arrays(*rates))
+        points = points + STEP * velocity([side.text for side in system.rhs], points)
     return points
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
-from types import CodeType
 
 import numpy as np
 import pytest
@@ -25,6 +23,7 @@ from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting
 from nonsmooth.symbolic.files.system_builder import build_system, parse_lyapunov
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.dissipative_systems import dissipative_systems
+from tests.oracles.floats import value, velocity
 from tests.plain import built
 from tests.proofs.conftest import Load
 from tests.thorough import few, keep, thorough
@@ -170,21 +169,19 @@ def energy_lost(force: str, friction: str, potential: str, level: float) -> tupl
     """The share of the energy that a symplectic polygon loses from a start on a level, at least over several starts,
     and the least distance covered in its last quarter: nothing moves at a rest.
     """
-    names = {"sign": np.sign, "Abs": np.abs, "relu": lambda a: np.maximum(a, 0.0)}
-    slope = compile(f"-({force}) - ({friction})", "slope", "eval")
-    energy = compile(f"y**2/2 + {potential}", "energy", "eval")
+    slope, energy = f"-({force}) - ({friction})", f"y**2/2 + {potential}"
     angles = np.linspace(0.2, 6.2, 7)
     x, y = 0.2 * np.cos(angles), 0.2 * np.sin(angles)
     for _ in range(80):
-        high = eval(energy, names, {"x": x, "y": y}) > level  # noqa: S307 - formulas of this file
+        high = value(energy, x=x, y=y) > level
         x, y = np.where(high, 0.9 * x, x), np.where(high, 0.9 * y, y)
-    first = eval(energy, names, {"x": x, "y": y})  # noqa: S307
+    first = value(energy, x=x, y=y)
     covered = np.zeros_like(x)
     for step in range(STEPS):
-        y = y + STEP * eval(slope, names, {"x": x, "y": y})  # noqa: S307
+        y = y + STEP * value(slope, x=x, y=y)
         x = x + STEP * y
         covered += np.abs(STEP * y) * (step > 3 * STEPS // 4)
-    last = eval(energy, names, {"x": x, "y": y})  # noqa: S307
+    last = value(energy, x=x, y=y)
     at_rest = (covered < 1e-4) & (np.abs(x) > 0.01)
     return float(np.min(1 - last / first)), float(np.min(np.where(at_rest, 0.0, 1.0)))
 
@@ -240,7 +237,6 @@ def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
 
 Fields = list[list[str]]
 
-NAMES = {"sign": np.sign, "Abs": np.abs, "relu": lambda a: np.maximum(a, 0.0)}
 SIGNAL_STEP, SIGNAL_STEPS, NEAR = 1 / 128, 1_800, 1e-6  # somewhat more than two turns
 DISC = "x**2 + y**2"
 AGAINST = [[f"{turn}*y - x*(x - 2*y)**2", f"{-turn}*x - y*(x - 2*y)**2"] for turn in (1, -1)]
@@ -296,7 +292,7 @@ def test_each_attracts_where_both_do_not(steps: int) -> None:
             assert lost([field], DISC, steps) > 0.05
     assert lost(pairs[0], DISC, steps) < 1e-6
     starts = np.array([[0.3], [0.0]])  # on y = 0, halves of both rest
-    velocities = [np.array(rates(field, starts)) for field in pairs[1]]
+    velocities = [np.array(velocity(field, starts)) for field in pairs[1]]
     assert np.allclose(np.mean(velocities, axis=0), 0.0)
 
 
@@ -323,21 +319,6 @@ SWITCHED_FRICTIONS = (
 )
 
 
-def rates(field: list[str], places: np.ndarray) -> list[np.ndarray]:
-    """One field at places (2, m)."""
-    values = [_value(text, *places) for text in field]
-    return [np.broadcast_to(value, places[0].shape) for value in values]
-
-
-@cache
-def _compiled(text: str) -> CodeType:
-    return compile(text, "formula", "eval")
-
-
-def _value(text: str, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    return np.asarray(eval(_compiled(text), dict(NAMES), {"x": x, "y": y}))  # noqa: S307 - formulas of this file
-
-
 def lost(fields: Fields, lyapunov: str, steps: int = SIGNAL_STEPS) -> float:
     """The least share of V that paths lose over several starts, to fields of largest V' and to such at random.
 
@@ -347,16 +328,16 @@ def lost(fields: Fields, lyapunov: str, steps: int = SIGNAL_STEPS) -> float:
     angles = np.linspace(0.2, 6.2, 5)
     x, y = np.tile(0.2 * np.cos(angles), 3), np.tile(0.2 * np.sin(angles), 3)
     greedy = np.arange(len(x)) < len(angles)
-    every, start, total = np.arange(len(x)), _value(lyapunov, x, y), np.zeros(len(x))
+    every, start, total = np.arange(len(x)), value(lyapunov, x=x, y=y), np.zeros(len(x))
     for _ in range(steps):
-        options = np.array([rates(field, np.array([x, y])) for field in fields])
-        slope_x = (_value(lyapunov, x + NEAR, y) - _value(lyapunov, x - NEAR, y)) / (2 * NEAR)
-        slope_y = (_value(lyapunov, x, y + NEAR) - _value(lyapunov, x, y - NEAR)) / (2 * NEAR)
+        options = np.array([velocity(field, np.array([x, y])) for field in fields])
+        slope_x = (value(lyapunov, x=x + NEAR, y=y) - value(lyapunov, x=x - NEAR, y=y)) / (2 * NEAR)
+        slope_y = (value(lyapunov, x=x, y=y + NEAR) - value(lyapunov, x=x, y=y - NEAR)) / (2 * NEAR)
         falls = np.maximum(-(slope_x * options[:, 0] + slope_y * options[:, 1]), 0.0)
         taken = np.where(greedy, np.argmin(falls, axis=0), rng.integers(len(fields), size=len(x)))
         total += SIGNAL_STEP * falls[taken, every]
         y = y + SIGNAL_STEP * options[taken, 1, every]
-        moved = np.array([rates(field, np.array([x, y]))[0] for field in fields])
+        moved = np.array([velocity(field, np.array([x, y]))[0] for field in fields])
         x = x + SIGNAL_STEP * moved[taken, every]
     return float(np.min(total / start))
 

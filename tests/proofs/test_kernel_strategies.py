@@ -29,6 +29,7 @@ from nonsmooth.proofs.system_certificates import certificate_of, certificate_tex
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
 from nonsmooth.proofs.systems.findings import Known, Method
 from tests.certificates.inclusion import contradiction
+from tests.oracles.floats import midpoint
 from tests.thorough import examples, few, keep, thorough
 
 # ---- What the theory of the plane leaves open and the kernel decides: verdicts, certificates, forged ones.
@@ -277,9 +278,7 @@ def test_floats_come_nearer() -> None:
     x = np.random.default_rng(0).uniform(-1, 1, (2, 50))
     start = np.linalg.norm(x, axis=0)
     for _ in range(4_000):
-        a = field(x)
-        b = field(x + 0.005 * a)
-        x = x + 0.01 * b
+        x = midpoint(field, x, 0.01)
     assert (np.linalg.norm(x, axis=0) < 0.9 * start).mean() > 0.8
 
 

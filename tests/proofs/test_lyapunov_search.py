@@ -33,6 +33,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_pie
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.oracles.floats import value, velocity
 from tests.plain import built
 from tests.proofs.conftest import Load
 from tests.proofs.forged import with_reach
@@ -66,23 +67,20 @@ def test_a_found_v_falls_along_polygons(load: Load, first: str, second: str) -> 
     assert found.formula is not None
     assert found.domain.radius is not None
     assert found.result.verdict is Decrease.STRICT
-    names = {"Abs": np.abs, "sign": np.sign}
-    rhs = [compile(f.text, "rhs", "eval") for f in system.rhs]
-    formula = compile(found.formula.text, "V", "eval")
+    rhs, formula = [f.text for f in system.rhs], found.formula.text
     radius = float(found.domain.radius)
     angles = np.linspace(0.1, 0.1 + 2 * np.pi, STARTS, endpoint=False)
     points = 0.5 * radius * np.array([np.cos(angles), np.sin(angles)])
     inside = np.ones(STARTS, dtype=bool)
-    values = eval(formula, names, {"x": points[0], "y": points[1]})  # noqa: S307 - found by the search
+    values = value(formula, x=points[0], y=points[1])
     lowest = values.copy()
     for _ in range(STEPS):
-        rates = [eval(f, names, {"x": points[0], "y": points[1]}) for f in rhs]  # noqa: S307 - texts of this test
-        points = points + STEP * np.array(np.broadcast_arrays(*rates))
+        points = points + STEP * velocity(rhs, points)
         inside &= np.abs(points).max(axis=0) <= radius
-        values = eval(formula, names, {"x": points[0], "y": points[1]})  # noqa: S307 - found by the search
+        values = value(formula, x=points[0], y=points[1])
         assert np.all(values[inside] <= lowest[inside] + slack(1.0))
         lowest = np.minimum(lowest, values)
-    assert np.all(lowest[inside] < 0.5 * eval(formula, names, {"x": radius / 2, "y": 0.0}) + slack(1.0))  # noqa: S307
+    assert np.all(lowest[inside] < 0.5 * value(formula, x=radius / 2, y=0.0) + slack(1.0))
 
 
 @thorough  # the small one: test_what_v_does_not_allow_is_not_claimed
@@ -227,7 +225,7 @@ def test_a_searched_v_is_proved_as_far_as_it_falls(
     assert isinstance(region, SublevelRegion)
     size = float(region.radius)
     x, y = np.meshgrid(*2 * [np.linspace(-size, size, 201)])
-    values = eval(result.function.text, {"x": x, "y": y, "Abs": np.abs})  # noqa: S307
+    values = value(result.function.text, x=x, y=y)
     assert (values < float(region.level)).mean() * 4 * size**2 > least
     assert result.check()
     level = region.level

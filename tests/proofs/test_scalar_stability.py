@@ -23,6 +23,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from tests.oracles.floats import value
 from tests.oracles.mutants import Record
 from tests.plain import built
 from tests.proofs.forged import with_deciding
@@ -31,11 +32,6 @@ from tests.thorough import but, keep
 # ---- Systems in one state: against known truths, and against the formula in floats at points beside the equilibrium.
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
-NAMES = {
-    **{"sin": math.sin, "cos": math.cos, "Abs": abs, "Max": max, "Min": min},
-    "sgn": lambda a: float(np.sign(a)),
-    "relu": lambda a: max(a, 0.0),
-}
 
 
 @pytest.mark.parametrize(
@@ -80,7 +76,7 @@ def test_random_systems_against_values_beside_the_point(seed: int) -> None:
     formula = random_formula(np.random.default_rng(seed))
     result = decide_system(built([formula]))
     assert result.check()
-    right, left = (eval(formula, dict(NAMES), {"x": side * 1e-4}) for side in (1, -1))  # noqa: S307 - of this file
+    right, left = (value(formula, x=side * 1e-4) for side in (1, -1))
     if result.verdict is ATTRACTS:
         assert right < 0 < left
     elif right * left < 0 and right < 0:
@@ -93,11 +89,10 @@ def test_random_systems_against_values_beside_the_point(seed: int) -> None:
         if side.reach is None:
             continue
         for share in np.linspace(0.01, 0.99, 60):
-            value = eval(formula, dict(NAMES), {"x": sign * share * float(side.reach)})  # noqa: S307
-            assert sign * value < 1e-12
+            assert sign * value(formula, x=sign * share * float(side.reach)) < 1e-12
         if side.reach != result.scene.check.radius:
             beyond = sign * float(side.reach) * (1 + 1e-7)
-            assert sign * eval(formula, dict(NAMES), {"x": beyond}) > -1e-5  # noqa: S307
+            assert sign * value(formula, x=beyond) > -1e-5
 
 
 def test_arbitrary_switching_counts_every_member() -> None:
@@ -128,9 +123,6 @@ def test_the_region_is_in_the_state() -> None:
 
 # ---- Certificates in one state: what is stated is sampled in the literal formulas, and what is false has none.
 
-LITERAL = {**NAMES, "sign": NAMES["sgn"], "sqrt": np.sqrt, "sat": lambda a, low, high: min(max(a, low), high)}
-
-
 EVERYWHERE, FAR = "everywhere", 1_000.0
 
 
@@ -138,16 +130,11 @@ def claims(record: Record, kind: str) -> list[Any]:
     return [claim[kind] for claim in record["statement"]["claims"] if kind in claim]
 
 
-def evaluated(formula: str, **values: float) -> float:
-    """A formula in floats, by Python: the test's own reading of its own texts."""
-    return float(eval(formula, {"__builtins__": {}}, {**LITERAL, **values}))  # noqa: S307  # our own text
-
-
 def speeds(record: Record, displacement: float) -> list[float]:
     """The literal velocities at a displacement from the point, away from it."""
     subject = record["statement"]["subject"]
     place = float(Fraction(subject["at"][0])) + displacement
-    return [np.sign(displacement) * evaluated(side, x=place) for (side,) in subject["rhs"]]
+    return [np.sign(displacement) * value(side, x=place) for (side,) in subject["rhs"]]
 
 
 def assert_true(record: Record, source: random.Random) -> None:
@@ -165,15 +152,15 @@ def assert_true(record: Record, source: random.Random) -> None:
             (FAR, math.inf) if own == EVERYWHERE else (float(Fraction(own[key])) for key in ("within", "below"))
         )
         for displacement in (source.uniform(-size, size) for _ in range(60)):
-            if own == EVERYWHERE or evaluated(own["function"], x=displacement) < level:
+            if own == EVERYWHERE or value(own["function"], x=displacement) < level:
                 assert max(speeds(record, displacement)) < 1e-9, (record["statement"], displacement)
     for own in claims(record, "rate"):
         kappa, power = float(Fraction(own["kappa"])), ("finite", "exponential", "algebraic").index(own["kind"])
         size = FAR if own["within"] is None else float(Fraction(own["within"]))
         for displacement in (source.uniform(-size, size) for _ in range(60)):
-            value, wider = (evaluated(own["function"], x=displacement * factor) for factor in (1, 1 + 1e-7))
-            fall = -(wider - value) / (1e-7 * abs(displacement)) * max(speeds(record, displacement))
-            assert fall > (1 - 1e-5) * kappa * value**power, (record["statement"], displacement)
+            v, wider = (float(value(own["function"], x=displacement * factor)) for factor in (1, 1 + 1e-7))
+            fall = -(wider - v) / (1e-7 * abs(displacement)) * max(speeds(record, displacement))
+            assert fall > (1 - 1e-5) * kappa * v**power, (record["statement"], displacement)
 
 
 def starts(record: Record) -> tuple[float, float]:
@@ -183,7 +170,7 @@ def starts(record: Record) -> tuple[float, float]:
     ends = []
     for side in (-1, 1):
         steps = size * np.linspace(0, 1 - 1e-9, 200_001)
-        inside = [evaluated(own["function"], x=side * float(s)) < float(own["below"]) for s in steps[::200]]
+        inside = [value(own["function"], x=side * float(s)) < float(own["below"]) for s in steps[::200]]
         ends.append(at + side * float(steps[::200][np.flatnonzero(inside)[-1]]))
     return ends[0], ends[1]
 

@@ -25,6 +25,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import require_stated
+from tests.oracles.floats import value
 from tests.oracles.mutants import Record, is_one_line
 from tests.plain import built, refused
 from tests.thorough import few, keep, thorough
@@ -33,17 +34,13 @@ from tests.thorough import few, keep, thorough
 
 ATTRACTS, LEAVES, OPEN = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE, Translation.UNDECIDED
 ROOT = "sqrt(Abs(x))*sgn(x)"
-NAMES = {"sqrt": np.sqrt, "Abs": np.abs, "sgn": np.sign}
 
 
 def largest_end(rhs: list[str], size: float, until: float, step: float = 5e-4) -> float:
     """Where Euler polygons from a small curve end, ``max(sqrt|x|, |y|)`` over that of their starts."""
     angles = np.linspace(0.1, 6.2, 12)
     x, y = np.sign(np.cos(angles)) * (size * np.cos(angles)) ** 2, size * np.sin(angles)
-    formulas = [compile(text, "rhs", "eval") for text in rhs]
-    for _ in range(int(until / step)):
-        f, g = (eval(formula, dict(NAMES), {"x": x, "y": y}) for formula in formulas)  # noqa: S307 - this file's
-        x, y = np.clip(x + step * f, -9, 9), np.clip(y + step * g, -9, 9)
+    x, y = followed(rhs, x, y, until, step)
     return float(np.maximum(np.sqrt(np.abs(x)), np.abs(y)).max() / size)
 
 
@@ -340,7 +337,7 @@ def test_the_region_is_stated_in_the_roots() -> None:
     assert line.startswith("system in x, y at (0, 0), root_x = sign(x)*sqrt(Abs(x)): asymptotically stable")
     rng, size = np.random.default_rng(3), _number(region["within"])
     w, y = rng.uniform(-size, size, (2, 400))
-    inside = _values(region["function"], root_x=w, y=y) < _number(region["below"])
+    inside = value(region["function"], root_x=w, y=y) < _number(region["below"])
     assert 20 < inside.sum() < 400
     x, y = followed(WITH_REGION, w[inside] * np.abs(w[inside]), y[inside], until=3.0)
     assert max(np.sqrt(np.abs(x)).max(), np.abs(y).max()) < 0.05
@@ -459,21 +456,10 @@ def _number(text: str) -> float:
     return int(top) / int(bottom or 1)
 
 
-def _values(formula: str, **values: Any) -> Any:
-    """A formula in floats, by Python: the test's own reading of its own texts."""
-    own = {**NAMES, "sign": np.sign, "Max": np.maximum, "relu": lambda a: np.maximum(a, 0)}
-    return eval(_compiled(formula), {"__builtins__": {}}, {**own, **values})  # noqa: S307  # our own text
-
-
-@cache
-def _compiled(formula: str) -> Any:
-    return compile(formula, "formula", "eval")
-
-
 def followed(rhs: list[str], x: Any, y: Any, until: float, step: float = 2e-4) -> tuple[Any, Any]:
     """Where Euler polygons of the stated fields end."""
     for _ in range(int(until / step)):
-        f, g = (_values(text, x=x, y=y) for text in rhs)
+        f, g = (value(text, x=x, y=y) for text in rhs)
         x, y = np.clip(x + step * f, -9, 9), np.clip(y + step * g, -9, 9)
     return x, y
 

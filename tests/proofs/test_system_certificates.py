@@ -26,6 +26,7 @@ from nonsmooth.proofs.systems.decay_rate import SublevelRegion
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests import built_in
+from tests.oracles.floats import velocity
 from tests.oracles.mutants import Record
 from tests.plain import built, refused
 from tests.proofs.forged import with_reach
@@ -231,7 +232,6 @@ def test_earlier_versions_are_refused_with_the_line_that_writes_them_anew(schema
 # The oracle shares nothing with the proofs: formulas are evaluated in floats, solutions are polygons with small
 # steps, and what is compared are the numbers of the JSON record alone, on the domain that stands beside each.
 
-STATE_NAMES: dict[str, Any] = {"Abs": np.abs, "sign": np.sign, "sgn": np.sign, "Max": np.maximum, "sin": np.sin}
 STEP = 1 / 512
 STARTS = 60
 DIRECTIONS = 16  # of disturbances
@@ -265,12 +265,7 @@ FAMILIES = {"smooth": smooth, "relay": relay}
 
 def values(text: str, states: np.ndarray) -> np.ndarray:
     """A formula at the columns of an array of states."""
-    places = dict(zip("xyz", states, strict=False))
-    return np.asarray(eval(text, dict(STATE_NAMES), places), dtype=float) + 0 * states[0]  # noqa: S307 - texts of this test
-
-
-def velocity(rhs: list[str], states: np.ndarray) -> np.ndarray:
-    return np.array([values(text, states) for text in rhs])
+    return velocity([text], states)[0]
 
 
 def lyapunov_record(rhs: list[str]) -> dict[str, Any]:

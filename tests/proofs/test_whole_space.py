@@ -19,6 +19,7 @@ from nonsmooth.proofs.kernel.cells import started, stated_cells
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, stability_hypotheses
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from tests.oracles.floats import midpoint
 from tests.thorough import but, few
 
 # ---- Attraction of every start by a V on the whole space: against other points of rest, paths from afar, forged
@@ -186,6 +187,5 @@ def test_starts_far_away_arrive_in_floats() -> None:
 
     for _ in range(8_000):
         step = 4e-3 / (1 + 0.05 * np.abs(x).max(axis=0) ** 2)
-        middle = x + step / 2 * field(x)
-        x = x + step * field(middle)
+        x = midpoint(field, x, step)
     assert np.linalg.norm(x, axis=0).max() < 1e-2

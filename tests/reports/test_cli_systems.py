@@ -28,6 +28,7 @@ from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.oracles.floats import value
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
 
@@ -121,7 +122,7 @@ def test_bad_output_is_refused_before_the_work(invoke: Invoke, monkeypatch: pyte
 
 def value_of(text: str, x: float, y: float) -> float:
     """A polynomial of a record at a point; its text is this program's own."""
-    return float(eval(text, {"__builtins__": {}}, {"x": x, "y": y}))  # noqa: S307 - text of the record under test
+    return float(value(text, x=x, y=y))
 
 
 def shown_potential(record: dict[str, Any], x: float, y: float) -> float:
@@ -331,7 +332,6 @@ def test_facts_as_data_only_keep_their_record() -> None:
 
 # ---- Phase portraits, maps and reports of systems with sines and cosines of states, beside the formulas in NumPy.
 
-SIGNS = {"sin": np.sin, "cos": np.cos, "pi": math.pi, "Abs": np.abs, "sgn": np.sign}
 NORMAL_STEP = 1e-9  # to either side of a border
 
 SYSTEMS = [
@@ -352,8 +352,7 @@ def built(rhs: Any, **check: Any) -> SwitchedSystem:
 
 def field_at(rhs: tuple[str, str], x: Any, y: Any) -> tuple[Any, Any]:
     """The formulas in NumPy."""
-    places = {"x": x, "y": y}
-    first, second = (eval(text, dict(SIGNS), places) for text in rhs)  # noqa: S307 - this file's own formulas
+    first, second = (value(text, x=x, y=y) for text in rhs)
     return np.broadcast_to(first, np.shape(x)), np.broadcast_to(second, np.shape(x))
 
 

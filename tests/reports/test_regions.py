@@ -28,6 +28,7 @@ from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence.published_systems import astray, in_simplices
+from tests.oracles.floats import runge_kutta
 from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke
 from tests.thorough import keep, thorough
@@ -117,10 +118,7 @@ def sizes_after(name: str, starts: Floats, time: float) -> Floats:
 
     z = starts.T.copy()
     for _ in range(int(time / step)):
-        a = rate(z)
-        b = rate(z + step / 2 * a)
-        c = rate(z + step / 2 * b)
-        z = z + step / 6 * (a + 2 * b + 2 * c + rate(z + step * c))
+        z = runge_kutta(rate, z, step)
     return np.linalg.norm(z, axis=0)
 
 

@@ -38,6 +38,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
 from tests.built_in import planar_systems
+from tests.oracles.floats import value
 from tests.plain import built
 from tests.thorough import examples, few
 
@@ -218,12 +219,6 @@ def test_too_many_surfaces_are_refused(load: Load, monkeypatch: pytest.MonkeyPat
 
 # ---- Fractions, sines of states and interval parameters: the rewritten field against the formula as it was written.
 
-NAMES = {
-    **{"sin": math.sin, "cos": math.cos, "sqrt": math.sqrt, "pi": math.pi, "Abs": abs, "Max": max, "Min": min},
-    "sign": lambda a: float(np.sign(a)),
-    "sgn": lambda a: float(np.sign(a)),
-    "relu": lambda a: max(a, 0.0),
-}
 WRITTEN = [
     "-sin(x) - y",
     "sin(x + pi/3)*y - sin(pi/3)*y",
@@ -250,7 +245,7 @@ def test_the_float_field_is_the_formula(formula: str) -> None:
     system = built(["y", formula])
     rng = np.random.default_rng(1)
     for x in rng.uniform(-1.5, 1.5, (40, 2)):
-        expected = eval(formula, dict(NAMES), {"x": x[0], "y": x[1]})  # noqa: S307 - formulas of this file
+        expected = value(formula, x=x[0], y=x[1])
         assert velocity(system, x) == pytest.approx([x[1], expected], abs=1e-9)
 
 
@@ -261,10 +256,9 @@ def test_right_hand_sides_enclose_the_formula(formula: str) -> None:
     assert system.others
     rng = np.random.default_rng(2)
     for x in rng.uniform(-3, 3, (40, 2)):
-        expected = eval(formula, dict(NAMES), {"x": x[0], "y": x[1]})  # noqa: S307
-        scale = eval(system.scale.text, dict(NAMES), {"x": x[0], "y": x[1]}) if system.scale else 1  # noqa: S307
-        named = {"x": x[0], "y": x[1]}
-        values = [eval(member.rhs[1].text, dict(NAMES), named) for member in system.members]  # noqa: S307
+        expected = value(formula, x=x[0], y=x[1])
+        scale = value(system.scale.text, x=x[0], y=x[1]) if system.scale else 1
+        values = [value(member.rhs[1].text, x=x[0], y=x[1]) for member in system.members]
         assert min(values) - 1e-9 <= scale * expected <= max(values) + 1e-9
 
 

@@ -34,6 +34,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.oracles.floats import value
 from tests.thorough import keep
 
 # ---- Tables of wheels as spreadsheets write them: separators, headers, comments, and columns that are not read.
@@ -341,14 +342,14 @@ def all_picked(tables: list[dict[str, Any]], named: dict[str, float]) -> list[li
 
     def holds(guard: str) -> bool:
         left, sign, right = re.split(r"(<=|>=|<|>)", guard)
-        return bool(COMPARISONS[sign](eval(left, {}, named), eval(right, {}, named)))  # noqa: S307 - of this file
+        return bool(COMPARISONS[sign](value(left, **named), value(right, **named)))
 
     def guards(table: dict[str, Any]) -> list[str]:
         where = table.get("where", [])
         return [where] if isinstance(where, str) else where
 
     sides = [table["rhs"] for table in tables if all(map(holds, guards(table)))]
-    return [[float(eval(text, {"sgn": np.sign}, named)) for text in side] for side in sides]  # noqa: S307
+    return [[float(value(text, **named)) for text in side] for side in sides]
 
 
 @pytest.mark.parametrize("tables", TABLES)

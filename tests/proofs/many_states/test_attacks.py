@@ -41,6 +41,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import FloatInclusion, contradiction
+from tests.oracles.floats import velocity
 from tests.oracles.solver_questions import Questions, read, with_z3
 from tests.plain import built
 from tests.proofs.forged import with_deciding, with_reach
@@ -261,7 +262,6 @@ ON_A_FACE = [
     (["-sgn(x) + y/2", "-sgn(y) + z", "-sgn(z) + 5*x"], (1, 4, 1)),
     (["-sgn(x)", "-sgn(y) + 8*z", "-sgn(z) + x"], (6, 1, 1)),
 ]
-GREEK = {"sgn": np.sign, "Abs": np.abs}
 
 
 def bent(weights: Sequence[int]) -> str:
@@ -283,8 +283,7 @@ def largest_slide(rhs: Sequence[str], weights: Sequence[int], point: Sequence[fl
     for sides in product((-1e-9, 1e-9), repeat=len(zero)):
         beside = np.array(point, dtype=float)
         beside[zero] = sides
-        places = dict(zip("xyz", beside, strict=True))
-        fields.append([float(eval(text, dict(GREEK), places)) for text in rhs])  # noqa: S307 - this file's formulas
+        fields.append(velocity(rhs, beside))
     columns = np.array(fields).T
     gradient = np.array(weights) * np.sign(point)
     equal, right = np.vstack([columns[zero], np.ones(len(fields))]), [0.0] * len(zero) + [1.0]
