@@ -38,6 +38,31 @@ def velocity(rhs: Sequence[str], places: Any, states: Sequence[str] = "xyz") -> 
     return np.array(np.broadcast_arrays(*(value(text, **named) + 0.0 * places[0] for text in rhs)))
 
 
+def spread(
+    velocity: Callable[[Floats], Floats], start: float, steps: int, fineness: float, far: float
+) -> tuple[float, float]:
+    """Largest distance that an Euler polygon from a circle reaches, and the largest at the end, over the radius.
+
+    Args:
+        velocity: at places, one per row.
+        start: the radius.
+        steps: of each polygon.
+        fineness: length of a step over the distance.
+        far: distance at which a polygon is given up as gone.
+    """
+    angles = (np.arange(24) + 0.31) * (2 * math.pi / 24)
+    points, largest = start * np.column_stack([np.cos(angles), np.sin(angles)]), start
+    for _ in range(steps):
+        rates = velocity(points)
+        speed, size = np.hypot(*rates.T), np.hypot(*points.T)
+        moving = (speed > 1e-9 * size) & (size > 1e-9 * start) & (size < far)
+        if not moving.any():
+            break
+        points = points + np.where(moving, fineness * size / np.maximum(speed, 1e-300), 0.0)[:, None] * rates
+        largest = max(largest, float(np.hypot(*points.T).max()))
+    return largest / start, float(np.hypot(*points.T).max()) / start
+
+
 def midpoint(rate: Callable[[Any], Any], z: Any, step: Any) -> Any:
     """A step of second order."""
     return z + step * rate(z + step / 2 * rate(z))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,6 +16,7 @@ from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.ray_moves import RayKind, RayMove
 from nonsmooth.proofs.systems.system_stability import PlanePoint
+from tests.oracles.floats import spread
 
 # ---- Plain systems with ties at the equilibrium, and what their solutions do there, found without the proving code.
 #
@@ -148,30 +148,6 @@ class Oracle:
             total += side * np.array([jump[0](x, y) + 0 * x, jump[1](x, y) + 0 * x])
         return total.T
 
-    def spread(self, start: float, far: float, steps: int, fineness: float) -> tuple[float, float]:
-        """Largest distance that any path from a circle reaches, and the largest at the end; both over ``start``.
-
-        Args:
-            start: distance from the origin.
-            far: distance at which a path is given up as gone.
-            steps: of each path.
-            fineness: length of a step over the distance.
-        """
-        angles = (np.arange(24) + 0.31) * (2 * math.pi / 24)
-        points = start * np.column_stack([np.cos(angles), np.sin(angles)])
-        largest = start
-        for _ in range(steps):
-            velocity = self.velocity(points)
-            speed = np.hypot(*velocity.T)
-            size = np.hypot(*points.T)
-            moving = (speed > 1e-9 * size) & (size > 1e-9 * start) & (size < far)
-            if not moving.any():
-                break
-            stretch = np.where(moving, fineness * size / np.maximum(speed, 1e-300), 0.0)
-            points = points + stretch[:, None] * velocity
-            largest = max(largest, float(np.hypot(*points.T).max()))
-        return largest / start, float(np.hypot(*points.T).max()) / start
-
 
 def _compiled(text: str) -> Callable[[Any, Any], Any]:
     """A formula of this module as a function; fractions stay exact."""
@@ -234,12 +210,12 @@ def contradictions(result: StabilityResult, oracle: Oracle) -> list[str]:
         found += ["0 in F at the origin"] if claimed is not oracle.rests_at_origin() else []
     found += [f"{ray}" for ray in PlanePoint(result.scene).rays if _is_refuted(ray, oracle)]
     stable = result.verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE)
-    if stable and oracle.spread(STARTS[1], FAR, STEPS, FINENESS)[0] > LEFT_BEHIND:
+    if stable and spread(oracle.velocity, STARTS[1], STEPS, FINENESS, FAR)[0] > LEFT_BEHIND:
         found.append("a path leaves")
     if result.verdict is Translation.ASYMPTOTICALLY_STABLE and oracle.equilibria_nearby():
         found.append(f"equilibria nearby: {oracle.equilibria_nearby()[:2]}")
     if result.method in (Method.GROWTH, Method.EQUILIBRIUM):
-        growth = max(oracle.spread(start, FAR, STEPS, FINENESS)[0] for start in STARTS)
+        growth = max(spread(oracle.velocity, start, STEPS, FINENESS, FAR)[0] for start in STARTS)
         found += ["no path leaves"] if growth < 1.5 else []
     return found
 

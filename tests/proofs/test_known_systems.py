@@ -22,6 +22,7 @@ from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.oracles.floats import spread
 from tests.oracles.solver_questions import Questions, ask, read, with_z3
 from tests.proofs.conftest import Load
 from tests.proofs.plain_ties import Oracle, Tie, contradictions, holds_zero, random_tie
@@ -294,8 +295,8 @@ def test_the_oracle_finds_equilibria_and_escapes() -> None:
     saddle = Oracle(Tie(("x", "-y"), ()))
     assert saddle.escapes_at(Fraction(1, 64), Fraction(0))
     assert not saddle.escapes_at(Fraction(0), Fraction(1, 64))
-    assert saddle.spread(1e-5, 0.2, 6000, 2e-3)[0] > 1e3
-    assert Oracle(Tie(("-x", "-2*y"), ())).spread(1e-2, 0.2, 3000, 2e-3)[0] < 1.01
+    assert spread(saddle.velocity, 1e-5, 6000, 2e-3, 0.2)[0] > 1e3
+    assert spread(Oracle(Tie(("-x", "-2*y"), ())).velocity, 1e-2, 3000, 2e-3, 0.2)[0] < 1.01
 
 
 @pytest.mark.parametrize(
