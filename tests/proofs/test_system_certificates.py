@@ -30,8 +30,8 @@ from tests.oracles.floats import velocity
 from tests.oracles.mutants import Record
 from tests.plain import built, refused
 from tests.proofs.forged import with_reach
-from tests.proofs.many_states.test_random_systems import NAMES, linear, random_matrix
 from tests.proofs.switched_oracle import random_relay
+from tests.proofs.test_known_systems import NAMES, linear, random_matrix
 from tests.thorough import but, few, keep, thorough
 
 # ---- Certificates of plain systems in two states and more: what a V decides is accepted, and nothing else is stated.
