@@ -35,7 +35,8 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import Arrays, WheelData
-from tests.outlined import Depths, Floats, Pair, disc_depths, on, polygon_depths, polygon_of, under
+from tests.oracles.floats import Floats
+from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, under
 from tests.thorough import keep, thorough
 
 # ---- The path of a body with an outline against references that know nothing of it, geometry written anew.

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from typing import Any, TypeAlias
+from typing import Any
 
 import cvxpy
 import numpy as np
@@ -54,6 +54,7 @@ from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from tests.conftest import Arrays, Pair, WheelData
 from tests.oracles.cvxpy_programs import MINIMIZERS
+from tests.oracles.floats import Floats
 from tests.oracles.least_dissipation import ReferenceMinimization
 from tests.thorough import few, keep
 
@@ -390,7 +391,6 @@ def test_laws_are_listed_best_first_and_unknown_last(arrays: Arrays) -> None:
 # The oracle knows no rows: a wheel at p slips by ``q = v + omega J p - u e``, of which friction sees the part along
 # the axis a and the part along J a. CVXPY minimizes the sum over the wheels as it stands.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 cp: Any = cvxpy  # without types of its own
 

@@ -7,7 +7,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
@@ -21,12 +20,12 @@ from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
+from tests.oracles.floats import Floats
 from tests.springs import pressed
 from tests.thorough import few, keep
 
 # ---- Normal forces in floats: against closed forms, two independent solvers and the exact regions.
 
-Floats = NDArray[np.float64]
 
 ROUNDING = 1e-12  # of loads of order 1
 CONE_PROGRAM = 1e-4  # Clarabel minimizes |N| to 1e-8, which leaves N its square root

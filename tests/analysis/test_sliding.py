@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner
@@ -41,6 +39,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import around
 from tests.analysis.stick_slip import random_stick_slip, reference_events
 from tests.conftest import Arrays, WheelData
+from tests.oracles.floats import Floats
 from tests.thorough import few, keep, thorough
 
 # ---- Edges with sliding, rest or departure, against trajectories that start beside them and against closed forms.
@@ -130,7 +129,6 @@ def test_an_edge_may_change_its_kind_along_the_way() -> None:
 
 # ---- Slides on which both normal speeds vanish, in a point or on the way home: the weights there are no quotient.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 ROLL = (1, Fraction(1, 2))
 # Opposite pairs of wheels by seed, and starts whose paths slide into a two-fold.

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from tests.oracles.floats import Floats
+
 # ---- Bodies with inertia by Newton's law in a few lines, with fixed steps: shares nothing with the product.
 #
 # Loads are those of equal springs that only push: least squares on the wheels that carry, those that would pull left
@@ -15,7 +17,6 @@ from scipy.integrate import solve_ivp
 # the wheels; under rule roller they are cut at the bearings' friction. Many bodies are followed at once, in any
 # units.
 
-Floats = NDArray[np.float64]
 
 ROUNDED = 0.03  # slips beside the largest speed of a wheel below which forces are less than they may be
 STIFF = 1.0  # of the time in which the fastest slip decays where a turn adds as much again: a step

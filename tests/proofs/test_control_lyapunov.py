@@ -36,6 +36,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
+from tests.oracles.floats import Floats
 from tests.thorough import few, keep
 
 # ---- Control Lyapunov functions ``c^T P c + w theta^2``: every P that serves is found, and what is found serves.
@@ -269,7 +270,6 @@ def test_any_weight_serves_and_half_of_the_best_rate_is_reached(count: int) -> N
 # ---- From where the law of the feedback clause is certified: levels against samples, W against differences of its
 # own.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 J = np.array([[0.0, -1.0], [1.0, 0.0]])
 

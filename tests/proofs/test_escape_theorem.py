@@ -6,11 +6,10 @@ import json
 import random
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import read_system
@@ -18,12 +17,10 @@ from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import UNSTABLE
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search
-from tests.oracles.floats import value
+from tests.oracles.floats import Floats, value
 from tests.oracles.mutants import Record, is_one_line
 from tests.plain import refused
 from tests.thorough import thorough
-
-Floats: TypeAlias = NDArray[np.float64]
 
 STEP, BESIDE = 1e-2, 1e-7  # of a polygon, and of the displacement into a cell, over the distance from the point
 STEPS = 20_000

@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.analysis.cells.load_sets import Loads, load_set, priced
@@ -41,12 +39,12 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays, WheelData
 from tests.measured_arrays import Kind, measured_array
 from tests.oracles.clause_evidence import evidence_holds
+from tests.oracles.floats import Floats
 from tests.thorough import few, thorough
 
 # ---- Verdicts for every load, against sampled loads: in floats by the minimizers, and exactly as loads that are
 # known.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 STILL = 1e-6  # velocity of a minimizer at rest, at wheels of speed one
 SAME_D = 1e-9  # relative

@@ -5,11 +5,9 @@ from __future__ import annotations
 import copy
 import json
 from fractions import Fraction
-from typing import TypeAlias
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_rule import rule_of, smooth_rule_of
@@ -40,7 +38,6 @@ from tests.thorough import few, thorough
 
 # ---- Verdicts about wheels with friction axes: against plain wheels, differences of the minimizer, and the checker.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 RULES = ("nearest", "box", "ellipse", "roller")
 SMOOTH = ("ellipse", "roller")

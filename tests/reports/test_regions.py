@@ -8,12 +8,11 @@ from dataclasses import replace
 from functools import cache
 from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import pytest
 import sympy
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.answers import array_basin
@@ -28,7 +27,7 @@ from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence.published_systems import astray, in_simplices
-from tests.oracles.floats import runge_kutta
+from tests.oracles.floats import Floats, runge_kutta
 from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke
 from tests.thorough import keep, thorough
@@ -38,7 +37,6 @@ from tests.thorough import keep, thorough
 # ---- Regions as triangles: the checker accepts them, they are large, and by another integrator every start comes
 # home.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 COARSE = replace(EFFORTS["fast"], pace=Pace(0.12, 0.03, 0.04), starts=21)
 COARSER = replace(EFFORTS["fast"], pace=Pace(0.12, 0.06, 0.04), starts=11)

@@ -8,11 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -33,12 +32,12 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, default_length
 from tests.array_certificates import check_certificate, proofs, said
 from tests.measured_arrays import Kind, measured_array
+from tests.oracles.floats import Floats
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
 
 # ---- One table in metres, centimetres, millimetres and inches: the same verdicts, rates and closed loops.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 METRES = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000), "in": Fraction(254, 10_000)}
 SAME = 1e-12  # of states, in metres and radian: what the issue asks for

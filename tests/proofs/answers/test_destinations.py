@@ -37,9 +37,9 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
+from tests.oracles.floats import Floats
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.oracles.small_steps import Contacts
-from tests.outlined import Floats
 from tests.thorough import few, keep, thorough
 
 # ---- Where bodies go from all over the square: exact places beside sampled shares ----------------

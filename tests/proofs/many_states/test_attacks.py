@@ -41,7 +41,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import FloatInclusion, contradiction
-from tests.oracles.floats import velocity
+from tests.oracles.floats import Floats, velocity
 from tests.oracles.solver_questions import Questions, read, with_z3
 from tests.plain import built
 from tests.proofs.forged import with_deciding, with_reach
@@ -411,7 +411,6 @@ def test_no_ray_is_found_of_others(states: list[str], rhs: list[str]) -> None:
 
 # ---- Relays of high relative degree are unstable: against paths of fine steps, and forged evidence.
 
-Floats = NDArray[np.float64]
 STEP, START, FAR = 1 / 512, 1e-3, 30.0
 
 

@@ -7,11 +7,10 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.statements import refusal as refused
 from nonsmooth.proofs.many_states.reshaped_region import EFFORTS, SearchEffort, TooMuchWorkError, _Iteration
@@ -19,10 +18,9 @@ from nonsmooth.proofs.system_certificates import certificate_of, certificate_tex
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
-from tests.oracles.floats import runge_kutta, value
+from tests.oracles.floats import Floats, runge_kutta, value
 from tests.thorough import keep
 
-Floats: TypeAlias = NDArray[np.float64]
 NAMES = ("x", "y", "z", "u", "v", "w")
 STARTS, STEP, STEPS = 400, 0.01, 3_000
 

@@ -29,8 +29,9 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from tests.array_certificates import check_certificate, said, say, subject
 from tests.built_in import checked
+from tests.oracles.floats import Floats
 from tests.oracles.rebuilt_arrays import Decoder, assert_still_true, rebuilt
-from tests.proofs.robust.test_nearest_bounds import TABLE, Floats, drawn, small_box, table, velocities, with_box
+from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, small_box, table, velocities, with_box
 from tests.proofs.robust.test_smooth_discs import box_of
 from tests.thorough import few, keep, thorough
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -29,13 +29,13 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.plane import between
 from tests.conftest import Arrays as Builders
+from tests.oracles.floats import Floats
 from tests.thorough import few, keep, thorough
 
 # ---- Bounds for every array of a box, against arrays drawn from it: corners of the box, and paths of bodies.
 #
 # The motion of an array is written anew here, in floats: the two nearest wheels, their rows, a linear system.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 TABLE = """
 friction = { mu_roll = 1, mu_side = "1/2" }

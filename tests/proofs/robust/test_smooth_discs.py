@@ -7,12 +7,10 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 import pytest
 from flint import arb
-from numpy.typing import NDArray
 from scipy.optimize import root
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_sets
@@ -33,13 +31,13 @@ from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from tests.oracles.floats import Floats
 from tests.outlined import on, polygon_of
 from tests.thorough import few, keep, thorough
 
 # ---- Equilibria of every array of a box under rules without cells, against arrays drawn from it and solved in
 # floats.
 
-Floats: TypeAlias = NDArray[np.float64]
 
 SLACK = 1e-6  # of the wheels' distance: a zero of a field of numerical minimizers
 
