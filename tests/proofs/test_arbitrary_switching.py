@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,17 +20,16 @@ from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.full_turns import WorstTurn
 from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.plain import built
 from tests.thorough import but, few, keep, thorough
 
 # ---- Arbitrary switching: the hull of several right-hand sides, against the worst switching by simulation.
 
 
 def switching(*sides: tuple[str, str]) -> SwitchedSystem:
-    document = {"system": {"states": ["x", "y"], "rhs": [list(side) for side in sides]}}
-    return build_system(document, "arbitrary", Path("arbitrary.toml"))
+    return built([list(side) for side in sides])
 
 
 def zelentsovsky(alpha: str) -> SwitchedSystem:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.findings import KEPT, Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
-from nonsmooth.symbolic.files.system_builder import build_system, parse_lyapunov
+from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.dissipative_systems import dissipative_systems
 from tests.oracles.floats import value, velocity
@@ -243,8 +243,8 @@ AGAINST = [[f"{turn}*y - x*(x - 2*y)**2", f"{-turn}*x - y*(x - 2*y)**2"] for tur
 
 
 def system_of(fields: Fields, lyapunov: str | None = None) -> SwitchedSystem:
-    check = {"radius": "1/2"} if lyapunov is None else {"radius": "1/2", "lyapunov": lyapunov}
-    return build_system({"system": {"states": ["x", "y"], "rhs": fields}, "check": check}, "t", Path("t.toml"))
+    check: dict[str, Any] = {} if lyapunov is None else {"lyapunov": lyapunov}
+    return built(fields, radius="1/2", **check)
 
 
 def staying_under(fields: Fields, lyapunov: str) -> Staying:

@@ -9,7 +9,6 @@ from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,11 +29,10 @@ from nonsmooth.proofs.kernel.search import Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
 from tests.oracles.floats import midpoint, value, velocity
-from tests.plain import refused
+from tests.plain import built, refused
 from tests.thorough import few, keep, thorough
 
 Record = dict[str, Any]
@@ -55,13 +53,11 @@ def certificate(rhs: Any, function: str, states: str = "x y", radius: str | None
 def searched(asked: str) -> str:
     """That certificate as text."""
     rhs, function, states, radius, more = json.loads(asked)
-    return json.dumps(built(rhs, function, states, radius, more))
+    return json.dumps(shown_by(rhs, function, states, radius, more))
 
 
-def built(rhs: Any, function: str, states: str, radius: str | None, more: Record) -> Record | None:
-    check = {"radius": radius or "1/2"}
-    data = {"system": {"states": states.split(), "rhs": rhs}, "check": check}
-    system = build_system(data, "t", Path("t.toml"))
+def shown_by(rhs: Any, function: str, states: str, radius: str | None, more: Record) -> Record | None:
+    system = built(rhs, states=states.split(), radius=radius or "1/2")
     bends = surfaces_of(system, parse_piecewise(function, system.states))
     half = None if radius is None else system.field(Fraction(radius))
     cells, subject, search = stated_cells(system, half, bends).record, about(system), Search()
@@ -151,8 +147,7 @@ def test_what_leaves_is_certified(damping: str) -> None:
 @pytest.mark.parametrize("force", keep(1, ["-sign(x) + y/4", "-sign(x) + 3*y", "-x + y*(1 - x**2)"]))
 def test_functions_of_reversed_time(force: str) -> None:
     """The energy and W of relays that gain energy are found; a path in floats gains it."""
-    data = {"system": {"states": ["x", "y"], "rhs": ["y", force]}, "check": {"radius": "1/2"}}
-    system = build_system(data, "t", Path("t.toml"))
+    system = built(["y", force], radius="1/2")
     found = find_weak_growth(system)
     assert found is not None
     (entry, claims), function, _ = found

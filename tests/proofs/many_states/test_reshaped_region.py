@@ -6,7 +6,6 @@ import copy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,9 +15,9 @@ from nonsmooth.proofs.checker.statements import refusal as refused
 from nonsmooth.proofs.many_states.reshaped_region import EFFORTS, SearchEffort, TooMuchWorkError, _Iteration
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, find_region_of_another_function
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.oracles.floats import Floats, runge_kutta, value
+from tests.plain import built
 from tests.thorough import keep
 
 NAMES = ("x", "y", "z", "u", "v", "w")
@@ -46,8 +45,7 @@ def refusal(certificate: dict[str, Any]) -> str:
 
 def found(names: tuple[str, ...], rhs: tuple[str, ...]) -> Found:
     """A region as of ``--region fast``, without the tetrahedra beside it (reports/test_region_many_states.py)."""
-    document = {"system": {"states": list(names), "rhs": list(rhs)}}
-    result = decide_system(build_system(document, "reshaped", Path("reshaped.toml")))
+    result = decide_system(built(rhs, states=names))
     own = find_region_of_another_function(result, "fast", lambda *_: None)
     assert own is not None
     formula, level = own.formula.text, float(own.region.level)
@@ -172,7 +170,7 @@ def coupled(count: int) -> _Iteration:
     x = [f"x{k}" for k in range(count)]
     pairs = [(x[k], x[k - 1], x[k - 2]) for k in range(count)]
     rhs = [f"-{a} + {b}/2 - {c}/2 + {a}*{b} - {a}**3 + {a}**2*{c}" for a, b, c in pairs]
-    system = build_system({"system": {"states": x, "rhs": rhs}}, "coupled", Path("coupled.toml"))
+    system = built(rhs, states=x)
     return _Iteration(system, parse_piecewise(" + ".join(f"{own}**2" for own in x), x), None)
 
 
