@@ -54,7 +54,7 @@ from tests.thorough import few, keep, thorough
 # the model has not: springs that tilt the plate (some 1e-5 radians) and loads that move with acceleration.
 
 GRAVITY = 9.81
-HALF, THICKNESS = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere
+HALF = 3.0  # half side of the plate: it covers all wheels from everywhere
 RADIUS = 0.05  # of the spheres
 REST = 0.5  # seconds: fifty time constants of the contacts
 TWIST = 2e-3  # relative, of twists; the goal is 0.05, the largest seen 0.0007
@@ -63,6 +63,7 @@ IMPOSED = 2e-4  # relative, of twists that speeds impose; the largest seen 2e-5
 LAG = 2e-2  # relative, of the pose: the engine settles and its law acts on samples
 PATH = 2e-3  # lengths and radians on a path of length 0.4; 3e-4 was the largest seen
 
+INWARD = -np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])  # rims of the array turned by 45 degrees
 FRICTION = {"side 1/2": (1.0, 0.5), "side 1/10": (1.0, 0.1), "roll 1/2": (0.5, 1.0)}  # (mu_R, mu_S)
 with_friction = pytest.mark.parametrize("friction", FRICTION.values(), ids=FRICTION)
 
@@ -102,8 +103,7 @@ class Engine(NamedTuple):
 
 def array(friction: tuple[float, float], speed: float) -> ContactModel:
     """The four-wheel array turned by 45 degrees."""
-    inward = -np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-    return ContactModel.build(-np.sqrt(2) * inward, inward, np.full(4, speed), friction)
+    return ContactModel.build(-np.sqrt(2) * INWARD, INWARD, np.full(4, speed), friction)
 
 
 def engine(wheels: ContactModel, start: tuple[float, float], timestep: float, time_constant: float) -> Engine:
@@ -112,10 +112,10 @@ def engine(wheels: ContactModel, start: tuple[float, float], timestep: float, ti
     spec.option.timestep, spec.option.gravity = timestep, [0, 0, -GRAVITY]
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 1e7
-    plate = spec.worldbody.add_body(name="plate", pos=[*start, THICKNESS])
+    plate = spec.worldbody.add_body(name="plate", pos=[*start, THICK])
     plate.add_freejoint()
     box = mujoco.mjtGeom.mjGEOM_BOX
-    plate.add_geom(name="plate", type=box, size=[HALF, HALF, THICKNESS], mass=1.0, contype=0, conaffinity=0)
+    plate.add_geom(name="plate", type=box, size=[HALF, HALF, THICK], mass=1.0, contype=0, conaffinity=0)
     for k, (position, rim) in enumerate(zip(wheels.positions, wheels.rims, strict=True)):
         name, velocity = f"wheel {k}", [*(wheels.speeds[k] * rim), 0, 0, 0, 0]
         sphere = mujoco.mjtGeom.mjGEOM_SPHERE
@@ -207,9 +207,6 @@ def test_engines_path_is_that_of_full_dynamics(friction: tuple[float, float], un
 
 
 # ---- what the feedback clause says that speeds impose --------------------------------------------
-
-
-INWARD = -np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
 def law_of(arrays: Arrays, side_friction: Fraction) -> tuple[Scene, DrivenFeedback]:
