@@ -23,7 +23,7 @@ LOWEST := .venv-lowest
 PYTHONS := python3.11 python3.12 python3.13 python3.14
 LOWEST_TESTS := tests/symbolic tests/analysis/test_minimizers.py tests/analysis/test_filippov.py \
     tests/analysis/test_trajectory.py tests/analysis/test_dynamics.py tests/proofs/test_theorem4.py \
-    tests/proofs/test_quadratic.py tests/proofs/test_systems.py tests/proofs/test_ellipse.py \
+    tests/proofs/test_translation.py tests/proofs/test_systems.py tests/proofs/test_ellipse.py \
     tests/proofs/test_driven_feedback.py tests/reports/interface tests/reports/test_cli.py \
     tests/reports/test_derivation.py tests/reports/test_html.py tests/reports/test_report_commands.py tests/test_api.py
 

@@ -10,15 +10,14 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.oracles.floats import Floats
 
-Floats: TypeAlias = NDArray[np.float64]
 Document: TypeAlias = dict[str, Any]
 
 SHORT = 1e-5  # last time of a path whose mean rate stands for the rate at its start, at wheels of speed one

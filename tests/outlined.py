@@ -8,12 +8,11 @@ from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.mechanics.body import Body, Disc, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from tests.oracles.floats import Floats
 
-Floats: TypeAlias = NDArray[np.float64]
 Depths: TypeAlias = Callable[[Floats, Floats], Floats]  # of places (n, 2) at a pose
 Pair: TypeAlias = tuple[Fraction | int, Fraction | int]
 

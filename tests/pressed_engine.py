@@ -18,7 +18,8 @@ import mujoco
 import numpy as np
 
 from tests.body_engine import PlateEngine
-from tests.oracles.heavy_bodies import Floats, HeavyTable
+from tests.oracles.floats import Floats
+from tests.oracles.heavy_bodies import HeavyTable
 
 METRE = 1000.0  # of the table's millimetres
 HALF, THICK = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere

@@ -4,7 +4,7 @@ A wheel is a sphere on a hinge along its rim, as a roller on its bearing: it tur
 surface moves along the rim with the speed of the wheel (``surfacevel``, a velocity that contacts see).  The contact
 has one friction mu_R in all directions, the bearing a friction torque (``frictionloss``) of ``mu_S N`` times its
 radius, with the load N that springs carry.  The body is a thin square plate with a free joint in space, under gravity,
-on soft contacts, as in ``test_dynamics_mujoco``.  What the engine has and the model has not: inertia of the rollers,
+on soft contacts, as in ``test_engine``.  What the engine has and the model has not: inertia of the rollers,
 springs that tilt the plate, loads that move with slip, a bearing that creeps (``armature`` and ``solimp`` keep that
 below a thousandth of the slips).  Mecanum wheels have the hinge along their friction axis, askew to the rim.  A wheel
 with ``mu_S = mu_R`` has no hinge: it is of rubber.
@@ -30,7 +30,7 @@ GRAVITY = 9.81
 HALF, THICK = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere
 RADIUS = 0.05  # of the rollers
 ARMATURE = 1e-2  # inertia of a roller: large, so that its bearing is hard; it plays no part in steady motion
-SPEED = 3e-5  # lengths per second: slow, because slip moves the loads of the engine (``test_dynamics_mujoco``)
+SPEED = 3e-5  # lengths per second: slow, because slip moves the loads of the engine (``test_engine``)
 SETTLING = 1.0  # seconds
 MIXED_SPEED = 2e-4  # where the engine's own loads are asked for: a faster slip makes the creep of what is held small
 BRAKES = 3  # times that bearings are braked by the loads that the engine then has

@@ -151,7 +151,7 @@ def events_beside_scipy() -> tuple[Work, Work]:
 def audit_beside_z3() -> tuple[Work, Work]:
     from nonsmooth.proofs.system_audit import audit
     from tests.benchmarks.test_solver_speed import Case, decrease, questions_of, system_of
-    from tests.oracles.solvers import ask, with_z3
+    from tests.oracles.solver_questions import ask, with_z3
 
     potential = "Abs(x + y) + x**2 + x*y/2 + y**2/2"
     case = Case("sliding on x + y", "x y", ["y", "-2*sign(x + y) + x/2"], potential)

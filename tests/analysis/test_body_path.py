@@ -1,8 +1,4 @@
-"""The path of a body with an outline against references that know nothing of it, geometry written anew.
-
-Event times against DOP853 with event functions of its own; slides against a chattering path of small Euler steps; a
-body over all wheels against the array without a body; tipping against the side of the hull that is crossed.
-"""
+"""Paths of bodies with an outline: against references that know nothing of them, and the work that they take."""
 
 from __future__ import annotations
 
@@ -10,26 +6,43 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from nonsmooth.analysis.bodies import path as body_path
 from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
 from nonsmooth.analysis.bodies.set_motion import ContactSets
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
+from nonsmooth.analysis.cells.loads import at_least_zero
+from nonsmooth.analysis.cells.outline import Filtered, Outline, OutlineSide, between, known_sign, meet
+from nonsmooth.analysis.cells.polygon import Polygon, square
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, contacts_under
+from nonsmooth.analysis.minimizers import ellipse_minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
+from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.proofs.answers.failures import without
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Disc
+from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from nonsmooth.symbolic.numbers.coefficients import whole_multiples
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import Arrays, WheelData
-from tests.outlined import Depths, Floats, Pair, disc_depths, on, polygon_depths, polygon_of, under
+from tests.oracles.floats import Floats
+from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, under
 from tests.thorough import keep, thorough
+
+# ---- The path of a body with an outline against references that know nothing of it, geometry written anew.
+#
+# Event times against DOP853 with event functions of its own; slides against a chattering path of small Euler steps; a
+# body over all wheels against the array without a body; tipping against the side of the hull that is crossed.
 
 TIME_ERROR = 1e-10  # the largest seen 4e-11
 POSE_ERROR = 1e-9
@@ -244,7 +257,7 @@ def test_a_body_over_all_wheels_moves_as_without_an_outline(arrays: Arrays) -> N
     assert np.abs(path.at(0.5) - start).max() > 0.1
 
 
-def square(arrays: Arrays, way: Pair) -> Scene:
+def square_array(arrays: Arrays, way: Pair) -> Scene:
     """Four wheels that all run one way."""
     corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
     return arrays.scene([WheelData(at, way, 1) for at in corners])
@@ -261,7 +274,7 @@ WAYS: dict[str, tuple[Pair, int, float]] = {
 @pytest.mark.parametrize("side", WAYS)
 def test_a_body_tips_over_the_side_its_centre_crosses(side: str, arrays: Arrays) -> None:
     way, axis, place = WAYS[side]
-    scene = square(arrays, way)
+    scene = square_array(arrays, way)
     path = path_of(on(scene, Disc(scene.field(9))), (0.1, 0.05, 0.0), 5.0)
     assert path.end.reason is EndReason.TIPS
     assert path.end.state[axis] == pytest.approx(place, abs=POSE_ERROR)
@@ -271,7 +284,7 @@ def test_a_body_tips_over_the_side_its_centre_crosses(side: str, arrays: Arrays)
 
 def test_a_body_that_leaves_a_wheel_tips_over_the_side_that_is_left(arrays: Arrays) -> None:
     """Wheel 4 carries the lower right of the centre of mass; then the slanted edge leaves it behind."""
-    scene = square(arrays, (-20, 19))
+    scene = square_array(arrays, (-20, 19))
     slanted: list[Pair] = [(-3, -3), (Fraction(-3, 2), -3), (3, Fraction(3, 2)), (3, 3), (-3, 3)]
     path = path_of(on(scene, polygon_of(scene, slanted)), (0.6, -0.2, 0.0), 5.0)
     assert path.end.reason is EndReason.TIPS
@@ -335,3 +348,180 @@ def test_a_change_that_only_many_states_together_show_is_the_end_of_its_interval
     found = first_event(Rounded(), [1.0], [1e-12], line)
     assert found is not None
     assert found[0] == pytest.approx(1.1 * 7 / 8)
+
+
+# ---- Paths of bodies with an outline: minimizers from the last one, and an end after so much work.
+
+
+def smooth(name: str) -> SmoothRule:
+    rule = contact_rule(name)
+    assert isinstance(rule, SmoothRule)
+    return rule
+
+
+def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On parallel rollers all contacts stick: multipliers go on from the last minimizer, with the same proof.
+
+    The path is known by the definition: nothing slips.
+    """
+    asked: list[bool] = []
+    begun: list[bool] = []
+    warm, cold = WarmMinimizer.minimize, by_smoothing
+
+    def counted_warm(self: WarmMinimizer, loads: Floats) -> Floats | None:
+        asked.append(True)
+        return warm(self, loads)
+
+    def counted_cold(
+        weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs, passes: int
+    ) -> tuple[Floats, Floats]:
+        begun.append(True)
+        return cold(weights, maps, targets, sets, passes)
+
+    monkeypatch.setattr(WarmMinimizer, "minimize", counted_warm)
+    monkeypatch.setattr(ellipse_minimizer, "by_smoothing", counted_cold)
+    scene = load_scene("roller-bed")
+    path = BodyPath(contacts_under(smooth("roller"), scene), scene).follow((0.1, 0.05, 0.2), 0.1)
+    assert path.end.state == pytest.approx((0.2, 0.05, 0.2), abs=1e-9)
+    assert len(begun) < len(asked) / 4
+
+
+def test_a_path_of_a_body_ends_after_its_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was followed until then is the path."""
+    scene = load_scene("carton-on-6x6")
+    whole = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 2.0)
+    monkeypatch.setattr(body_path, "MOST_RATES", 400)
+    part = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 2.0)
+    assert part.end.reason is EndReason.STEPS
+    assert 0 < part.end.t < whole.end.t
+    assert part.end.state == pytest.approx(whole.at(part.end.t), abs=1e-9)
+
+
+def without_wheel_15() -> BodyPath:
+    """A body on a table where two of the three wheels that are left under it are on either side of the rest point."""
+    scene = without(load_scene("carton-on-6x6").under("ellipse"), [15])
+    return BodyPath(contacts_under(smooth("ellipse"), scene), scene)
+
+
+def test_a_centre_of_mass_that_comes_ever_nearer_to_the_border_of_its_support_tips() -> None:
+    """Without wheel 15 the rest point lies over the line through two wheels, where rounding alone would move a body.
+
+    From afar this path did not end in ten minutes; that it never crosses the line makes no difference to a table.
+    """
+    path = without_wheel_15().follow((1e-7, 1e-7, 0.0), 5.0)
+    assert path.end.reason is EndReason.TIPS
+    assert [event.surface for event in path.events] == ["over the line through wheels 21 and 16"]
+    x, y, _ = path.end.state
+    assert 0 < x + y < 4e-9
+    assert x == pytest.approx(y, abs=1e-12)
+
+
+def test_a_start_over_the_line_through_two_wheels_is_refused() -> None:
+    """It ended with a message of NumPy about shapes."""
+    with pytest.raises(
+        ValueError, match="where the body stands on its wheels, received one where it tips over the line "
+    ):
+        without_wheel_15().follow((0.0, 0.0, 0.3), 1.0)
+
+
+def test_a_path_over_all_wheels_ends_after_its_work_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that needs minutes says so in its last line."""
+    monkeypatch.setattr(body_path, "MOST_RATES", 30)
+    path = BodyPath(contacts_under(smooth("ellipse"), load_scene("four-wheel"))).follow((0.2, 0.4, 0.0), 5.0)
+    assert path.end.reason is EndReason.STEPS
+    assert 0 < path.end.t < 5
+
+
+def test_where_one_method_gives_up_the_next_one_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With tolerances ever wider, and from the last place that was reached."""
+    scene = load_scene("carton-on-6x6")
+    whole = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 0.5)
+    monkeypatch.setattr(body_path, "MANY_STEPS", 3)
+    monkeypatch.setattr(body_path, "MANY_STIFF_STEPS", 5)
+    rough = BodyPath(contacts_under(smooth("ellipse"), scene), scene).follow((0.15, 0.1, 0.08), 0.5)
+    assert rough.end.state == pytest.approx(whole.end.state, abs=1e-5)
+
+
+# ---- Lines and points by floats and whole numbers: what they say of a sign is true, and outlines are exact polygons.
+
+Draw: TypeAlias = Callable[[], Number]
+FIELDS = {"rational": (1, ()), "one root": (1, (2,)), "two roots": (1, (2, 3)), "of ring-5": (5, ())}
+
+
+def draws(name: str, rng: np.random.Generator) -> tuple[NumberField, Draw]:
+    """A field and short numbers of it at random."""
+    order, radicands = FIELDS[name]
+    field = NumberField(order)
+    units = [field.one, *(field.sqrt(radicand) for radicand in radicands), *([field.two_cos(1)] if order > 1 else [])]
+    return field, lambda: sum((unit * int(rng.integers(-4, 5)) for unit in units), field.zero) / int(rng.integers(1, 5))
+
+
+def product(line: tuple[Number, ...], point: tuple[Number, ...]) -> Number:
+    return line[0] * point[0] + line[1] * point[1] + line[2] * point[2]
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_known_signs_are_those_of_exact_numbers(name: str) -> None:
+    rng = np.random.default_rng(0)
+    field, draw = draws(name, rng)
+    decided = 0
+    for _ in range(150):
+        first, second, third = ((draw(), draw(), draw()) for _ in range(3))
+        a, b = first, second
+        point = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        met = meet(Filtered.of(first), Filtered.of(second))
+        for line in (first, third):
+            known = known_sign(Filtered.of(line), met)
+            assert known is None or known == sign(product(line, point))
+            assert name != "rational" or known is not None
+            decided += known is not None
+        one, x, y, u, v = field.one, *(draw() for _ in range(4))
+        middle = between(Filtered.of((one, x, y)), Filtered.of((one, u, v)))
+        known = known_sign(Filtered.of(third), middle)
+        assert known is None or known == sign(product(third, (one * 2, x + u, y + v)))
+    assert decided >= 100
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_an_outline_is_the_polygon_that_exact_numbers_cut(name: str) -> None:
+    """Lines of few slopes through few places: many pass through corners of others."""
+    rng = np.random.default_rng(1)
+    field, draw = draws(name, rng)
+    cut = 0
+    for _ in range(60):
+        exact: Polygon | None = square((field.zero, field.zero), field(2))
+        outline: Outline | None = Outline.of(exact) if exact else None
+        for _ in range(6):
+            form = (draw() + Fraction(3, 2), draw(), draw())
+            if not any(form[1:]):
+                continue
+            half_plane = at_least_zero(form, "cut")
+            side = OutlineSide(Filtered.of(form), lambda half_plane=half_plane: half_plane)  # type: ignore[misc]
+            exact = exact and exact.clipped(half_plane)
+            outline = outline and outline.clipped(side)
+            assert (outline is None) == (exact is None)
+            if outline is not None:
+                cut += 1
+                assert outline.polygon == exact
+    assert cut >= 60
+
+
+def test_what_floats_do_not_hold_is_not_known() -> None:
+    field = NumberField()
+    root = field.sqrt(2)
+    for size in (Fraction(10) ** 400, Fraction(1, 10**400), Fraction(10) ** 90):
+        far = (field(size) * root, field(size), field.one)
+        assert known_sign(Filtered.of(far), Filtered.of((field.one, root, root))) is None
+    near = (field.one, root - 1 + Fraction(1, 10**30), field.zero)
+    assert known_sign(Filtered.of(near), Filtered.of((1 - root, field.one, field.zero))) is None
+
+
+def test_whole_multiples() -> None:
+    field = NumberField()
+    root = field.sqrt(2)
+    thirds = [(root / 3).terms, (root * 2).terms, field.zero.terms]
+    assert whole_multiples(thirds, 10) == [1, 6, 0]
+    assert whole_multiples(thirds, 2) is None
+    assert whole_multiples([root.terms, field.one.terms], 10) is None
+    assert whole_multiples([field.zero.terms] * 2, 10) == [0, 0]
+    assert whole_multiples([NumberField(5).two_cos(1).terms], 10) is None

@@ -1,10 +1,11 @@
-"""Maps of ends: the four-wheel formula, the scalar integrator as the slow definition, and every kind of end."""
+"""How paths end, and maps of where they end."""
 
 from __future__ import annotations
 
 import json
 import math
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,14 +15,21 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.minimizers.agreement import compare_rules, comparison_grid, intersect, shared_area
+from nonsmooth.analysis.minimizers.point_location import OUTSIDE, PointLocator
+from nonsmooth.analysis.trajectories.ending import CREEP, REST, EndMotion, ending
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
-from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.result import End, EndReason, Piece, State, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.system_file import load_system
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.thorough import few, thorough
+
+# ---- Maps of ends: the four-wheel formula, the scalar integrator as the slow definition, and every kind of end.
 
 FORMULA = 1e-12
 SCALAR = 1e-9  # long chains of arcs: errors of 2^-53 per leg, amplified by grazing crossings
@@ -160,3 +168,194 @@ def test_exact_fields_are_rounded_and_input_is_checked(arrays: Arrays) -> None:
         settle_map(field, np.array([[2.0, 0.0]]))
     with pytest.raises(ValueError, match="at least two"):
         grid_starts(field, 1)
+
+
+# ---- How paths end: against paths whose end is known without following them ----------------------
+
+Pose = tuple[float, float, float]
+
+
+def path_of(state_at: object, until: float, reason: EndReason = EndReason.TIME) -> Trajectory:
+    """A path in one piece, given as a function of time."""
+
+    def state(time: float) -> State:
+        return tuple(state_at(time))  # type: ignore[operator]
+
+    times = tuple(np.linspace(0.0, until, 11).tolist())
+    piece = Piece(0.0, until, "", (), state, times)
+    end = End(until, state(until), reason)
+    return Trajectory("exact", "events", times, tuple(map(state, times)), (), end, True, (piece,))
+
+
+def test_an_arrival_in_finite_time_is_met_to_rounding() -> None:
+    arrives = 0.73105857863
+    found = ending(path_of(lambda t: (max(arrives - t, 0.0), 0.0, 0.1), 2.0), 1.0, 1.0)
+    assert found.motion is EndMotion.AT_REST
+    assert found.since == pytest.approx(arrives, abs=1e-7)
+    assert (found.speed, found.turning) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("rate", [1.0, 3.0])
+def test_a_point_that_is_approached_rests_when_its_speed_is_small(rate: float) -> None:
+    """``x = exp(-rate t)`` with the unit of speed ``rate``, that at the start: ``exp(-rate t) = REST``."""
+    until = 30.0
+    found = ending(path_of(lambda t: (math.exp(-rate * t), 0.0, 0.0), until), 1.0, 1.0)
+    expected = math.log(1 / REST) / rate
+    assert found.motion is EndMotion.AT_REST
+    assert found.since == pytest.approx(expected, abs=until / 500)
+
+
+def test_slow_and_fast_ends_are_told_apart() -> None:
+    for speed, motion in ((REST / 2, EndMotion.AT_REST), (2 * REST, EndMotion.CREEPS), (2 * CREEP, EndMotion.MOVING)):
+        found = ending(path_of(lambda t, v=speed: (v * t, 0.0, 0.0), 5.0), 1.0, 1.0)
+        assert found.motion is motion
+        assert found.speed == pytest.approx(speed)
+
+
+def test_rounding_of_a_body_that_stands_is_rest() -> None:
+    found = ending(path_of(lambda t: (0.1 + 1e-15 * math.sin(9 * t), 0.0), 2.0))
+    assert (found.motion, found.since) == (EndMotion.AT_REST, 0.0)
+
+
+def test_turning_in_place_is_no_rest() -> None:
+    found = ending(path_of(lambda t: (0.0, 0.0, -0.5 * t), 5.0), 0.1, 1.0)
+    assert found.motion is EndMotion.MOVING
+    assert found.speed == 0.0
+    assert found.turning == pytest.approx(-0.5)
+
+
+def test_a_body_that_passes_its_end_is_not_at_rest_then() -> None:
+    """It comes through the last state at full speed before; rest begins where it stays."""
+
+    def swings(t: float) -> Pose:
+        return (math.sin(2 * math.pi * min(t, 1.0)), 0.0, 0.0)
+
+    found = ending(path_of(swings, 3.0), 1.0, 1.0)
+    assert found.since == pytest.approx(1.0, abs=1e-4)
+
+
+def test_states_of_plain_systems_count_alike() -> None:
+    found = ending(path_of(lambda t: (3 * t, 4 * t), 1.0))
+    assert (found.motion, found.turning) == (EndMotion.MOVING, None)
+    assert found.speed == pytest.approx(5.0)
+    still = ending(path_of(lambda t: (1.0, 2.0), 1.0))
+    assert (still.motion, still.since) == (EndMotion.AT_REST, 0.0)
+
+
+def test_samples_without_pieces_are_read_between() -> None:
+    path = path_of(lambda t: (max(1 - t, 0.0), 0.0, 0.0), 2.0)
+    sampled = Trajectory("exact", "hysteresis", path.times, path.states, (), path.end, None)
+    assert ending(sampled, 1.0, 1.0).since == pytest.approx(1.0, abs=1e-3)
+
+
+# ---- Paths are called unique only where nothing else was left open -------------------------------
+
+
+def follow(tmp_path: Path, rhs: list[str], start: list[float]) -> Trajectory:
+    file = tmp_path / "my.toml"
+    states = ["x", "y", "z"][: len(rhs)]
+    file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n", encoding="utf-8")
+    return simulate(system_field(load_system(file), start), start, 1.0)
+
+
+def squeezed(first: str, second: str) -> list[str]:
+    """(1, 3 x) between two curves, of which y = 3 x^2/2 is a solution; (0, -1) outside."""
+    inside = f"(1 - sign({first})*sign({second}))/2"
+    return [inside, f"3*x*{inside} - (1 - {inside})"]
+
+
+def test_a_cell_squeezed_between_tangent_curves_may_be_entered(tmp_path: Path) -> None:
+    """From the origin both (0, -t) and (t, 3 t^2/2) are solutions; no tangent cone shows the second cell."""
+    path = follow(tmp_path, squeezed("y - x**2", "y - 2*x**2"), [0.0, 0.0])
+    assert path.unique is None
+    assert any("touch here" in event.note for event in path.events)
+
+
+@pytest.mark.parametrize(
+    ("rhs", "start"),
+    [
+        (["-sign(y - x**2)", "-1"], [0.25, 1.0]),  # one curve is crossed
+        (["-sign(x + y) - sign(x - y)", "-sign(x + y) + sign(x - y)"], [0.0, 0.0]),  # lines through one point
+        (["-sign(x)", "-sign(y - x**2)"], [0.0, 0.0]),  # transversal, one of them curved
+        (["-sign(x)", "-sign(y)", "-sign(z)"], [0.1, 0.2, 0.1]),
+        (squeezed("y - x**2", "y - 2*x**2"), [0.5, 0.375]),  # inside the narrow cell, away from the contact
+    ],
+)
+def test_transversal_surfaces_leave_no_doubt(tmp_path: Path, rhs: list[str], start: list[float]) -> None:
+    assert follow(tmp_path, rhs, start).unique
+
+
+@pytest.mark.parametrize("side", [Fraction(1, 2), Fraction(1, 5), Fraction(1, 100)])
+def test_share_of_equal_twists_on_four_wheel(arrays: Arrays, side: Fraction) -> None:
+    scene = arrays.four_wheel((1, side))
+    shared = shared_area(build_nearest_partition(scene), build_box_partition(scene))
+    assert shared.share == max(0, 1 - 2 * side)
+    assert len(shared.shared_twists) == (8 if side < Fraction(1, 2) else 0)
+
+
+def test_a_partition_agrees_with_itself_everywhere(arrays: Arrays) -> None:
+    partition = build_nearest_partition(arrays.ring(5))
+    assert shared_area(partition, partition).share == 1
+
+
+def test_share_against_counting_points(arrays: Arrays) -> None:
+    scene = arrays.ring(6, (1, Fraction(1, 20)), Fraction(1, 4))
+    first, second = build_nearest_partition(scene), build_box_partition(scene)
+    points = np.random.default_rng(0).uniform(-0.25, 0.25, (40_000, 2))
+    same = np.abs(PointLocator(first).twists(points) - PointLocator(second).twists(points)).max(axis=1) < 1e-12
+    # 40,000 points: the share's standard error is below 0.0025
+    assert abs(same.mean() - float(shared_area(first, second).share)) < 0.01
+
+
+def test_points_are_located_in_the_cell_that_holds_them(arrays: Arrays) -> None:
+    rng = np.random.default_rng(3)
+    scene = arrays.grid(4, 4, (1, Fraction(1, 5)))
+    partition = build_box_partition(scene)
+    inside = [arrays.interior_point(cell.polygon, rng) for cell in partition.cells]
+    points = np.array([[float(x), float(y)] for x, y in inside])
+    assert PointLocator(partition).locate(points).tolist() == list(range(len(inside)))
+    assert PointLocator(partition).locate(np.array([[9.0, 9.0]])).tolist() == [OUTSIDE]
+    assert np.isnan(PointLocator(partition).twists(np.array([[9.0, 9.0]]))).all()
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "grid-4x4"])
+def test_points_in_buckets_are_located_as_points_one_by_one(name: str) -> None:
+    locator = PointLocator(build_box_partition(load_scene(name, rule="box")))
+    reach = float(locator.partition.scene.check.radius)
+    many = np.random.default_rng(0).uniform(-1.2 * reach, 1.2 * reach, (20_000, 2))
+    many[:4] = [(reach, reach), (-reach, -reach), (np.nan, 0), (1e9, -1e9)]
+    few = np.concatenate([locator.locate(points) for points in np.array_split(many, 20)])
+    found = locator.locate(many)
+    assert found.tolist() == few.tolist()
+    inside = np.abs(many).max(axis=1) <= reach
+    assert (found[inside] != OUTSIDE).all()
+    assert (found[~inside] == OUTSIDE).all()
+
+
+def test_disjoint_polygons_have_no_intersection(arrays: Arrays) -> None:
+    cells = build_nearest_partition(arrays.four_wheel()).cells
+    assert intersect(cells[0].polygon, cells[1].polygon) is None
+    assert intersect(cells[0].polygon, cells[0].polygon) == cells[0].polygon
+
+
+def test_the_three_rules_side_by_side(arrays: Arrays) -> None:
+    scene = arrays.four_wheel((1, Fraction(1, 100)))
+    agreement = compare_rules(scene)
+    assert agreement.shared["nearest", "box"].share == Fraction(49, 50)
+    # on the grid, whose points lie in the cells in the same shares, box and nearest differ on about 2 %
+    points = comparison_grid(scene)
+    near, box = (PointLocator(p).twists(points) for p in agreement.partitions.values())
+    assert (np.abs(near - box).max(axis=1) > 1e-12).mean() == pytest.approx(1 / 50, abs=0.02)
+    assert agreement.differences["ellipse", "box"].mean is not None
+    assert agreement.differences["ellipse", "box"].largest is not None
+    assert 0 < agreement.differences["ellipse", "box"].mean <= agreement.differences["ellipse", "box"].largest <= 2
+
+
+def test_rules_agree_where_all_wheels_carry_the_body(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tangential rims of one speed: every rule gives the same rotation everywhere."""
+    monkeypatch.setattr("nonsmooth.analysis.minimizers.agreement.GRID", 12)
+    agreement = compare_rules(load_scene("conveyor-3"))
+    assert agreement.shared["nearest", "box"].share == 1
+    for difference in agreement.differences.values():
+        assert difference.largest is not None
+        assert difference.largest < 1e-6

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
@@ -26,9 +25,8 @@ from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from tests.four_wheel import CORNERS
 from tests.oracles.cvxpy_programs import MINIMIZERS, CvxpyMinimizer, minimizers_of
+from tests.oracles.floats import Floats
 from tests.thorough import few, keep
-
-Floats = NDArray[np.float64]
 
 FOUR = np.array(CORNERS, float)
 SAME_VALUE = 1e-9  # relative: what the least exact minimizer reaches

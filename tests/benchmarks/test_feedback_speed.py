@@ -20,8 +20,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import RowInputs
 from nonsmooth.proofs.clauses.feedback.gradient_law import ConeRate, certified_rate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
-from tests.oracles.solver_questions import polynomial, script
-from tests.oracles.solvers import Answer, Question, ask, with_z3
+from tests.oracles.solver_questions import Answer, Question, ask, polynomial, script, with_z3
 
 REQUIRED_OVER_Z3 = 150
 PATIENCE = 20.0  # seconds of Z3 for all cones

@@ -12,8 +12,7 @@ from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.benchmarks.conftest import Stopwatch
-from tests.proofs.plain_agreement import contradictions
-from tests.proofs.plain_ties import Oracle, random_tie
+from tests.proofs.plain_ties import Oracle, contradictions, random_tie
 
 EQUILIBRIA, VERDICTS = 5_000, 300
 FIRST = 10_000  # seeds apart from those of the tests

@@ -10,7 +10,7 @@ from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from tests.benchmarks.conftest import Stopwatch
-from tests.clauses import verdicts
+from tests.built_in import verdicts
 from tests.conftest import Arrays
 
 

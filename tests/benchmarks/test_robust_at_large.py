@@ -15,9 +15,10 @@ from nonsmooth.proofs.robust.smooth_rules import SmoothDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from tests.benchmarks.conftest import Stopwatch
-from tests.proofs.robust.test_box_bounds import drawn, small_box, twists
-from tests.proofs.robust.test_smooth_bounds import drawn as smooth_array
+from tests.proofs.robust.test_nearest_bounds import drawn_model as drawn
+from tests.proofs.robust.test_nearest_bounds import small_box, twists
 from tests.proofs.robust.test_smooth_discs import box_of
+from tests.proofs.robust.test_smooth_discs import drawn as smooth_array
 
 ARRAYS, POINTS = 1_000, 5
 SLOPE_ARRAYS = 40

@@ -23,8 +23,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.benchmarks.conftest import Stopwatch
-from tests.oracles.solver_questions import Questions, read
-from tests.oracles.solvers import Answer, Question, ask_apart, with_cvc5, with_z3
+from tests.oracles.solver_questions import Answer, Question, Questions, ask_apart, read, with_cvc5, with_z3
 from tests.proofs.system_families import families
 
 PATIENCE = 20.0  # seconds of each solver for one V

@@ -17,13 +17,10 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
-from tests.oracles.agreement import box_contradiction, contradiction
-from tests.oracles.box_paths import observe_box
+from tests.oracles.box_paths import box_contradiction, contradiction, observe_box
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.nearest_paths import observe
-from tests.oracles.tied_arrays import tied_array, turning_pool, untied_array
-from tests.oracles.tied_box_arrays import tied_box
-from tests.oracles.tied_scenes import scene_of
+from tests.oracles.tied_arrays import scene_of, tied_array, tied_box, turning_pool, untied_array
 
 ARRAYS = int(os.environ.get("NONSMOOTH_TIED_ARRAYS", "100000"))
 BLOCK = 250

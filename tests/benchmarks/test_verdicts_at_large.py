@@ -6,7 +6,7 @@ from collections import Counter
 
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
-from tests.proofs.test_verdicts_against_trajectories import compare
+from tests.proofs.test_tied_arrays import compare_with_trajectories as compare
 
 ARRAYS, STARTS, LARGEST_SHARE_UNDECIDED = 500, 32, 0.02
 

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.answers.array_basin import ArrayBasin, NoBasin, find_array_basin
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.oracles.measured_tables import Floats, MeasuredTable, SmallSteps
+from tests.oracles.floats import Floats
+from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 
 OFF = (0.0, 3.0, 9.0)  # degrees by which headings are wrong
 RULES = ("nearest", "box")

@@ -27,8 +27,7 @@ from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.conftest import Arrays, Pair, WheelData
-from tests.oracles.tied_arrays import tied_array
-from tests.oracles.tied_scenes import scene_of
+from tests.oracles.tied_arrays import scene_of, tied_array
 
 ARRAYS = Arrays()
 TURNS = (Fraction(0), Fraction(1, 7), Fraction(-1, 3), Fraction(1), Fraction(3), Fraction(1, 50))

@@ -27,7 +27,8 @@ from nonsmooth.proofs.answers.answer import Inertia
 from nonsmooth.proofs.answers.inertia import NearRest, Simulated, near_rest, simulated
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.oracles.heavy_bodies import Floats, HeavyTable
+from tests.oracles.floats import Floats
+from tests.oracles.heavy_bodies import HeavyTable
 from tests.pressed_engine import EngineTable
 
 SPEEDS = (50, 250, 1000)  # mm/s

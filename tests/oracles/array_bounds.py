@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.oracles.floats import Floats
 
-Floats: TypeAlias = NDArray[np.float64]
 Record: TypeAlias = dict[str, Any]
 
 STARTS, STEPS = 12, 2_000

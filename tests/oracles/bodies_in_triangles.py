@@ -11,13 +11,12 @@ from fractions import Fraction
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tests.array_certificates import said, subject
+from tests.oracles.floats import Floats
 from tests.oracles.rebuilt_arrays import Decoder
 
 Record: TypeAlias = dict[str, Any]
-Floats: TypeAlias = NDArray[np.float64]
 
 STARTS, STEPS = 8, 1_500
 STEP = 1 / 200  # of the mesh

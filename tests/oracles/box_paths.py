@@ -1,10 +1,4 @@
-"""Paths of rule ``box`` close to a point, by the definitions alone: an oracle for verdicts about translation.
-
-All twists that satisfy three independent rows are listed once, in fractions.  At a point the loads are those of
-identical springs (all sets of loaded wheels are tried), and the twist is the candidate of least dissipation.  Paths are
-Euler steps of one per cent of the distance from the checked point, many starts at once.  Nothing here knows of cells,
-cones or slopes.
-"""
+"""Paths of rule ``box`` close to a point, and whether verdicts and observed paths agree."""
 
 from __future__ import annotations
 
@@ -19,7 +13,17 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from tests.oracles.nearest_paths import Wheel
+from nonsmooth.proofs.clauses.translation.fan_stability import Move
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.findings.verdicts import Translation
+from tests.oracles.nearest_paths import End, Wheel
+
+# ---- Paths of rule ``box`` close to a point, by the definitions alone: an oracle for verdicts about translation.
+#
+# All twists that satisfy three independent rows are listed once, in fractions. At a point the loads are those of
+# identical springs (all sets of loaded wheels are tried), and the twist is the candidate of least dissipation. Paths
+# are Euler steps of one per cent of the distance from the checked point, many starts at once. Nothing here knows of
+# cells, cones or slopes.
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -164,3 +168,30 @@ def observe_box(wheels: Sequence[Wheel], at: tuple[Fraction, Fraction], *, start
                 ends[index], going[index] = word, False
     counts = {word: int((ends == word).sum()) for word in ("left", "arrived", "rested", "unclear")}
     return Observed(**counts)
+
+
+# ---- Whether a translation verdict and observed paths agree --------------------------------------
+
+
+def contradiction(result: TranslationResult, ends: set[End]) -> str:
+    """What the paths say against the verdict; empty where they agree."""
+    leaves = End.LEAVES in ends
+    if result.verdict is Translation.ASYMPTOTICALLY_STABLE and ends - {End.ARRIVES, End.UNCLEAR}:
+        return f"asymptotically stable, but paths end {ends}"
+    if result.verdict is Translation.STABLE and leaves:
+        return "stable, but a path leaves"
+    if result.verdict is Translation.UNSTABLE and not leaves:
+        return "unstable, but no path leaves"
+    return ""
+
+
+def box_contradiction(result: TranslationResult, seen: Observed) -> str:
+    """What paths of rule ``box`` say against the verdict; empty where they agree, or say nothing."""
+    if result.verdict is Translation.ASYMPTOTICALLY_STABLE and (seen.left or seen.rested):
+        return f"asymptotically stable, but {seen}"
+    if result.verdict is Translation.STABLE and seen.left:
+        return f"stable, but {seen}"
+    followed = result.fan is not None and any(e.move is not Move.SLIDE for e in result.fan.evidence)
+    if result.verdict is Translation.UNSTABLE and followed and not seen.left:
+        return f"unstable, but {seen}"
+    return ""

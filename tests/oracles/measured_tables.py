@@ -14,13 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import RK23
 
-Floats: TypeAlias = NDArray[np.float64]
+from tests.oracles.floats import Floats
 
 ROUNDINGS = (1e-2, 1e-4, 1e-6)  # of the fastest rim
 NEWTON = 60

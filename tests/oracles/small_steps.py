@@ -11,7 +11,8 @@ import numpy as np
 from scipy.optimize import linprog
 
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.outlined import Depths, Floats, under
+from tests.oracles.floats import Floats
+from tests.outlined import Depths, under
 
 
 class Contacts(NamedTuple):

@@ -1,25 +1,37 @@
-"""Arrays of rule ``nearest`` with exact coincidences at the checked point, the origin; all numbers are fractions.
-
-Verdicts go wrong where signs vanish, and random arrays have no vanishing signs.  So each array here is random first,
-and then speeds, rims or places are changed until a velocity lies exactly along a ray, two velocities are opposed, a
-motion does not turn, a rim points at another wheel, and so on.  ``omega`` takes both signs by itself.
-"""
+"""Arrays of rules ``nearest`` and ``box`` with exact coincidences at the checked point; all numbers are fractions."""
 
 from __future__ import annotations
 
 import random
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import flint
 import numpy as np
 import numpy.typing as npt
 
+from nonsmooth.analysis.cells.box import build_box_partition
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
+from nonsmooth.symbolic.mechanics.scene import Contact
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from tests.conftest import WheelData
 from tests.oracles.nearest_paths import NearestArray, Twist, Wheel, as_arb
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.mechanics.scene import Scene
+    from tests.conftest import Arrays
+
+
+# ---- Arrays of rule ``nearest`` with exact coincidences at the checked point, the origin; all numbers are fractions.
+#
+# Verdicts go wrong where signs vanish, and random arrays have no vanishing signs. So each array here is random first,
+# and then speeds, rims or places are changed until a velocity lies exactly along a ray, two velocities are opposed, a
+# motion does not turn, a rim points at another wheel, and so on. ``omega`` takes both signs by itself.
 
 Pair: TypeAlias = tuple[Fraction, Fraction]
 Floats: TypeAlias = npt.NDArray[Any]
@@ -387,3 +399,103 @@ def _escapes(wheels: Sequence[Wheel]) -> bool:
             if cross(start, v) > 0 and beyond_end:
                 return True
     return False
+
+
+# ---- Arrays of rule ``box`` with a checked point at which exact coincidences meet: a corner of their own cells.
+#
+# There twists tie, slopes of D vanish, loads are at the border of zero, or frictions balance. The corners come from
+# the workbench; the verdicts about them are compared with paths that do not use the cells.
+
+FRICTIONS: list[Pair] = [
+    (Fraction(1), Fraction(1, 2)),
+    (Fraction(1), Fraction(1, 5)),
+    (Fraction(1), Fraction(1, 10)),
+    (Fraction(1), Fraction(1)),
+    (Fraction(1, 2), Fraction(1)),
+]
+TURNS: list[Pair] = [(Fraction(1), Fraction(0)), (Fraction(3, 5), Fraction(4, 5)), (Fraction(4, 5), Fraction(3, 5))]
+AXES: list[Pair] = [(Fraction(a), Fraction(b)) for a, b in ((1, 0), (0, 1), (-1, 0), (0, -1))]
+
+
+def box_wheels(rng: random.Random) -> list[Wheel]:
+    """Four wheels: opposite pairs on a circle with rims turned alike, or the corners of a square with any rims."""
+    roll, side = rng.choice(FRICTIONS)
+    on_circle = rng.random() < 0.7
+    if on_circle:
+        half = [circle_point(rng), circle_point(rng)]
+        points = [*half, *((-x, -y) for x, y in half)]
+    else:
+        points = [(Fraction(a), Fraction(b)) for a in (1, -1) for b in (1, -1)]
+    turn = rng.choice([TURNS[0], *TURNS, circle_point(rng)])
+    wheels = []
+    for x, y in points:
+        direction = rotated((-x, -y), turn) if on_circle else rng.choice([circle_point(rng), *AXES])
+        speed = rng.choice([Fraction(1), Fraction(1), Fraction(1), rng.choice(SPEEDS)])
+        wheels.append(Wheel((x, y), direction, speed, roll, side))
+    return wheels
+
+
+def box_scene(arrays: Arrays, wheels: list[Wheel], at: Pair, radius: Fraction) -> Scene:
+    """The scene of rule ``box``, seen from the checked point."""
+    data = [WheelData(w.position, w.direction, w.speed, (w.roll, w.side)) for w in wheels]
+    scene = arrays.scene(data, radius=radius, at=at)
+    return replace(scene, contact=Contact("box")).recentred()
+
+
+def tied_box(arrays: Arrays, seed: int) -> tuple[list[Wheel], Pair, Partition]:
+    """Wheels, a checked point at a rational corner of their cells (or the origin), and the cells about it."""
+    rng = random.Random(seed)
+    while True:
+        wheels = box_wheels(rng)
+        size = rng.choice((Fraction(1, 4), Fraction(3, 5)))
+        if len({wheel.position for wheel in wheels}) < len(wheels):
+            continue
+        try:
+            whole = build_box_partition(box_scene(arrays, wheels, (Fraction(0), Fraction(0)), size))
+            at = rng.choice(_rational_corners(whole, size))
+            partition = build_box_partition(box_scene(arrays, wheels, at, size / 16))
+        except RefusalError:  # the square leaves the support polygon
+            continue
+        return wheels, at, partition
+
+
+def _rational_corners(partition: Partition, size: Fraction) -> list[Pair]:
+    found: list[Pair] = [(Fraction(0), Fraction(0))]
+    for point in partition.complex.points:
+        values = [None if isinstance(x, Lazy) else x.as_rational() for x in point]
+        if None not in values:
+            x, y = (Fraction(str(value)) for value in values)
+            if max(abs(x), abs(y)) < size:
+                found.append((x, y))
+    return found
+
+
+# ---- Arrays at whose equilibrium a velocity lies exactly along a ray: once certified as asymptotically stable.
+
+
+def scene_of(arrays: Arrays, wheels: list[Wheel]) -> Scene:
+    data = [WheelData(w.position, w.direction, w.speed, (w.roll, w.side)) for w in wheels]
+    return arrays.scene(data, radius=Fraction(1, 10))
+
+
+def wheel(position: tuple[str, str], heading: tuple[str, str], speed: str) -> Wheel:
+    (x, y), (a, b) = position, heading
+    numbers = [Fraction(text) for text in (x, y, a, b, speed)]
+    return Wheel((numbers[0], numbers[1]), (numbers[2], numbers[3]), numbers[4], Fraction(1), Fraction(1, 2))
+
+
+LEAVES_LIKE_A_ROOT = [
+    wheel(("8/17", "-15/17"), ("0", "1"), "133325/642872"),
+    wheel(("12/13", "5/13"), ("15/17", "-8/17"), "-7"),
+    wheel(("-9/41", "40/41"), ("21/29", "-20/29"), "-5/4"),
+]
+CENTRE = [
+    wheel(("0", "1"), ("1", "0"), "1"),
+    wheel(("2", "1"), ("0", "1"), "-1"),
+    wheel(("2", "-1"), ("0", "1"), "-4"),
+]
+LEAVES_FROM_1E_9 = [
+    wheel(("0", "-1"), ("-4/5", "-3/5"), "-5/2"),
+    wheel(("1", "0"), ("-4/5", "-3/5"), "-1"),
+    wheel(("-1", "0"), ("4/5", "-3/5"), "1/25"),
+]

@@ -21,14 +21,13 @@ from tests.conftest import Arrays
 from tests.oracles.bodies_in_triangles import assert_bodies_end
 from tests.oracles.mutants import Attack, at_random, claiming, searching
 from tests.oracles.rebuilt_arrays import assert_still_true
-from tests.oracles.tied_arrays import tied_array
-from tests.oracles.tied_scenes import scene_of
-from tests.proofs import test_certificates_against_paths as tied
+from tests.oracles.tied_arrays import scene_of, tied_array
 from tests.proofs import test_escape_theorem as escapes
+from tests.proofs import test_scalar_stability as scalar
 from tests.proofs import test_second_function as further
+from tests.proofs import test_square_roots as roots
+from tests.proofs import test_tied_arrays as tied
 from tests.proofs.checker import test_irrational as irrational
-from tests.proofs.kernel import test_roots as roots
-from tests.proofs.kernel import test_scalar as scalar
 from tests.proofs.robust import test_certified_bound as robust
 
 Record: TypeAlias = dict[str, Any]

@@ -1,18 +1,7 @@
-"""Plain systems with ties at the equilibrium, and what their solutions do there, found without the proving code.
-
-Guards touch the origin, pass it, vanish there alone, are tangent to each other, have cusps, even powers or common
-factors.  The oracle knows the formulas only as numbers:
-
-- *F at a point*: signs of the guards on arcs ``y = c x^r`` (and ``x = c y^r``) with ``x = 2^-400`` in exact rational
-  arithmetic.  All guards have branches ``y ~ a x^(p/q)`` with exponents and factors from short lists, and there is an
-  arc between any two of them, so every cell near the point is met.
-- *paths*: Euler polygons with steps in proportion to the distance, many at once.  They tend to Filippov solutions as
-  the steps shrink, and chatter along sliding surfaces.
-"""
+"""Plain systems tied at the equilibrium, and what their formulas do there as numbers."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -20,6 +9,25 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.proofs.systems.ray_moves import RayKind, RayMove
+from nonsmooth.proofs.systems.system_stability import PlanePoint
+from tests.oracles.floats import spread
+
+# ---- Plain systems with ties at the equilibrium, and what their solutions do there, found without the proving code.
+#
+# Guards touch the origin, pass it, vanish there alone, are tangent to each other, have cusps, even powers or common
+# factors. The oracle knows the formulas only as numbers:
+#
+# - *F at a point*: signs of the guards on arcs ``y = c x^r`` (and ``x = c y^r``) with ``x = 2^-400`` in exact
+# rational arithmetic. All guards have branches ``y ~ a x^(p/q)`` with exponents and factors from short lists, and
+# there is an arc between any two of them, so every cell near the point is met. - *paths*: Euler polygons with steps
+# in proportion to the distance, many at once. They tend to Filippov solutions as the steps shrink, and chatter along
+# sliding surfaces.
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -140,30 +148,6 @@ class Oracle:
             total += side * np.array([jump[0](x, y) + 0 * x, jump[1](x, y) + 0 * x])
         return total.T
 
-    def spread(self, start: float, far: float, steps: int, fineness: float) -> tuple[float, float]:
-        """Largest distance that any path from a circle reaches, and the largest at the end; both over ``start``.
-
-        Args:
-            start: distance from the origin.
-            far: distance at which a path is given up as gone.
-            steps: of each path.
-            fineness: length of a step over the distance.
-        """
-        angles = (np.arange(24) + 0.31) * (2 * math.pi / 24)
-        points = start * np.column_stack([np.cos(angles), np.sin(angles)])
-        largest = start
-        for _ in range(steps):
-            velocity = self.velocity(points)
-            speed = np.hypot(*velocity.T)
-            size = np.hypot(*points.T)
-            moving = (speed > 1e-9 * size) & (size > 1e-9 * start) & (size < far)
-            if not moving.any():
-                break
-            stretch = np.where(moving, fineness * size / np.maximum(speed, 1e-300), 0.0)
-            points = points + stretch[:, None] * velocity
-            largest = max(largest, float(np.hypot(*points.T).max()))
-        return largest / start, float(np.hypot(*points.T).max()) / start
-
 
 def _compiled(text: str) -> Callable[[Any, Any], Any]:
     """A formula of this module as a function; fractions stay exact."""
@@ -208,3 +192,44 @@ def holds_zero(vectors: list[tuple[Fraction, Fraction]]) -> bool:
         if turn > 0 and any(crosses[j, k] > 0 and crosses[k, i] > 0 for k in range(len(vectors))):
             return True
     return False
+
+
+# ---- Verdicts on plain systems held against the oracle of :mod:`tests.proofs.plain_ties` ---------
+
+STARTS = (1e-2, 1e-5)  # distances; paths that begin nearer stay below the larger bound of the two
+FAR, STEPS, FINENESS = 0.2, 3000, 2e-3
+LEFT_BEHIND = 50.0  # growth of the distance that no stable equilibrium of the generator shows
+NEAR = Fraction(1, 2**12)  # distance at which rays are looked at: beyond it guards of higher degree may switch
+
+
+def contradictions(result: StabilityResult, oracle: Oracle) -> list[str]:
+    """What the oracle says against a verdict; nothing where it agrees or does not know."""
+    found = []
+    if result.equilibrium is not Equilibrium.UNDECIDED:
+        claimed = result.equilibrium is Equilibrium.HOLDS
+        found += ["0 in F at the origin"] if claimed is not oracle.rests_at_origin() else []
+    found += [f"{ray}" for ray in PlanePoint(result.scene).rays if _is_refuted(ray, oracle)]
+    stable = result.verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE)
+    if stable and spread(oracle.velocity, STARTS[1], STEPS, FINENESS, FAR)[0] > LEFT_BEHIND:
+        found.append("a path leaves")
+    if result.verdict is Translation.ASYMPTOTICALLY_STABLE and oracle.equilibria_nearby():
+        found.append(f"equilibria nearby: {oracle.equilibria_nearby()[:2]}")
+    if result.method in (Method.GROWTH, Method.EQUILIBRIUM):
+        growth = max(spread(oracle.velocity, start, STEPS, FINENESS, FAR)[0] for start in STARTS)
+        found += ["no path leaves"] if growth < 1.5 else []
+    return found
+
+
+def _is_refuted(ray: RayMove, oracle: Oracle) -> bool:
+    """Whether a ray of rest or escape is none at a point near the origin (rational rays only)."""
+    point = _rational(ray.ray)
+    if point is None or ray.value is None:
+        return False
+    size = max(abs(point[0]), abs(point[1])) / NEAR
+    x, y = point[0] / size, point[1] / size
+    return not (oracle.rests_at(x, y) if ray.kind is RayKind.REST else oracle.escapes_at(x, y))
+
+
+def _rational(point: Point) -> tuple[Fraction, Fraction] | None:
+    known = [Fraction(str(q)) for v in point if (q := v.as_rational()) is not None]
+    return (known[0], known[1]) if len(known) == len(point) else None

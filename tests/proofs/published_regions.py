@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +11,9 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
 from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.systems.decay_rate import SublevelRegion
 from nonsmooth.proofs.systems.domain import scene_cells
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.oracles.floats import value
+from tests.plain import built
 
 
 class Published(NamedTuple):
@@ -89,9 +89,7 @@ GUIDE_POTENTIAL = "5.5489*x**2 + 4.1068*y**2 + 1.7945*z**2"  # SOSTOOLS 4.00, gu
 
 
 def system_of(published: Published) -> SwitchedSystem:
-    check = {"radius": published.radius, "lyapunov": published.potential}
-    document = {"system": {"states": ["x", "y"], "rhs": list(published.rhs)}, "check": check}
-    return build_system(document, published.name, Path("published.toml"))
+    return built(published.rhs, radius=published.radius, lyapunov=published.potential)
 
 
 def published_cells(system: SwitchedSystem) -> tuple[LyapunovCell, ...]:
@@ -109,5 +107,4 @@ def area(potential: str, level: float, radius: float) -> float:
     """Of the part of a square in which V is below a level, by a grid."""
     line = (np.arange(1000) + 0.5) / 500 * radius - radius
     x, y = np.meshgrid(line, line)
-    value = eval(potential, {"x": x, "y": y})  # noqa: S307 - a formula of this file, or of our own V
-    return float((value < level).mean() * 4 * radius**2)
+    return float((value(potential, x=x, y=y) < level).mean() * 4 * radius**2)

@@ -20,6 +20,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from tests.oracles import floats
+
 Array: TypeAlias = NDArray[np.float64]
 
 CLEAR = 1e-9
@@ -189,25 +191,19 @@ def leaves(system: Switched) -> bool:
     return True
 
 
-def spread(system: Switched, start: float = 1e-4, count: int = 24, steps: int = STEPS) -> tuple[float, float]:
+def spread(system: Switched, start: float = 1e-4, steps: int = STEPS) -> tuple[float, float]:
     """Largest distance that a polygon from a circle reaches, and the largest at the end, both over the radius."""
     table = {signs: system.field(signs) for signs in product((1, -1), repeat=len(system.lines))}
-    angles = (np.arange(count) + 0.31) * (2 * math.pi / count)
-    points = start * np.column_stack([np.cos(angles), np.sin(angles)])
-    far = 1.0
-    for _ in range(steps):
-        velocity = np.empty_like(points)
+
+    def velocity(points: Array) -> Array:
+        found = np.empty_like(points)
         patterns = np.column_stack([np.where(points @ np.array(line) >= 0, 1, -1) for line in system.lines])
         for signs, (matrix, constant) in table.items():
             here = np.all(patterns == signs, axis=1)
-            velocity[here] = points[here] @ matrix.T + constant
-        speed, size = np.hypot(*velocity.T), np.hypot(*points.T)
-        moving = (size > 1e-9 * start) & (size < FAR * start) & (speed > 0)
-        if not moving.any():
-            break
-        points = points + np.where(moving, FINENESS * size / np.maximum(speed, 1e-300), 0.0)[:, None] * velocity
-        far = max(far, float(np.hypot(*points.T).max()) / start)
-    return far, float(np.hypot(*points.T).max()) / start
+            found[here] = points[here] @ matrix.T + constant
+        return found
+
+    return floats.spread(velocity, start, steps, FINENESS, FAR * start)
 
 
 # ---- random systems ------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Somebody else's Lyapunov function: valid, invalid with a witness that anyone can re-evaluate, or undecided."""
+"""Somebody else's Lyapunov function, and published functions and regions, audited exactly."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ from collections.abc import Callable
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+import nonsmooth as ns
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.larger_region import find_larger_region
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Refutation
@@ -27,8 +29,24 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.conftest import Arrays
+from tests.oracles.floats import value, velocity
 from tests.plain import built
-from tests.thorough import few, keep
+from tests.proofs.published_regions import (
+    GUIDE,
+    GUIDE_POTENTIAL,
+    HYPERBOLA,
+    NO_POLYNOMIAL,
+    PUBLISHED,
+    VAN_DER_POL,
+    Published,
+    area,
+    exact_level,
+    published_cells,
+    system_of,
+)
+from tests.thorough import few, keep, thorough
+
+# ---- Somebody else's Lyapunov function: valid, invalid with a witness that anyone can re-evaluate, or undecided.
 
 DIFFERENCE = 1e-6  # step of the numerical gradients below (length)
 DECREASING = [11, 13, 17, 19, 28, 29, 33, 43]  # random arrays on which the random V of the same seed never grows
@@ -42,9 +60,8 @@ def audited(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
 
 
 def float_potential(text: str) -> Callable[[float, float], float]:
-    """V in floats, by Python's own evaluation of the trusted test text."""
-    names: dict[str, Any] = {"sign": np.sign, "Abs": abs, "sqrt": np.sqrt}
-    return lambda x, y: float(eval(text, {"__builtins__": {}}, {**names, "x": x, "y": y}))  # noqa: S307 - test text
+    """V in floats."""
+    return lambda x, y: float(value(text, x=x, y=y))
 
 
 def partition_of(scene: Scene) -> Partition:
@@ -277,3 +294,87 @@ def test_squares_show_high_degrees_in_the_plane() -> None:
     assert found.verdict is AuditVerdict.VALID
     assert found.proves is Translation.STABLE  # all points of the line x = 0 are equilibria
     assert audited(system, f"{lyapunov} - x**4").verdict is AuditVerdict.INVALID
+
+
+# ---- Published Lyapunov functions and regions, audited exactly; the search for larger regions against paths.
+
+
+@pytest.mark.parametrize("published", PUBLISHED, ids=lambda published: published.name)
+def test_a_published_level_is_certified_and_the_largest_is_the_limit(published: Published) -> None:
+    found = exact_level(system_of(published))
+    assert found is not None
+    assert found.level >= published.level
+    assert float(found.level) <= published.limit + 1e-5
+    assert found.point is not None
+    if np.isfinite(published.limit):  # else the border of the square refutes larger levels
+        assert found.level == pytest.approx(published.limit, rel=1e-3)
+        assert found.refuted == pytest.approx(published.limit, rel=1e-3)
+        x, y = map(float, found.point)
+        slope = velocity(gradient(published.potential), (x, y)) @ velocity(published.rhs, (x, y))
+        assert slope > -1e-9
+    else:
+        assert found.level == published.radius**2
+
+
+def gradient(potential: str) -> tuple[str, str]:
+    return {"x**2 + y**2": ("2*x", "2*y"), "3*x**2/2 - x*y + y**2": ("3*x - y", "2*y - x")}[potential]
+
+
+@pytest.mark.parametrize("name", keep(1, [NO_POLYNOMIAL.name, VAN_DER_POL.name]))
+def test_a_point_refutes_the_next_level(name: str) -> None:
+    system = system_of(next(published for published in PUBLISHED if published.name == name))
+    found, cells = exact_level(system), published_cells(system)
+    assert found is not None
+    assert found.refuted is not None
+    assert found.point is not None
+    here = [cell for cell in cells if cell.region.contains(found.point)]
+    assert any(not cell.potential(found.point) > found.refuted for cell in here)
+    rises = any(not rate(found.point) < 0 for cell in here for rate in cell.rates)
+    assert rises or max(map(abs, found.point)) == found.radius
+
+
+def test_the_v_of_the_guide_of_sostools_is_proved() -> None:
+    system = ns.System(["x", "y", "z"], GUIDE, radius=2, lyapunov=GUIDE_POTENTIAL).system
+    assert audit(system, GUIDE_POTENTIAL).proves is Translation.ASYMPTOTICALLY_STABLE
+    result = decide_system(system)
+    assert result.reach.region is not None
+    assert Fraction(69, 10) < result.reach.region.level <= 4 * Fraction(17945, 10_000)
+    assert result.check()
+
+
+@thorough  # a region that is not there, and forged levels, are refused above and below
+@pytest.mark.parametrize(("published", "degree", "least"), [(VAN_DER_POL, 2, 6.2), (HYPERBOLA, 4, 5.5)])
+def test_a_larger_region_is_certified(published: Published, degree: int, least: float) -> None:
+    """Paths from all over it come home."""
+    system = system_of(published)
+    found = find_larger_region(system, degree)
+    assert found is not None
+    level, text = found.region.level, found.formula.text
+    assert area(text, float(level), published.radius) > least
+    rng = np.random.default_rng(0)
+    starts = [p for p in rng.uniform(-published.radius, published.radius, (60, 2)) if below(text, p, float(level))]
+    assert len(starts) > 8
+    for start in starts[:8]:
+        path = ns.System(["x", "y"], list(published.rhs)).simulate(start.tolist(), 30.0).trajectory
+        assert np.abs(path.at(30.0)).max() < 1e-2
+
+
+def below(text: str, point: NDArray[np.float64], level: float) -> bool:
+    return bool(value(text, x=point[0], y=point[1]) < level)
+
+
+def test_no_region_where_nothing_comes_back() -> None:
+    assert ns.System(["x", "y"], ["x", "-y"]).larger_region(2) is None
+
+
+def test_a_degree_that_is_none_is_refused() -> None:
+    with pytest.raises(ValueError, match="degree: required a whole number from 2 to 12, received 1"):
+        ns.System(["x", "y"], ["-x", "-y"]).larger_region(1)
+
+
+def test_a_region_is_found_in_a_line_of_python() -> None:
+    """The disc of a contraction, whose level sets fill the square."""
+    system = ns.System(["x", "y"], ["-x", "-y"])
+    found = system.larger_region(2)
+    assert found is not None
+    assert repr(found).startswith(f"{found.region} on the square of half-width 1/2 about the point with V = ")

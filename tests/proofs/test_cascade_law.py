@@ -10,7 +10,6 @@ from typing import TypeAlias
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
@@ -28,9 +27,9 @@ from nonsmooth.symbolic.mechanics.constraints import inner
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds
+from tests.oracles.floats import Floats
 from tests.thorough import few, keep, thorough
 
-Floats: TypeAlias = NDArray[np.float64]
 Rate: TypeAlias = Callable[[Floats], Floats]
 
 ROLL = (1, Fraction(1, 2))

@@ -1,7 +1,8 @@
 """The stand-alone checker: what it accepts is true, and what is forged, damaged or malformed it rejects.
 
-Mutants are another chapter (tests/proofs/test_mutants.py), and what one condition alone refuses is in the corpus
-(tests/certificates/array_conditions.py).  Here is what else is forged by hand, and a test of the oracle of mutants.
+Mutants are another chapter (tests/proofs/test_forged_certificates.py), and what one condition alone refuses is in the
+corpus (tests/certificates/array_conditions.py).  Here is what else is forged by hand, and a test of the oracle of
+mutants.
 """
 
 from __future__ import annotations
@@ -37,10 +38,9 @@ from tests.array_certificates import check_certificate, claim_disc, claim_rate, 
 from tests.built_in import checked
 from tests.conftest import Arrays, WheelData
 from tests.four_wheel import SIDE
-from tests.oracles.earlier_arrays import earlier_array
 from tests.oracles.nearest_paths import Wheel as OracleWheel
 from tests.oracles.rebuilt_arrays import assert_still_true
-from tests.oracles.tied_scenes import LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
+from tests.oracles.tied_arrays import LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
 from tests.thorough import few
 
 Record: TypeAlias = dict[str, Any]
@@ -173,9 +173,9 @@ def test_json_that_is_no_certificate_is_rejected(data: object, tmp_path: Path) -
     assert check_file(str(path)) == (1, f"rejected: required an object with the keys {keys}")
 
 
-def test_version_1_is_refused_with_the_line_that_writes_it_anew(four_wheel: Record, tmp_path: Path) -> None:
+def test_version_1_is_refused_with_the_line_that_writes_it_anew(tmp_path: Path) -> None:
     path = tmp_path / "file.json"
-    path.write_text(json.dumps(earlier_array(four_wheel)), encoding="utf-8")
+    path.write_text(json.dumps({"schema": "nonsmooth-certificate/1"}), encoding="utf-8")
     status, line = check_file(str(path))
     assert status == 2
     assert line == (

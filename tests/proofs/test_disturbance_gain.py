@@ -1,7 +1,8 @@
-"""The gain of a disturbance against polygons of the disturbed system, whose disturbance does its worst."""
+"""Gains of disturbances, against polygons whose disturbance does its worst, and in certificates."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -9,15 +10,21 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.descriptions import describe
+from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import gain_words, rate_words
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from tests.plain import built
+from tests.oracles.floats import value
+from tests.oracles.mutants import Record
+from tests.plain import built, refused
 from tests.proofs.forged import with_reach
 from tests.thorough import but, few, keep
 
-NAMES = {"Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
+# ---- The gain of a disturbance against polygons of the disturbed system, whose disturbance does its worst.
+
 STEP = 1e-3
 DIRECTIONS = np.array([[np.cos(a), np.sin(a)] for a in np.linspace(0, 2 * np.pi, 24, endpoint=False)])
 
@@ -44,21 +51,17 @@ def checked(rhs: tuple[str, str], lyapunov: str) -> StabilityResult:
     return decide_system(built(rhs, lyapunov=lyapunov))
 
 
-def value(text: str, x: Any, y: Any) -> Any:
-    return np.asarray(eval(text, dict(NAMES), {"x": x, "y": y}), dtype=float)  # noqa: S307 - this file's
-
-
 def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: float, until: float) -> np.ndarray:
     """V along polygons of ``x' = f + d``, d in each step the one of 24 directions that leaves V largest."""
     x, y = starts.T
-    found = [value(lyapunov, x, y)]
+    found = [value(lyapunov, x=x, y=y)]
     for _ in range(int(until / STEP)):
-        f, g = (value(text, x, y) for text in rhs)
+        f, g = (value(text, x=x, y=y) for text in rhs)
         xs = x + STEP * (f + delta * DIRECTIONS[:, :1])
         ys = y + STEP * (g + delta * DIRECTIONS[:, 1:])
-        best = np.argmax(value(lyapunov, xs, ys), axis=0)
+        best = np.argmax(value(lyapunov, x=xs, y=ys), axis=0)
         x, y = xs[best, np.arange(len(x))], ys[best, np.arange(len(x))]
-        found.append(value(lyapunov, x, y))
+        found.append(value(lyapunov, x=x, y=y))
     return np.array(found)
 
 
@@ -78,9 +81,9 @@ def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: fl
     radius = float(result.scene.check.radius)
     rng = np.random.default_rng(1)
     starts = rng.uniform(-radius, radius, (400, 2))
-    starts = starts[value(lyapunov, *starts.T) < level][:40]
+    starts = starts[value(lyapunov, x=starts[:, 0], y=starts[:, 1]) < level][:40]
     values = disturbed(rhs, lyapunov, starts, delta, until)
-    speed = max(float(np.abs(value(text, *starts.T)).max()) for text in rhs) + delta
+    speed = max(float(np.abs(value(text, x=starts[:, 0], y=starts[:, 1])).max()) for text in rhs) + delta
     slack = 4 * gamma * STEP * (speed + 1)  # what a step across an edge adds
     times = STEP * np.arange(len(values))[:, None]
     if gain.rate.decay is DecayKind.EXPONENTIAL:
@@ -99,7 +102,10 @@ def test_gamma_is_above_every_gradient_and_close_to_the_largest(rhs: tuple[str, 
     assert gain is not None
     x, y = (np.linspace(-0.5, 0.5, 201)[:, None] + 1e-4), (np.linspace(-0.5, 0.5, 201)[None] + 1.3e-4)
     h = 1e-6
-    slopes = [value(lyapunov, x + h, y) - value(lyapunov, x, y), value(lyapunov, x, y + h) - value(lyapunov, x, y)]
+    slopes = [
+        value(lyapunov, x=x + h, y=y) - value(lyapunov, x=x, y=y),
+        value(lyapunov, x=x, y=y + h) - value(lyapunov, x=x, y=y),
+    ]
     largest = np.hypot(*(s / h + np.zeros((201, 201)) for s in slopes))[:-1, :-1].max()
     assert largest <= float(gain.gamma) + 1e-3
     assert float(gain.gamma) <= 1.1 * largest + 0.05
@@ -146,10 +152,10 @@ def test_rates_of_forms_hold_on_the_plane(rhs: tuple[str, str], lyapunov: str) -
     assert rate is not None
     x, y = FAR.T
     step = 1e-7 * np.hypot(x, y)
-    f, g = (value(text, x, y) for text in rhs)
+    f, g = (value(text, x=x, y=y) for text in rhs)
     speed = np.hypot(f, g)
-    rise = (value(lyapunov, x + step * f / speed, y + step * g / speed) - value(lyapunov, x, y)) * speed / step
-    size = value(lyapunov, x, y) if rate.decay is DecayKind.EXPONENTIAL else 1.0
+    rise = (value(lyapunov, x=x + step * f / speed, y=y + step * g / speed) - value(lyapunov, x=x, y=y)) * speed / step
+    size = value(lyapunov, x=x, y=y) if rate.decay is DecayKind.EXPONENTIAL else 1.0
     assert (rise <= -float(rate.kappa) * size * (1 - 1e-5)).all()
     claims = certificate_of(result)["statement"]["claims"]
     assert any(own.get("rate", {}).get("within", "") is None for own in claims)
@@ -186,7 +192,7 @@ def test_three_states() -> None:
 
 
 def value3(text: str, point: np.ndarray) -> float:
-    return float(eval(text, dict(NAMES), dict(zip("xyz", point, strict=True))))  # noqa: S307 - this file's
+    return float(value(text, **dict(zip("xyz", point, strict=True))))
 
 
 ONE_STATE = {  # right-hand side: kind, whether everywhere, the largest kappa there is
@@ -297,3 +303,76 @@ def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
     rhs = ["-x + 3/2*y - sign(z)", "-3*sign(y) + 3*x", "-2*z - Abs(x) + 2*sign(y)"]
     decided = decide_system(built(rhs))
     assert decided.reach.rate is None or decided.reach.rate.decay is not DecayKind.ALGEBRAIC
+
+
+# ---- Gains in certificates: what an additive disturbance adds to the derivative of V, along disturbed polygons.
+
+
+def gain_of(record: Record) -> Any:
+    (own,) = (claim["gain"] for claim in record["statement"]["claims"] if "gain" in claim)
+    return own
+
+
+@pytest.mark.parametrize(("rhs", "function"), keep(2, SYSTEMS[3:] + SYSTEMS[:3]))
+def test_the_gain_that_is_printed_is_stated_and_no_smaller_one(rhs: tuple[str, str], function: str) -> None:
+    result = checked(rhs, function)
+    assert result.reach.gain is not None
+    record = certificate_of(result)
+    own = gain_of(record)
+    assert (own["gamma"], own["kappa"]) == (str(result.reach.gain.gamma), str(result.reach.gain.rate.kappa))
+    assert any(f"+ {own['gamma']} |d|" in line for line in describe(record["statement"]))
+    smaller = json.loads(json.dumps(record))
+    hypotheses = next(entry["hypotheses"] for entry in smaller["evidence"] if "gain" in entry["hypotheses"])
+    hypotheses["gain"] = gain_of(smaller)["gamma"] = str(result.reach.gain.gamma * Fraction(3, 4))
+    assert "gradient" in refused(smaller)
+
+
+@pytest.mark.parametrize(("rhs", "function"), [SYSTEMS[4], SYSTEMS[7]])
+def test_no_disturbance_adds_more(rhs: tuple[str, str], function: str) -> None:
+    """``V' <= -kappa + gamma |d|`` along ``f + d`` beside ``x = 0``, and along the mixture that stays on it.
+
+    With a third of gamma it would be false.
+    """
+    own = gain_of(certificate_of(checked(rhs, function)))
+    kappa, gamma = float(Fraction(own["kappa"])), float(Fraction(own["gamma"]))
+    assert own["kind"] == "finite"
+    rng = np.random.default_rng(5)
+    d = rng.normal(size=(2, 4000)) * rng.uniform(0, 8, 4000)
+    y = rng.uniform(0.01, 0.5, 4000) * rng.choice([-1, 1], 4000)
+    right, left = (np.array([value(text, x=side * 1e-9, y=y) + np.zeros(4000) for text in rhs]) + d for side in (1, -1))
+    share = right[0] / (right[0] - left[0])
+    stays = (share > 0) & (share < 1)
+    sliding = right + share * (left - right)
+    risen = [
+        _derivative(function, np.full(4000, 1e-6), y, right),
+        _derivative(function, np.full(4000, -1e-6), y, left),
+        np.where(stays, _derivative(function, np.zeros(4000), y, sliding), -np.inf),
+    ]
+    sizes = np.hypot(*d)
+    assert stays.sum() > 400
+    assert max((rise + kappa - gamma * sizes).max() for rise in risen) < 1e-4
+    assert max((rise + kappa - gamma / 3 * sizes).max() for rise in risen) > 0.1
+
+
+def _derivative(function: str, x: Any, y: Any, velocity: Any, h: float = 1e-9) -> Any:
+    """Of V in floats, in the direction of a velocity."""
+    return (value(function, x=x + h * velocity[0], y=y + h * velocity[1]) - value(function, x=x, y=y)) / h
+
+
+def test_surfaces_that_meet_off_the_point_have_no_gain() -> None:
+    """At (1/8, 0) V bends on two surfaces: a disturbance may hold solutions there, and nothing is said of them."""
+    system = read_system({"states": ["x", "y"], "rhs": [["-sgn(x)", "-sgn(y)"]], "at": ["0", "0"]})
+    for function, more in (("Abs(x) + Abs(y)", []), ("Abs(x) + Abs(y) + Max(x - 1/8, 0)", ["x - 1/8"])):
+        hypotheses = {
+            "cells": {"within": "1/2", "surfaces": ["x", "y", *more], "empty": ["-.+"] if more else []},
+            "function": function,
+            **{"second": None, "verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False},
+            "rate": {"kind": "finite", "kappa": "1/2"},
+        }
+        _, shown = Search().entry(system, "lyapunov", hypotheses)
+        assert "rate" in shown[-1]
+        if more:
+            with pytest.raises(NotShownError, match="meet at the point alone"):
+                Search().entry(system, "lyapunov", {**hypotheses, "gain": "3"})
+        else:
+            assert "gain" in Search().entry(system, "lyapunov", {**hypotheses, "gain": "3"})[1][-1]

@@ -51,9 +51,9 @@ from nonsmooth.symbolic.mechanics.constraints import cross_product, independent,
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.built_in import centred
 from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds
-from tests.ruled import centred
 from tests.thorough import few, keep
 
 # Relative: HiGHS and the interior solver end with a gap of about 1e-9, and the twist is right to its square root.

@@ -12,12 +12,13 @@ import nonsmooth as ns
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from tests.certificates.corpus import good_certificates
+from tests.certificates.corpus import good_arrays, good_certificates
 from tests.oracles import earlier
 from tests.oracles.earlier import NoWordError
-from tests.proofs.many_states.test_known_systems import KNOWN, build
+from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
 from tests.proofs.system_families import families
-from tests.proofs.test_system_families import system_of as planar
+from tests.proofs.test_known_systems import KNOWN, build
+from tests.proofs.test_known_systems import system_of as planar
 from tests.thorough import few, keep
 
 # What the checkers of version 1 do not show of a certificate, word for word, and why that is no contradiction.
@@ -125,3 +126,18 @@ def test_the_corpus(start: int) -> None:
     """Certificates of all theorems, in one to eight states."""
     for name in list(good_certificates())[start::12]:
         require_as_known(name, good_certificates()[name])
+
+
+# ---- arrays --------------------------------------------------------------------------------------
+
+WITHOUT_WORDS = {"array-omni-3-nearest", "array-mecanum-4-nearest"}  # rows without friction
+
+
+def test_which_arrays_version_1_has_words_for() -> None:
+    assert {name for name, own in good_arrays().items() if earlier_array(own) is None} == WITHOUT_WORDS
+
+
+@pytest.mark.parametrize("start", keep(1, range(48)))
+def test_arrays_of_the_corpus(start: int) -> None:
+    words = {name: own for name, own in good_arrays().items() if name not in WITHOUT_WORDS}
+    assert not [name for name in list(words)[start::48] if refusal_of_version_1(words[name])]

@@ -14,11 +14,11 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, c
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.built_in import ruled
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
 from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import solves, verifies
-from tests.ruled import ruled
 from tests.thorough import few, thorough
 
 # Of 30 random arrays those that do not tip and whose minimizer is found exactly; the latter fails for two.

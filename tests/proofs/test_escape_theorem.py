@@ -6,11 +6,10 @@ import json
 import random
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import read_system
@@ -18,16 +17,11 @@ from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import UNSTABLE
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search
+from tests.oracles.floats import Floats, value
 from tests.oracles.mutants import Record, is_one_line
 from tests.plain import refused
 from tests.thorough import thorough
 
-Floats: TypeAlias = NDArray[np.float64]
-
-NAMES = {
-    "sign": lambda v: float(np.sign(v)), "Abs": abs, "Max": max, "Min": min, "relu": lambda v: max(v, 0.0),
-    "sat": lambda v, low, high: min(max(v, low), high),
-}  # fmt: skip
 STEP, BESIDE = 1e-2, 1e-7  # of a polygon, and of the displacement into a cell, over the distance from the point
 STEPS = 20_000
 
@@ -73,9 +67,7 @@ def test_solutions_that_leave_are_certified_and_followed(name: str) -> None:
 
 def in_floats(text: str, states: list[str]) -> Callable[[Floats], float]:
     """The test's own reading of a formula."""
-    code = compile(text, "formula", "eval")
-    own = dict(NAMES)
-    return lambda place: float(eval(code, {"__builtins__": {}}, {**own, **dict(zip(states, place, strict=True))}))  # noqa: S307  # our own text
+    return lambda place: float(value(text, **dict(zip(states, place, strict=True))))
 
 
 def assert_leaves(record: Record) -> None:
@@ -196,7 +188,7 @@ def random_hypotheses(source: random.Random) -> Record:
     direction = [{"-": -2, "+": 2, "0": 0}[own] for own in signs]
     direction[source.randrange(2)] //= 2
     x, y = direction
-    forms = [form for form in forms if eval(form, {}, {"x": x, "y": y}) > 0]  # noqa: S307  # our own text
+    forms = [form for form in forms if value(form, x=x, y=y) > 0]
     return {
         "within": "1/8", "surfaces": ["x", "y"], "signs": signs, "along": [], "mixture": mixture,
         "barriers": [[source.choice(forms), source.choice(["0", "-1", "1"])] for _ in range(source.randint(0, 2))],

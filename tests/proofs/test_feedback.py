@@ -1,32 +1,42 @@
-"""Clause 4: the discontinuous law, the points where it fails, and the arrays it does not speak of."""
+"""Clause 4: the discontinuous law, its rate, where it fails, and how far the contact state may be in doubt."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import linprog
 
+from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargin, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import Descent
-from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
+from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, RowInputs, input_ranks
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov
+from nonsmooth.proofs.clauses.feedback.gradient_law import ConeRate, certified_rate, exponent_of
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import RowKind
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
+from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import dot, turned
 from tests.conftest import HALF, Arrays, WheelData
 from tests.four_wheel import CORNERS, ROLL, SIDE
-from tests.thorough import thorough
+from tests.thorough import few, keep, thorough
+
+# ---- Clause 4: the discontinuous law, the points where it fails, and the arrays it does not speak of.
 
 Rational: TypeAlias = int | Fraction
 
@@ -327,3 +337,247 @@ def test_one_input_acts_where_the_cell_is_centred_on_the_equilibrium(arrays: Arr
     assert result.witness is not None
     assert any(result.witness.point)
     assert check_theorem4(scene).check()
+
+
+# ---- The certified rate of the feedback law, against brute force ---------------------------------
+
+
+def sampled_kappa(cone: ConeRate, samples: int = 40_000) -> float:
+    """Least ``(a^2 + b^2)/(|c|^2 + theta^2)`` over random points of the cone."""
+    rng = np.random.default_rng(0)
+    rays = np.array([[float(x) for x in ray] for ray in cone.rays])
+    c = rng.uniform(0, 1, (samples, 2)) ** 2 @ rays
+    theta = rng.normal(size=samples) * np.hypot(*c.T) * 10 ** rng.uniform(-2, 2, samples)
+    value = np.zeros(samples)
+    for field in cone.fields:
+        x, y, turn = (float(entry) for entry in field)
+        value += (c[:, 0] * x + c[:, 1] * y + theta * turn) ** 2
+    return float((value / ((c**2).sum(axis=1) + theta**2)).min())
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-3", "ring-5", "ring-6", "rectangle", "elliptic", "spiral-30"])
+def test_the_rate_is_certified_and_nearly_the_best(name: str) -> None:
+    rate = certified_rate(RowInputs(build_nearest_partition(load_scene(name).recentred())))
+    assert rate is not None
+    assert all(cone.holds(rate.kappa) for cone in rate.cones)
+    best = min(sampled_kappa(cone) for cone in rate.cones)
+    assert float(rate.kappa) <= best
+    assert float(rate.kappa) >= 0.9 * best  # the samples come within a few per cent of the minimum
+    assert not all(cone.holds(rate.kappa * Fraction(102, 100)) for cone in rate.cones)
+
+
+def test_four_wheel_rate_in_closed_form(arrays: Arrays) -> None:
+    """kappa = (3 - sqrt 5)/4 on every cone."""
+    rate = certified_rate(RowInputs(build_nearest_partition(arrays.four_wheel())))
+    assert rate is not None
+    assert 0 <= (3 - np.sqrt(5)) / 4 - float(rate.kappa) < 3e-4
+
+
+@thorough  # the small one: test_the_rate_is_certified_and_nearly_the_best
+def test_random_arrays_have_a_rate_iff_the_law_stabilizes(arrays: Arrays) -> None:
+    with_rate = without = 0
+    for seed in range(25):
+        partition = build_nearest_partition(arrays.cocircular(seed, ROLL))
+        feedback = decide_feedback(partition)
+        if feedback.has_lyapunov:
+            with_rate += 1
+            assert feedback.rate is not None, seed
+        elif feedback.cells and all(data.lever is not None for data in feedback.cells):
+            without += 1
+            assert feedback.rate is None, seed
+            assert certified_rate(RowInputs(partition)) is None, seed
+    assert (with_rate, without) == (22, 2)  # in the last one a cell has no lever
+
+
+@pytest.mark.parametrize("turn", [Fraction(1, 180), Fraction(89, 180), Fraction(7, 180)])
+def test_the_size_of_a_number_over_a_field_of_high_degree(turn: Fraction) -> None:
+    """At the precision of a float its ball holds zero, and the size of that ended in a traceback."""
+    field = NumberField(360)
+    for number in (field.cos_pi(turn), -field.sin_pi(turn), field.cos_pi(turn) ** 5 / 1000):
+        for value in (number, Lazy.of(number)):
+            assert exponent_of(value) == pytest.approx(math.log2(abs(float(number))), abs=0.51)
+
+
+# ---- How far the contact state may be in doubt, against linear programs over all cells within reach.
+
+ARRAYS = Arrays()
+
+NAMES = ("four-wheel", "rectangle", "ring-3", "ring-5", "ring-6", "elliptic", "spiral-30", "outward", "ring-8")
+STATES = 60  # for each array, each one linear program
+FEASIBLE = 1e-9  # of a linear program in covectors of length one and inputs up to one
+
+Matrix = NDArray[np.float64]
+
+
+@cache
+def decided(key: str | int) -> tuple[tuple[CellCone, ...], FeedbackResult, int]:
+    scene: Scene = load_scene(key).recentred() if isinstance(key, str) else ARRAYS.cocircular(key, (1, Fraction(1, 2)))
+    partition = build_nearest_partition(scene)
+    return build_fan(partition), decide_feedback(partition), len(scene.wheels)
+
+
+def margin_of(key: str | int) -> InputMargin | None:
+    return decided(key)[1].margin
+
+
+class Literal:
+    """The fan in floats: cells within reach of a direction, and the largest common decrease by a linear program."""
+
+    def __init__(self, fan: Sequence[CellCone], wheels: int, lyapunov: ControlLyapunov) -> None:
+        (e, f), w = (float(x) for x in lyapunov.shape), float(lyapunov.weight)
+        self.p, self.w = np.array([[1 + e, f], [f, 1 - e]]), w
+        self.rays = np.array([[[float(x) for x in ray] for ray in (cone.start, cone.end)] for cone in fan])
+        self.fields = np.zeros((len(fan), wheels, 3))
+        self.arms = np.array([[float(x) for x in cone.cell.states[0].rows[0].wheel.position] for cone in fan])
+        for k, cone in enumerate(fan):
+            for wheel, field in cone.cell.states[0].control_fields.items():
+                self.fields[k, wheel - 1] = [float(x) for x in field]
+
+    def distances(self, c: Matrix) -> Matrix:
+        """Of c from each closed cone."""
+        (a, b), found = np.moveaxis(self.rays, 1, 0), []
+        for start, end in zip(a, b, strict=True):
+            inside = np.cross([*start, 0], [*c, 0])[2] >= 0 and np.cross([*c, 0], [*end, 0])[2] >= 0
+            feet = [ray * max(0.0, c @ ray) / (ray @ ray) for ray in (start, end)]
+            found.append(0.0 if inside else min(float(np.hypot(*(c - foot))) for foot in feet))
+        return np.array(found)
+
+    def decrease(self, cells: NDArray[np.intp], c: Matrix, tau: float) -> float:
+        """Largest t with ``alpha . u <= -t`` for the unit covectors of all cells, and ``|u_w| <= 1``."""
+        slope = self.p @ c
+        covectors = self.fields[cells] @ np.array([*slope, tau])
+        covectors /= np.maximum(np.linalg.norm(covectors, axis=1), 1e-300)[:, None]
+        count = covectors.shape[1]
+        result = linprog(
+            [*np.zeros(count), -1.0],
+            A_ub=np.column_stack([covectors, np.ones(len(covectors))]),
+            b_ub=np.zeros(len(covectors)),
+            bounds=[*[(-1, 1)] * count, (None, 1)],
+        )
+        return float(result.x[-1])
+
+    def trying_taus(self, c: Matrix, rng: np.random.Generator) -> list[float]:
+        """Where some cell's second input vanishes, near it, and anywhere."""
+        turned = np.column_stack([-self.arms[:, 1], self.arms[:, 0]])
+        stalls = turned @ (self.p @ c)
+        spread = float(np.ptp(stalls)) + 1.0
+        return [*np.unique(stalls), *(stalls + rng.normal(0, 1e-3, len(stalls))), *rng.normal(0, spread, 6)]
+
+
+def directions_within(rng: np.random.Generator, margin: InputMargin, sigma: float) -> list[Matrix]:
+    """Unit vectors anywhere, and just within reach of the sides."""
+    angles = list(rng.uniform(-np.pi, np.pi, 6))
+    for side in margin.sides:
+        x, y = (float(v) for v in side.cones[0].end)
+        angles += [np.arctan2(y, x) + s * np.arcsin(sigma) * 0.999 for s in (-1, 1)]
+    return [np.array([np.cos(t), np.sin(t)]) for t in angles]
+
+
+@few(1)
+@pytest.mark.parametrize("key", keep(8, [*NAMES[:4], *SEEDS[:12], *NAMES[4:]]))
+def test_within_the_margin_all_cells_in_reach_have_a_common_input(key: str | int) -> None:
+    fan, result, wheels = decided(key)
+    margin = margin_of(key)
+    if margin is None or not margin.value:
+        return
+    literal, rng = Literal(fan, wheels, result.lyapunov), np.random.default_rng(0)
+    tried = 0
+    for c in directions_within(rng, margin, margin.value):
+        cells = np.flatnonzero(literal.distances(c) <= margin.value * 0.999)
+        for tau in literal.trying_taus(c, rng):
+            tried += 1
+            assert literal.decrease(cells, c, tau) > FEASIBLE, (c, tau, cells)
+            if tried % STATES == 0:
+                break
+
+
+@few(6)
+@pytest.mark.parametrize("key", [*NAMES, *SEEDS])
+def test_at_a_sides_distance_its_two_cells_have_no_common_input(key: str | int) -> None:
+    """By a linear program at the witness, which lies at the stated angle from the side; just inside there is one."""
+    fan, result, wheels = decided(key)
+    margin = margin_of(key)
+    if margin is None:
+        return
+    literal = Literal(fan, wheels, result.lyapunov)
+    for side in margin.sides:
+        c = np.array([float(x) for x in side.witness.point])
+        ray = np.array([float(x) for x in side.cones[0].end])
+        sine = abs(c[0] * ray[1] - c[1] * ray[0]) / (np.hypot(*c) * np.hypot(*ray))
+        assert sine == pytest.approx(float(side.squared) ** 0.5, abs=1e-12)
+        turning = (literal.p @ c) @ np.array([-c[1], c[0]])
+        tau = literal.w * float(side.witness.value) + float(turning)
+        cells = np.array([fan.index(cone) for cone in side.cones])
+        covectors = literal.fields[cells] @ np.array([*(literal.p @ c), tau])
+        sizes = np.linalg.norm(covectors, axis=1)
+        vanishing = sizes.min() <= 1e-9 * (1 + sizes.max())
+        assert vanishing or literal.decrease(cells, c, tau) <= FEASIBLE
+        assert vanishing == (side.squared != 0)
+
+
+def test_margins_in_closed_form() -> None:
+    """Inward rims at angle 2 pi/n: a side is pi/n from each of its wheels, so the sine is cos(pi/n)."""
+    exact = {
+        "four-wheel": Fraction(1, 2),
+        "outward": Fraction(1, 2),
+        "ring-3": Fraction(1, 4),
+        "rectangle": Fraction(1, 5),
+    }
+    for name, squared in exact.items():
+        margin = margin_of(name)
+        assert margin is not None
+        assert margin.is_exact
+        assert margin.squared == squared
+    for count in (5, 6, 8):
+        margin = margin_of(f"ring-{count}")
+        assert margin is not None
+        assert margin.is_exact
+        assert margin.value == pytest.approx(np.cos(np.pi / count), abs=1e-12)
+    bound = margin_of("elliptic")  # rims that do not meet: three nearest wheels come within reach, 60 degrees apart
+    assert bound is not None
+    assert not bound.is_exact
+    assert bound.squared == Fraction(1, 4)
+    spiral = margin_of("spiral-30")  # 45 degrees less 30
+    assert spiral is not None
+    assert spiral.value == pytest.approx(np.sin(np.pi / 12))
+
+
+@thorough  # about all random cases, which `make bench` runs
+def test_random_arrays_show_all_kinds() -> None:
+    margins = [margin for key in SEEDS if (margin := margin_of(key)) is not None]
+    assert {(bool(m.squared), m.is_exact) for m in margins} == {(False, True), (True, True), (True, False)}
+
+
+# ---- Ranks of the control vector fields against numerical rank -----------------------------------
+
+
+def test_four_wheel_ranks(arrays: Arrays) -> None:
+    """Two inputs per cell with roll rows, one with side rows; together they span all three directions."""
+    roll = input_ranks(build_nearest_partition(arrays.four_wheel(ROLL)))
+    side = input_ranks(build_nearest_partition(arrays.four_wheel(SIDE)))
+    assert set(roll.cells.values()) == {2}
+    assert set(side.cells.values()) == {1}
+    assert roll.equilibrium == side.equilibrium == 3
+    assert len(roll.sides) == 8
+
+
+@pytest.mark.parametrize("seed", range(15))
+def test_ranks_against_floats(arrays: Arrays, seed: int) -> None:
+    partition = build_nearest_partition(arrays.cocircular(seed))
+    ranks = input_ranks(partition)
+    fields = {
+        cell.index: [[float(x) for x in f] for state in cell.states for f in state.control_fields.values()]
+        for cell in partition.cells
+    }
+    for index, rank in ranks.cells.items():
+        assert rank == np.linalg.matrix_rank(np.array(fields[index]), tol=1e-9)
+    for (first, second), rank in ranks.sides.items():
+        assert rank == np.linalg.matrix_rank(np.array(fields[first] + fields[second]), tol=1e-9)
+
+
+def test_one_input_alone_leaves_a_plane_on_which_v_cannot_fall(arrays: Arrays) -> None:
+    feedback = decide_feedback(build_nearest_partition(arrays.four_wheel(SIDE)))
+    assert feedback.verdict is Feedback.NOT_APPLICABLE
+    assert feedback.witness is not None
+    assert "plane" in feedback.witness.meaning
+    assert any(feedback.witness.point) or feedback.witness.value

@@ -1,26 +1,37 @@
-"""Forged certificates of arrays that ask for as much work as they can: each is refused within some seconds.
-
-The limits are counted in work, not in time, so what is refused here is refused on every machine; the allowed processor
-time is several times what an idle machine takes.
-"""
+"""Forged certificates: each is refused in bounded time, or what it says is true."""
 
 from __future__ import annotations
 
+import copy
 import json
+import random
 import time
 from collections.abc import Callable
-from functools import cache
+from dataclasses import replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 import pytest
 
 from nonsmooth.proofs.certificate import build_certificate
+from nonsmooth.proofs.checker import statements
+from nonsmooth.proofs.checker.cells import Inclusion, read_system
+from nonsmooth.proofs.checker.positivity import Claim, Proofs
+from nonsmooth.proofs.checker.statements import THEOREMS, VERSION, refusal
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.kernel.search import NotShownError, Search
 from tests.array_certificates import check_certificate, evidence, subject
 from tests.built_in import checked
-from tests.thorough import but
+from tests.oracles.mutants import Attack, Hand, Record, is_number, leaves, other_numbers, run
+from tests.proofs import test_second_function as further
+from tests.proofs.attacks import ATTACKS, of_ties
+from tests.thorough import but, keep, thorough
 
-Record = dict[str, Any]
+# ---- Forged certificates of arrays that ask for as much work as they can: each is refused within some seconds.
+#
+# The limits are counted in work, not in time, so what is refused here is refused on every machine; the allowed
+# processor time is several times what an idle machine takes.
 
 SECONDS = 60.0  # of processor time; an idle machine takes 20 at most
 AT_ONCE = 10.0  # where nothing but the reading is asked for
@@ -103,3 +114,287 @@ def test_forged_arrays_end(name: str) -> None:
     start = time.process_time()
     assert check_certificate(data) == claim
     assert time.process_time() - start < AT_ONCE
+
+
+# ---- Certificates of false claims that hide what happens on faces: patterns without points, multiples, curves.
+
+
+def written(rhs: list[str], cells: Record, function: str, **more: Any) -> Record:
+    """A certificate of attraction in the plane.
+
+    Raises:
+        NotShownError: where a claim of it is not shown.
+    """
+    subject = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
+    own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
+    hypotheses = {"cells": cells, "function": function, "second": None, **own, **more}
+    entry, shown = Search().entry(read_system(subject), "lyapunov", hypotheses)
+    return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
+
+
+# Three lines meet at (1/4, 0), above and below which the fields are (1, -2) and (1, 2), beside it (-4 x, -y).
+ABOVE, BELOW = "(1 + sign(y + x - 1/4))*(1 + sign(y - x + 1/4))/4", "(1 - sign(y + x - 1/4))*(1 - sign(y - x + 1/4))/4"
+CROSSING = [
+    f"{ABOVE} + {BELOW} - 4*x*(1 - {ABOVE} - {BELOW})",
+    f"2*{BELOW} - 2*{ABOVE} - y*(1 - {ABOVE} - {BELOW})",
+]
+
+
+@pytest.mark.parametrize("empty", keep(1, [[], ["+--"], ["-++"], ["+--", "-++"]]))
+def test_patterns_without_points_settle_no_face(empty: list[str]) -> None:
+    """A mixture of the three fields rests at (1/4, 0), though V falls along each: no start near it may be claimed."""
+    fields = np.array([[1.0, -2.0], [1.0, 2.0], [-1.0, 0.0]])
+    assert np.allclose(np.array([1 / 4, 1 / 4, 1 / 2]) @ fields, 0.0)
+    cells = {"within": "1/2", "surfaces": ["y", "y + x - 1/4", "y - x + 1/4"], "empty": empty}
+    with pytest.raises(NotShownError, match="face"):
+        written(CROSSING, cells, "x**2 + Abs(y)", level="1/4")
+
+
+UPPER = "(1 + sign(y - x))*(1 + sign(y + x))/4"  # the quarter about the upper half of the axis
+RIGHT = "(1 + sign(x))/2"
+ESCAPING = [
+    f"{UPPER}*({RIGHT}*y - 1) - (1 - {UPPER})*x",
+    f"{UPPER}*{RIGHT}*(y - 2)/6 - (1 - {UPPER})*y",
+]
+
+
+def test_forms_on_a_cube_do_not_speak_of_all_space_where_their_fields_are_none() -> None:
+    """V' is a form on all cells; on the axis beyond y = 2 the fields part, and what stays between them leaves."""
+    right, left = np.array([3.0 - 1, (3 - 2) / 6]), np.array([-1.0, 0.0])
+    between = (right + 2 * left) / 3  # at (0, 3)
+    assert between[0] == 0
+    assert between[1] > 0
+    empty = ["++.-", "--.+", "+-+.", "-+-."]
+    cells = {"within": "1/2", "surfaces": ["x", "y", "y - x", "y + x"], "empty": empty}
+    function = f"4*Abs(y) + Abs(x) + {UPPER}*(2*y - 2*Abs(x))"
+    record = written(ESCAPING, cells, function)
+    text = json.dumps(record)
+    assert refusal(json.loads(text), len(text)) == ""
+    with pytest.raises(NotShownError, match="whole space"):
+        written(ESCAPING, cells, function, everywhere=True)
+    record["evidence"][0]["hypotheses"]["everywhere"] = True
+    record["statement"]["claims"].append({"attracts": "everywhere"})
+    assert "whole space" in refusal(record, len(text))
+
+
+class Granted(Proofs):
+    """Proofs of anything."""
+
+    def show(self, claim: Claim) -> None:
+        """Nothing is asked."""
+
+
+def test_all_curves_through_a_place_make_a_face() -> None:
+    """Three curves through (1/4, 0), on each of which V bends: what rests there mixes the fields of all six parts."""
+    system = read_system({"states": ["x", "y"], "rhs": [["-x", "-y"]], "at": ["0", "0"]})
+    curves = ["y - x**2 + 1/16", "y + x**2 - 1/16", "x**2 + y**2 - 1/16"]
+    cells = {"within": "1/2", "surfaces": curves, "empty": []}
+    inclusion = Inclusion(system, cells, [" + ".join(f"Abs({curve})" for curve in curves)], Granted({}))
+    assert (0, 1, 2) in {face.zero for face in inclusion.faces()}
+
+
+# ---- Statements that are false, for which the checker must ask something that cannot be shown ----
+#
+# Each was accepted once: with surfaces that have a factor in common, patterns of signs that have no point, functions
+# that jump, or inequalities that hold near the point only, the claims that were asked were too few.
+
+Cells = dict[str, Any]
+
+
+class Believed(Proofs):
+    """Proofs that show whatever is asked, and keep it: what a forger would have to show."""
+
+    def __init__(self) -> None:
+        super().__init__({})
+        self.asked: dict[str, Claim] = {}
+
+    def show(self, claim: Claim) -> None:
+        self.asked[claim.name] = claim
+        self.note_form(claim)
+
+
+def subject_of(*rhs: str) -> dict[str, Any]:
+    states = ["x", "y", "z"][: len(rhs)]
+    return {"states": states, "rhs": [list(rhs)], "at": ["0"] * len(rhs)}
+
+
+def attracts(cells: Cells, function: Any, **more: Any) -> dict[str, Any]:
+    told = {"second": None, "everywhere": False, "level": None, "below": False, "rate": None, **more}
+    return {"cells": cells, "function": function, "verdict": "asymptotically stable", **told}
+
+
+def asked(rhs: tuple[str, ...], hypotheses: dict[str, Any]) -> Believed:
+    proofs = Believed()
+    THEOREMS["lyapunov"](read_system(subject_of(*rhs)), hypotheses, proofs)
+    return proofs
+
+
+def test_surfaces_with_a_common_factor_hide_no_sliding() -> None:
+    """On the line x = 0 solutions slide with y' = y, though V = Abs(x) + y^2 falls on either side of it."""
+    cells = {"within": "1/2", "surfaces": ["x*(1 + y**2)", "x"], "empty": []}
+    with pytest.raises(NotShownError, match="common factor"):
+        Search().entry(
+            read_system(subject_of("-sign(x*(1 + y**2))", "y")), "lyapunov", attracts(cells, "Abs(x) + y**2")
+        )
+
+
+def test_patterns_without_a_point_hide_no_equilibrium() -> None:
+    """(0, 1/2) rests: it holds both (-1, 2) and (1, -2) in F, in cells right and left of it, where V has two slopes.
+
+    The pattern "right of x = 0, but left of both other lines" has no point, so what is claimed there says nothing.
+    """
+    upper, lower = "x + y - 1/2", "x - y + 1/2"
+    right = f"(1 + sign({upper}))*(1 + sign({lower}))/4"
+    left = f"(1 - sign({upper}))*(1 - sign({lower}))/4"
+    rhs = (f"{left} - {right} - x*(1 - {left} - {right})", f"2*{right} - 2*{left} - y*(1 - {left} - {right})")
+    cells = {"within": "1", "surfaces": ["x", upper, lower], "empty": []}
+    proofs = asked(rhs, attracts(cells, "20*x**2 + y**2 + 4*x*y + 2*Abs(x)*y", level="1/2"))
+    face = proofs.asked["face 0.."]
+    assert len(face.inequalities) == 8
+
+
+def test_functions_that_jump_are_refused() -> None:
+    """Solutions turn around the point and leave; V falls in every quadrant, and jumps up between two of them.
+
+    Both quadrants differ in the signs of x and x y, and no pattern between them has a point.
+    """
+    square = "(x**2 + y**2)"
+    odd = f"(x**2 - y**2)*({square} - x*y) + %s*{square}**2"
+    even = f"(y**2 - x**2)*({square} + x*y) + %s*{square}**2"
+    function = [["+.+", odd % 4], ["-.+", even % 10], ["-.-", odd % 8], ["+.-", even % 6]]
+    cells = {"within": "1", "surfaces": ["x", "x*y", "y"], "empty": ["+-+", "-++", "---"]}
+    with pytest.raises(RejectedError, match="common factor"):
+        asked(("-y + x/100", "x + y/100"), attracts(cells, function))
+
+
+def test_forms_along_sliding_too() -> None:
+    """Beyond Abs(y) = 2 solutions slide away along x = 0: V' is a form on every cell, the fields are not."""
+    bent = "(y**2 - 2)/4"
+    rhs = (f"(1 - sign(x))/2 - (1 + sign(x))/2*(1 + {bent})", f"(1 + sign(x))/2*({bent})*sign(y)")
+    cells = {"within": "1", "surfaces": ["x", "y"], "empty": []}
+    hypotheses = attracts(cells, "Abs(x) + Abs(y)")
+    assert Search().entry(read_system(subject_of(*rhs)), "lyapunov", hypotheses)[1]
+    with pytest.raises(NotShownError, match="forms"):
+        Search().entry(read_system(subject_of(*rhs)), "lyapunov", {**hypotheses, "everywhere": True})
+
+
+def test_more_curves_than_states_meet_in_a_face() -> None:
+    """Three curves on which V bends pass through (1/2, 1/4), where fields of all cells mix."""
+    curves = ["y - x**2", "y - 2*x**3", "y - 4*x**4"]
+    function = " + ".join(["x**2", "y**2", *(f"x**2*Abs({curve})" for curve in curves)])
+    rhs = (" - ".join(["-x", *(f"sign({curve})" for curve in curves)]), "-y")
+    proofs = asked(rhs, attracts({"within": "1", "surfaces": curves, "empty": []}, function))
+    assert len(proofs.asked["face 000"].inequalities) == 8
+
+
+def test_claims_are_compared_as_json() -> None:
+    """Python takes 0 for False; a reader of the file need not."""
+    about = subject_of("1 + sign(x)/2")
+    hypotheses = {"cells": {"within": "1", "surfaces": ["x"], "empty": []}, "direction": ["1"]}
+    entry, shown = Search().entry(read_system(about), "departure", hypotheses)
+    assert {"equilibrium": False} in shown
+    for value, accepted in ((False, True), (0, False)):
+        statement = {"subject": about, "claims": [{"equilibrium": value}]}
+        certificate = {"version": VERSION, "statement": statement, "evidence": [entry]}
+        assert (refusal(certificate, 1000) == "") == accepted
+
+
+# ---- Mutants of certificates: rejected in one line, or true; and each oracle sees what a careless checker would
+# accept.
+
+FEW = {
+    **{
+        "ties": 15,
+        "further functions": 5,
+        "roots": 4,
+        "theorem 4": 15,
+        "feedback": 3,
+        "one state": 10,
+        "tolerances": 5,
+    },
+    **{"irrational numbers": 10, "basin": 8, "basin, searched": 15, "escape": 8, "lyapunov, searched": 12},
+    **{"circles, searched": 5, "triangles": 10},
+}
+SOME, MANY = 25, 10_000
+
+
+FEWER = {"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)}
+
+
+def attack_of(name: str) -> Attack:
+    """An attack, with fewer originals where they take time."""
+    return replace(ATTACKS[name], originals=FEWER.get(name, ATTACKS[name].originals))
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_mutants_are_rejected_or_true(name: str) -> None:
+    found = run(attack_of(name), FEW.get(name, SOME), seed=1)
+    assert not found.false
+    assert found.rejected
+
+
+@thorough  # the test above tries fewer
+@pytest.mark.parametrize("name", ATTACKS)
+def test_many_mutants_are_rejected_or_true(name: str) -> None:
+    """Some are accepted."""
+    found = run(ATTACKS[name], MANY, seed=2)
+    print(f"{name}: {found}")
+    assert not found.false
+    assert found.accepted
+    assert found.rejected
+
+
+@pytest.mark.parametrize("name", [name for name in ATTACKS if "searched" not in name and name != "further functions"])
+def test_oracles_see_what_is_claimed_falsely(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A checker that believes every claim that is well formed: the oracle contradicts one."""
+    monkeypatch.setattr(statements, "not_among", lambda shown, claims: [])
+    attack = replace(attack_of(name), forgers=(other_claim,))
+    assert run(attack, 300, seed=3, most_false=1).false
+
+
+def test_the_oracle_of_further_functions_sees_another_system() -> None:
+    """Without friction V is not lost; this oracle looks at the system rather than at words."""
+    (record,) = further.originals(1)
+    further.assert_true(record, random.Random(1))
+    (rhs,) = record["statement"]["subject"]["rhs"]
+    rhs[1] = rhs[1].replace("y**3", "0")
+    with pytest.raises(AssertionError):
+        further.assert_true(record, random.Random(1))
+
+
+def other_claim(original: Record, source: random.Random) -> Record:
+    """A certificate of which one word or number of a claim is another one of its kind."""
+    found = copy.deepcopy(original)
+    claim = source.choice(found["statement"]["claims"])
+    ((kind, about),) = claim.items()
+    numbers = [(own, key) for own, key in leaves(claim) if isinstance(own[key], str) and is_number(own[key])]
+    if isinstance(about, str) and kind in OTHER:
+        claim[kind] = source.choice([word for word in OTHER[kind] if word != about])
+    elif numbers:
+        own, key = source.choice(numbers)
+        own[key] = source.choice(other_numbers(own[key], source))
+    return found
+
+
+OTHER = {
+    "stability": ("asymptotically stable", "stable", "unstable"),
+    "translation": ("asymptotically stable", "stable", "unstable"),
+    "rotation": ("unstable", "stable, not attractive"),
+    "feedback": ("stabilizable", "no certificate", "not applicable"),
+    "theorem 4": ("holds", "fails", "hypotheses not met"),
+}
+
+
+EVERY = {"states": ["x", "y"], "rhs": [["-x + 1/2", "y"]], "at": ["0", "3"], "flags": [True, None, 7, {}]}
+
+
+def test_a_hand_changes_something_of_every_kind() -> None:
+    """Every change happens, keeps what is JSON, and leaves documents without a place for it as they are."""
+    for change in {change.__name__ for change in Hand(random.Random(0), "xy").any}:
+        texts = set[str]()
+        for seed in range(40):
+            document, hand = copy.deepcopy(EVERY), Hand(random.Random(seed), "xy")
+            hand.change(document, [getattr(hand, change)])
+            texts.add(json.dumps(document))
+            hand.change([], [getattr(hand, change)])
+        assert len(texts - {json.dumps(EVERY)}) > 1, change

@@ -1,14 +1,18 @@
-"""LaSalle's principle: against systems that are known to keep solutions, and against paths of random oscillators."""
+"""LaSalle's principle: in two states and many, and under arbitrary switching."""
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
@@ -18,8 +22,13 @@ from nonsmooth.proofs.systems.findings import KEPT, Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.dissipative_systems import dissipative_systems
+from tests.oracles.floats import value, velocity
+from tests.plain import built
 from tests.proofs.conftest import Load
 from tests.thorough import few, keep, thorough
+
+# ---- LaSalle's principle: against systems that are known to keep solutions, and against paths of random oscillators.
 
 ENERGIES = {  # force: potential
     "x": "x**2/2",
@@ -160,21 +169,19 @@ def energy_lost(force: str, friction: str, potential: str, level: float) -> tupl
     """The share of the energy that a symplectic polygon loses from a start on a level, at least over several starts,
     and the least distance covered in its last quarter: nothing moves at a rest.
     """
-    names = {"sign": np.sign, "Abs": np.abs, "relu": lambda a: np.maximum(a, 0.0)}
-    slope = compile(f"-({force}) - ({friction})", "slope", "eval")
-    energy = compile(f"y**2/2 + {potential}", "energy", "eval")
+    slope, energy = f"-({force}) - ({friction})", f"y**2/2 + {potential}"
     angles = np.linspace(0.2, 6.2, 7)
     x, y = 0.2 * np.cos(angles), 0.2 * np.sin(angles)
     for _ in range(80):
-        high = eval(energy, names, {"x": x, "y": y}) > level  # noqa: S307 - formulas of this file
+        high = value(energy, x=x, y=y) > level
         x, y = np.where(high, 0.9 * x, x), np.where(high, 0.9 * y, y)
-    first = eval(energy, names, {"x": x, "y": y})  # noqa: S307
+    first = value(energy, x=x, y=y)
     covered = np.zeros_like(x)
     for step in range(STEPS):
-        y = y + STEP * eval(slope, names, {"x": x, "y": y})  # noqa: S307
+        y = y + STEP * value(slope, x=x, y=y)
         x = x + STEP * y
         covered += np.abs(STEP * y) * (step > 3 * STEPS // 4)
-    last = eval(energy, names, {"x": x, "y": y})  # noqa: S307
+    last = value(energy, x=x, y=y)
     at_rest = (covered < 1e-4) & (np.abs(x) > 0.01)
     return float(np.min(1 - last / first)), float(np.min(np.where(at_rest, 0.0, 1.0)))
 
@@ -223,3 +230,227 @@ def test_a_v_that_solutions_keep_refutes_attraction(rhs: list[str]) -> None:
 def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
     result = decide_system(ns.System(["x", "y"], rhs, lyapunov=lyapunov).system)
     assert not any(own.refutes == KEPT for own in result.findings)
+
+
+# ---- LaSalle's principle under arbitrary switching: counterexamples to asking the fields one by one, and signals
+# that try to keep V.
+
+Fields = list[list[str]]
+
+SIGNAL_STEP, SIGNAL_STEPS, NEAR = 1 / 128, 1_800, 1e-6  # somewhat more than two turns
+DISC = "x**2 + y**2"
+AGAINST = [[f"{turn}*y - x*(x - 2*y)**2", f"{-turn}*x - y*(x - 2*y)**2"] for turn in (1, -1)]
+
+
+def system_of(fields: Fields, lyapunov: str | None = None) -> SwitchedSystem:
+    check: dict[str, Any] = {} if lyapunov is None else {"lyapunov": lyapunov}
+    return built(fields, radius="1/2", **check)
+
+
+def staying_under(fields: Fields, lyapunov: str) -> Staying:
+    system = system_of(fields, lyapunov)
+    radius = system.check.radius
+    return decide_staying(system, system.check.lyapunov, radius, scene_cells(system, square_regions(radius)))
+
+
+@few(7)
+@pytest.mark.parametrize(
+    ("fields", "lyapunov", "found"),
+    [
+        ([["y", "-x - y**3"], ["y", "-x - 2*y**3"]], DISC, Staying.NONE),
+        ([["y", "-x - y**3"], ["2*y", "-2*x - y"]], DISC, Staying.NONE),
+        ([["y", "-x - relu(x)*y"], ["y", "-x - y"]], DISC, Staying.NONE),  # a half without friction is crossed
+        ([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], "Abs(x) + y**2/2", Staying.NONE),
+        ([["y", "-x - y"], ["y", "-x - y*Abs(y)"], ["2*y", "-2*x - y"]], DISC, Staying.NONE),
+        # either attracts alone, and either turns out of the half in which it keeps V: together they keep it
+        ([["y", "-x - relu(x)*y"], ["y", "-x - relu(-x)*y"]], DISC, Staying.CELLS),
+        # either attracts alone; they turn in two senses, and rest together on y = 0
+        ([["y", "-x - y"], ["-y", "x - y"]], DISC, Staying.RESTS),
+        ([["y", "-x - y"], ["-2*y", "2*x - 3*y"], ["y", "-x - y**3"]], DISC, Staying.RESTS),
+        # the same on x = 2 y, inside of cells: each field leaves that line, but they are opposed there
+        (AGAINST, DISC, Staying.UNDECIDED),
+        ([AGAINST[0], ["y - x*(x - 2*y)**2", "-x - 2*y*(x - 2*y)**2"]], DISC, Staying.NONE),
+        ([["y", "-x"], ["y", "-x - y"]], DISC, Staying.CELLS),  # one keeps V for ever
+        ([["y", "-x - y"], ["y", "-x - sign(y)"]], DISC, Staying.RESTS),
+        ([["y", "-x - y*(x**2 + y**2 - 1/16)**2"], ["y", "-x - y"]], DISC, Staying.ARC),
+    ],
+)
+def test_what_stays_under_switching(fields: Fields, lyapunov: str, found: Staying) -> None:
+    assert staying_under(fields, lyapunov) is found
+
+
+@pytest.mark.parametrize("steps", keep(1, [SIGNAL_STEPS // 2, SIGNAL_STEPS]))
+def test_each_attracts_where_both_do_not(steps: int) -> None:
+    """The counterexamples: each field alone is decided, and a signal that takes the better one loses nothing."""
+    pairs: list[Fields] = [
+        [["y", "-x - relu(x)*y"], ["y", "-x - relu(-x)*y"]],
+        [["y", "-x - y"], ["-y", "x - y"]],
+    ]
+    for fields in pairs:
+        for field in fields:
+            assert staying_under([field], DISC) is Staying.NONE
+            assert lost([field], DISC, steps) > 0.05
+    assert lost(pairs[0], DISC, steps) < 1e-6
+    starts = np.array([[0.3], [0.0]])  # on y = 0, halves of both rest
+    velocities = [np.array(velocity(field, starts)) for field in pairs[1]]
+    assert np.allclose(np.mean(velocities, axis=0), 0.0)
+
+
+@pytest.mark.usefixtures("strict_search")
+@pytest.mark.parametrize("lyapunov", keep(1, ["y**2/2 + Abs(x)", None]), ids=["named", "searched"])
+def test_the_check_takes_the_principle(lyapunov: str | None) -> None:
+    result = decide_system(system_of([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], lyapunov))
+    assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
+    assert result.check()
+    assert {"stability": "asymptotically stable"} in certificate_of(result)["statement"]["claims"]
+
+
+@pytest.mark.usefixtures("strict_search")
+def test_the_check_calls_no_kept_energy_attracting() -> None:
+    for fields in ([["y", "-x"], ["y", "-x - y"]], [["y", "-x - y"], ["-y", "x - y"]]):
+        assert decide_system(system_of(fields)).verdict is Translation.STABLE
+
+
+# ---- against signals ------------------------------------------------------------------------------
+
+SWITCHED_FRICTIONS = (
+    *("y", "y**3", "sign(y)", "relu(y)", "relu(y - 1/8)", "relu(x)*y", "relu(-x)*y", "x**2*y", "y*Abs(y)", "0"),
+    *("relu(-x)*relu(y)", "2*y", "relu(x - 1/8)*y"),
+)
+
+
+def lost(fields: Fields, lyapunov: str, steps: int = SIGNAL_STEPS) -> float:
+    """The least share of V that paths lose over several starts, to fields of largest V' and to such at random.
+
+    What is lost is the integral of -V' along a polygon, with V' by differences: nothing where V is kept.
+    """
+    rng = np.random.default_rng(5)
+    angles = np.linspace(0.2, 6.2, 5)
+    x, y = np.tile(0.2 * np.cos(angles), 3), np.tile(0.2 * np.sin(angles), 3)
+    greedy = np.arange(len(x)) < len(angles)
+    every, start, total = np.arange(len(x)), value(lyapunov, x=x, y=y), np.zeros(len(x))
+    for _ in range(steps):
+        options = np.array([velocity(field, np.array([x, y])) for field in fields])
+        slope_x = (value(lyapunov, x=x + NEAR, y=y) - value(lyapunov, x=x - NEAR, y=y)) / (2 * NEAR)
+        slope_y = (value(lyapunov, x=x, y=y + NEAR) - value(lyapunov, x=x, y=y - NEAR)) / (2 * NEAR)
+        falls = np.maximum(-(slope_x * options[:, 0] + slope_y * options[:, 1]), 0.0)
+        taken = np.where(greedy, np.argmin(falls, axis=0), rng.integers(len(fields), size=len(x)))
+        total += SIGNAL_STEP * falls[taken, every]
+        y = y + SIGNAL_STEP * options[taken, 1, every]
+        moved = np.array([velocity(field, np.array([x, y]))[0] for field in fields])
+        x = x + SIGNAL_STEP * moved[taken, every]
+    return float(np.min(total / start))
+
+
+@few(1)
+@pytest.mark.parametrize("seed", range(8))
+def test_random_switched_oscillators_against_signals(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    frictions = rng.choice(SWITCHED_FRICTIONS, size=rng.integers(2, 4), replace=False)
+    force, lyapunov = [("x", DISC), ("sign(x)", "Abs(x) + y**2/2")][rng.integers(2)]
+    fields = [["y", f"-{force} - {friction}"] for friction in frictions]
+    found = staying_under(fields, lyapunov)
+    share = lost(fields, lyapunov)
+    if found is Staying.NONE:
+        assert share > 1e-4, fields
+    if share < 1e-6:
+        assert found is not Staying.NONE, fields
+
+
+@pytest.mark.parametrize("count", keep(1, [14, 24]))
+def test_rests_of_several_fields_against_their_hulls(count: int) -> None:
+    """Random affine fields: 0 lies between those that act at a place that is said to rest, or beside it."""
+    rng = np.random.default_rng(11)
+    known = {True: 0, False: 0}
+    for _ in range(count):
+        entries = rng.integers(-3, 4, size=(rng.integers(2, 4), 2, 3)) * np.array([1, 1, 2])
+        entries[:, 0, 2] += 3 * rng.integers(0, 2)
+        fields = [[f"{a}*x + {b}*y + {c} + sign(x)" for a, b, c in field] for field in entries.tolist()]
+        system = system_of(fields)
+        place = resting_place(scene_cells(system, square_regions(system.check.radius)))
+        known[place is not None] += 1
+        if place is None:
+            continue
+        x, y = map(float, place)
+        sides = [np.sign(x)] if x else [-1.0, 1.0]
+        affine = entries[:, :, :2] @ np.array([x, y]) + entries[:, :, 2]
+        values = np.concatenate([affine + np.array([side, side]) for side in sides])
+        angles = np.sort(np.arctan2(values[:, 1], values[:, 0]))
+        assert np.diff(angles, append=angles[0] + 2 * np.pi).max() <= np.pi + 1e-9 or not np.all(np.any(values, axis=1))
+    assert known[True] >= 2
+    assert known[False] >= 2
+
+
+# ---- LaSalle's principle in many states, beside observability of what slides, and paths ----------
+
+ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
+SQUARES = "x**2 + y**2 + z**2"
+
+
+@few(6)
+@pytest.mark.parametrize(
+    ("rhs", "lyapunov", "proves"),
+    [
+        (["y", "-x - y**3 - z", "y - z"], SQUARES, ATTRACTS),
+        (["y", "-x - z", "y - z**3"], SQUARES, ATTRACTS),  # seen after two derivatives
+        (["y", "-x**3 - y", "-z"], "x**4/2 + y**2 + z**2", ATTRACTS),
+        (["y", "-x - sgn(y + z)", "-z - sgn(y + z)"], SQUARES, ATTRACTS),  # y - z does not jump
+        (["y", "-x - sgn(y + z)", "-sgn(y + z)"], SQUARES, STAYS),  # slides and oscillates on y + z = 0
+        (["y", "-x - sgn(y)", "-z"], SQUARES, STAYS),  # dry friction: a segment of rest
+        (["y", "-x + z", "-y - sgn(z)"], SQUARES, STAYS),  # the relay holds z, and x and y oscillate
+        (["y", "-x - y**3", "0"], SQUARES, STAYS),
+        # on x = 0 one field may be taken alone, so that y or z stays; both together damp both
+        (["-x", "-y*(1 + sgn(x))/2", "-z*(1 - sgn(x))/2"], SQUARES, STAYS),
+        (["y", "-x", "-z"], SQUARES, STAYS),
+        (["y", "-x - relu(y)", "-z"], SQUARES, ATTRACTS),  # V is kept in half the space, which is crossed
+        # the pieces of V differ, though its gradient does not jump
+        (["y", "-x - relu(x) - y**3", "-z"], "x**2 + relu(x)**2 + y**2 + z**2", ATTRACTS),
+    ],
+)
+def test_what_a_function_proves(rhs: list[str], lyapunov: str, proves: Translation) -> None:
+    audited = audit(built(rhs), lyapunov)
+    assert (audited.verdict, audited.proves) == (AuditVerdict.VALID, proves)
+
+
+def test_a_held_relay_keeps_its_oscillation() -> None:
+    """The path that the principle must not overlook, and one that it decides."""
+    kept = built(["y", "-x + z", "-y - sgn(z)"])
+    end = simulate(system_field(kept, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    assert np.hypot(end[0], end[1]) == pytest.approx(0.3, abs=1e-6)
+    left = built(["y", "-x - sgn(y + z)", "-z - sgn(y + z)"])
+    end = simulate(system_field(left, (0.3, 0.0, 0.0)), (0.3, 0.0, 0.0), 40.0).end.state
+    assert np.linalg.norm(end) < 1e-3
+
+
+def test_the_check_asks_the_named_v_after_its_searches() -> None:
+    result = decide_system(built(["y", "-x**3 - y**3", "-z"], lyapunov="x**4/2 + y**2 + z**2"))
+    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
+    assert result.function is result.given
+    assert result.check()
+
+
+@pytest.mark.usefixtures("strict_search")
+def test_the_check_decides_by_the_principle() -> None:
+    result = decide_system(built(["y", "-x - z", "y - z**5"]))
+    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
+    assert result.check()
+    stays = decide_system(built(["y", "-x + z", "-y - sgn(z)"]))
+    assert stays.verdict is STAYS
+    claimed = replace(result.deciding, function=stays.function)
+    assert not replace(stays, findings=(*stays.findings, claimed)).check()
+    assert not replace(stays, findings=(*stays.findings, result.deciding)).check()
+
+
+@thorough  # the same systems by certificates: test_second_function.py
+@pytest.mark.parametrize("count", keep(1, [8, 30]))
+def test_random_dissipative_systems_against_observability(count: int) -> None:
+    known: Counter[tuple[bool, bool]] = Counter()
+    for system in dissipative_systems(count):
+        audited = audit(built(system.rhs, states=system.states), system.energy)
+        if audited.proves is None:
+            continue
+        known[audited.proves is ATTRACTS, system.attracts] += 1
+        assert audited.proves is not ATTRACTS or system.attracts, system.rhs
+    assert known[True, True] >= count // 8
+    assert known[False, False] >= count // 8
+    assert not known[False, True]  # complete on these

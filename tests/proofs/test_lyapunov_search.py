@@ -1,31 +1,45 @@
-"""The search for V, its region and its rate: against paths, closed forms and forged evidence."""
+"""The search for V: candidates, its region and its rate, and the limit of its work."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.inequalities.effort import effort_left, effort_of_its_own, shared_effort
+from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
+from nonsmooth.proofs.kernel_strategies import linear_matrix, rate_of, short_forms
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
-from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease
 from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.energies import energies, falling_energies
 from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, in_time, propose
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.symbolic.formulas.cleared_fractions import float_value
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.oracles.floats import value, velocity
+from tests.plain import built
 from tests.proofs.conftest import Load
 from tests.proofs.forged import with_reach
 from tests.thorough import few, keep, thorough
+
+# ---- The search for V, its region and its rate: against paths, closed forms and forged evidence.
 
 STEP, STEPS, STARTS = 1e-3, 1500, 12
 
@@ -53,23 +67,20 @@ def test_a_found_v_falls_along_polygons(load: Load, first: str, second: str) -> 
     assert found.formula is not None
     assert found.domain.radius is not None
     assert found.result.verdict is Decrease.STRICT
-    names = {"Abs": np.abs, "sign": np.sign}
-    rhs = [compile(f.text, "rhs", "eval") for f in system.rhs]
-    formula = compile(found.formula.text, "V", "eval")
+    rhs, formula = [f.text for f in system.rhs], found.formula.text
     radius = float(found.domain.radius)
     angles = np.linspace(0.1, 0.1 + 2 * np.pi, STARTS, endpoint=False)
     points = 0.5 * radius * np.array([np.cos(angles), np.sin(angles)])
     inside = np.ones(STARTS, dtype=bool)
-    values = eval(formula, names, {"x": points[0], "y": points[1]})  # noqa: S307 - found by the search
+    values = value(formula, x=points[0], y=points[1])
     lowest = values.copy()
     for _ in range(STEPS):
-        rates = [eval(f, names, {"x": points[0], "y": points[1]}) for f in rhs]  # noqa: S307 - texts of this test
-        points = points + STEP * np.array(np.broadcast_arrays(*rates))
+        points = points + STEP * velocity(rhs, points)
         inside &= np.abs(points).max(axis=0) <= radius
-        values = eval(formula, names, {"x": points[0], "y": points[1]})  # noqa: S307 - found by the search
+        values = value(formula, x=points[0], y=points[1])
         assert np.all(values[inside] <= lowest[inside] + slack(1.0))
         lowest = np.minimum(lowest, values)
-    assert np.all(lowest[inside] < 0.5 * eval(formula, names, {"x": radius / 2, "y": 0.0}) + slack(1.0))  # noqa: S307
+    assert np.all(lowest[inside] < 0.5 * value(formula, x=radius / 2, y=0.0) + slack(1.0))
 
 
 @thorough  # the small one: test_what_v_does_not_allow_is_not_claimed
@@ -214,7 +225,7 @@ def test_a_searched_v_is_proved_as_far_as_it_falls(
     assert isinstance(region, SublevelRegion)
     size = float(region.radius)
     x, y = np.meshgrid(*2 * [np.linspace(-size, size, 201)])
-    values = eval(result.function.text, {"x": x, "y": y, "Abs": np.abs})  # noqa: S307
+    values = value(result.function.text, x=x, y=y)
     assert (values < float(region.level)).mean() * 4 * size**2 > least
     assert result.check()
     level = region.level
@@ -315,3 +326,207 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     assert (result.verdict, result.deciding.theorem) == (Translation.STABLE, Method.LYAPUNOV)
     assert certificate_of(result)["statement"]["claims"] == [{"stability": "stable"}]
     assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
+
+
+# ---- Quadratic functions of linear systems: short, nearly as fast as solutions, and never faster.
+
+
+def random_matrix(seed: int, count: int) -> np.ndarray:
+    """A matrix whose eigenvalues have real parts of at most -1/4."""
+    drawn = np.random.default_rng(seed).integers(-4, 5, size=(count, count)).astype(float)
+    return drawn - np.eye(count) * (np.ceil(np.linalg.eigvals(drawn).real.max()) + 1 / 4)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 6])
+@pytest.mark.parametrize("seed", keep(2, range(30)))
+def test_forms_keep_a_good_part_of_the_rate(seed: int, count: int) -> None:
+    """Against generalized eigenvalues, and the rate of solutions themselves."""
+    matrix = random_matrix(seed, count)
+    best = -2 * np.linalg.eigvals(matrix).real.max()
+    forms = list(short_forms(matrix))
+    assert forms
+    for form in forms:
+        assert (form == form.T).all()
+        assert (np.diag(form) % 2 == 0).all()
+        falls = -(matrix.T @ form + form @ matrix)
+        rate = scipy.linalg.eigh(falls, form, eigvals_only=True).min()
+        assert rate_of(form, matrix) == pytest.approx(rate, rel=1e-6)
+        assert best / 4 <= rate <= best * (1 + 1e-9)
+
+
+def test_the_smallest_form_comes_first() -> None:
+    """Of an oscillator the one whose level sets are its own ellipses; of a stiff one the best form has long numbers."""
+    (first, *_) = short_forms(np.array([[0.0, 1], [-1, -1]]))
+    assert first.tolist() == [[2, 1], [1, 2]]
+    (first, *_) = short_forms(np.diag([-1.0, -3]))
+    assert first.tolist() == [[2, 0], [0, 2]]
+    stiff = np.array([[0.0, 1], [-1e6, -1e3]])
+    assert all(rate_of(form, stiff) > 0 for form in short_forms(stiff))
+    assert not list(short_forms(np.array([[0.0, 1], [-1, 0]])))
+    assert not list(short_forms(np.array([[1.0]])))
+
+
+EXACT = [
+    (("y", "-x - y"), "x**2 + x*y + y**2", Fraction(1)),
+    (("-x", "-y"), "x**2 + y**2", Fraction(2)),
+    (("-x", "-y", "-z"), "x**2 + y**2 + z**2", Fraction(2)),
+]
+
+
+@pytest.mark.parametrize(("rhs", "function", "kappa"), EXACT)
+def test_rates_are_exact_where_they_are_short(rhs: tuple[str, ...], function: str, kappa: Fraction) -> None:
+    result = decide_system(built(rhs))
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert result.reach.everywhere
+    assert result.function.text == function
+    rate = result.reach.rate
+    assert rate is not None
+    assert (rate.decay, rate.kappa) == (DecayKind.EXPONENTIAL, kappa)
+    claims = certificate_of(result)["statement"]["claims"]
+    assert {"attracts": "everywhere"} in claims
+    assert any(own.get("rate", {}).get("within", "") is None for own in claims)
+
+
+def test_rates_of_several_states_are_near_those_of_solutions() -> None:
+    """Chains of equal poles had 1/40 of the rate that this V shows."""
+    rate = decide_system(built(["y", "z", "-x - 3*y - 3*z"])).reach.rate
+    assert rate is not None
+    assert Fraction(3, 4) < rate.kappa < 2
+
+
+@pytest.mark.parametrize(
+    ("rhs", "is_linear"),
+    [
+        (("-x + 2*y", "-y"), True),
+        (("-x + 2*y", "-y - y**3"), False),
+        (("-x + Abs(y)", "-y"), False),
+        (("-x + 2*y + 1", "-y"), False),
+        (("-x*sqrt(2)", "-y"), True),
+    ],
+)
+def test_only_linear_systems_have_a_matrix(rhs: tuple[str, ...], is_linear: bool) -> None:
+    assert (linear_matrix(built(rhs)) is not None) == is_linear
+
+
+def test_a_stated_function_comes_before() -> None:
+    """What the scene names is examined as it is."""
+    result = decide_system(built(["y", "-x - y"], lyapunov="3*x**2/2 + x*y + y**2"))
+    assert result.function.text == "3*x**2/2 + x*y + y**2"
+
+
+# ---- Candidates for V of systems of second order: energies with a cross term ---------------------
+
+# Right-hand sides, the place of the position, and its force; at rest that of friction is the mean of both directions.
+SECOND_ORDER = [
+    (("y", "-2*sign(x) - y"), 0, lambda x: 2 * np.sign(x)),
+    (("y", "-x*Abs(x) - 3*y"), 0, lambda x: x * abs(x)),
+    (("y", "-x - x**3 - Max(x, 0)/2 - sign(y)"), 0, lambda x: x + x**3 + max(x, 0) / 2),
+    (("-3*y**3 - Abs(y)*y - x", "x"), 1, lambda x: 3 * x**3 + abs(x) * x),
+]
+
+
+def energy_of(formula: PiecewiseExpression, place: int, x: float, v: float) -> float:
+    """A candidate without its cross term, which changes its sign with v."""
+    both = [dict(zip(("x", "y") if place == 0 else ("y", "x"), (x, speed), strict=True)) for speed in (v, -v)]
+    return sum(float_value(formula.tree, values, formula.text) for values in both) / 2
+
+
+@pytest.mark.parametrize(("rhs", "place", "force"), SECOND_ORDER)
+def test_the_energy_has_the_slope_of_the_force(
+    rhs: tuple[str, str], place: int, force: Callable[[float], float]
+) -> None:
+    system, step = built(rhs), 1e-6
+    crossed = list(falling_energies(system, system.check.radius))[1:]
+    found = [*crossed, *energies(system)]
+    assert len(crossed) in (2, 4)
+    for formula in found:
+        for x, v in np.random.default_rng(3).uniform(-0.4, 0.4, (20, 2)).tolist():
+            high, low = (energy_of(formula, place, x + move, v) for move in (step, -step))
+            assert (high - low) / (2 * step) == pytest.approx(force(x), abs=1e-6)
+            assert energy_of(formula, place, x, v) - energy_of(formula, place, x, 0.0) == pytest.approx(v**2 / 2)
+
+
+def test_what_is_of_no_second_order_has_none() -> None:
+    for rhs in (("y - x", "-2*x - 3*y"), ("y", "-sqrt(2)*x - y"), ("y*Abs(y)", "-x - y")):
+        system = built(rhs)
+        assert not list(falling_energies(system, system.check.radius))[1:]
+
+
+@pytest.mark.parametrize(
+    ("rhs", "energy"),
+    [
+        (("y", "-x**3 - y + 2*z", "-y/3 - z**3"), "z**2/2 + y**2/12 + x**4/24"),  # a chain of three
+        (("2*y", "-sign(x) - y"), "Abs(x) + y**2"),
+        (("y", "-3*sat(x, -1, 2)"), "3*(x*sat(x, -1, 2) - sat(x, -1, 2)**2/2) + y**2/2"),
+        (("-x + y**3", "-x/2 - y"), "x**2/2 + y**4/2"),
+        (("y", "-x**3 - 3*y/(1 + x**4)"), "x**4/4 + y**2/2"),
+    ],
+)
+def test_energies_of_chains(rhs: tuple[str, ...], energy: str) -> None:
+    system, states = built(rhs), "xyz"[: len(rhs)]
+    found, *_ = energies(system)
+    expected = parse_piecewise(energy, tuple(states))
+    ratios = []
+    for place in np.random.default_rng(3).uniform(-4, 4, (20, len(rhs))).tolist():
+        values = dict(zip(states, place, strict=True))
+        ratios.append(float_value(found.tree, values, found.text) / float_value(expected.tree, values, energy))
+    assert ratios == pytest.approx([ratios[0]] * len(ratios))
+
+
+def test_a_relay_with_viscous_friction_has_a_short_function() -> None:
+    result = decide_system(built(["y", "-2*sign(x) - y"]))
+    assert result.function is not None
+    assert result.function.text == "2*Abs(x) + y**2/2 + x*y/4"
+    assert result.reach.region is not None
+    assert result.reach.region.level >= 0.1  # 1681/262144 of the richest family, on a smaller square
+    assert result.reach.rate is not None
+    assert result.reach.rate.decay is DecayKind.EXPONENTIAL
+    kinds = {kind for claim in certificate_of(result)["statement"]["claims"] for kind in claim}
+    assert {"stability", "attracts", "rate", "gain"} <= kinds
+
+
+def test_slight_damping_beside_a_sine_is_seen_by_the_energy() -> None:
+    result = decide_system(built(["y - x**3/1000", "-sin(x) - x - y**3/1000"]))
+    claims = certificate_of(result)["statement"]["claims"]
+    assert {"stability": "asymptotically stable"} in claims
+    assert {kind for claim in claims for kind in claim} == {"stability", "attracts", "rate"}
+
+
+# ---- Inequalities that are hard together: one limit of work for all, and nothing but `undecided` comes of it.
+
+FIELD = NumberField()
+X, Y = (Polynomial.variable(FIELD, ("x", "y"), name) for name in ("x", "y"))
+# Positive, but zero along a curve that no cut hits up to a small rest: much work.
+HARD = (X**2 * 7 - Y**3 + X * 3 - Y) ** 2 * 10**12 + 1
+
+
+@pytest.mark.parametrize("frequency", [1_000_000])
+def test_an_audit_ends_after_the_work_of_all_its_inequalities(frequency: int) -> None:
+    rhs = [f"-sign(x) - sin({frequency}*y)", f"-sign(y) - sin({frequency}*x)"]
+    system = built(rhs, radius=1)
+    with shared_effort(10**9):
+        found = audit(system, "x**2 + y**2")
+        spent = 10**9 - effort_left()
+    assert spent < 2 * EFFORT
+    assert found.verdict is AuditVerdict.UNDECIDED
+
+
+def test_without_effort_easy_inequalities_are_decided_and_hard_ones_are_left_open() -> None:
+    [region, *_] = square_regions(FIELD.one)
+    with shared_effort(0):
+        assert isinstance(prove(Sense.POSITIVE, X**2 + Y**2 + 1, region), Proof)
+        assert isinstance(prove(Sense.POSITIVE, X - Y, region), Counterexample)
+        assert isinstance(prove(Sense.POSITIVE, HARD, region), Undecided)
+
+
+def test_efforts_count_for_those_around_them_but_for_one_of_its_own() -> None:
+    [region, *_] = square_regions(FIELD.one)
+    with shared_effort(10_000):
+        with effort_of_its_own(3_000):
+            prove(Sense.POSITIVE, HARD, region)
+            assert effort_left() == 0
+        assert effort_left() == 10_000
+        with shared_effort(1_000):
+            prove(Sense.POSITIVE, HARD, region)
+            assert effort_left() == 0
+        assert 7_000 < effort_left() <= 9_000

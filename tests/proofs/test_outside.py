@@ -28,6 +28,7 @@ from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, next_ring
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, other_rests, ring_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
+from tests.oracles.floats import midpoint
 from tests.plain import refused
 from tests.thorough import thorough
 
@@ -260,7 +261,7 @@ def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
     x = starts.T.copy()
     with np.errstate(all="ignore"):
         for _ in range(STEPS):
-            x = x + STEP * np.stack(field(*(x + STEP / 2 * np.stack(field(*x)))))
+            x = midpoint(lambda own: np.stack(field(*own)), x, STEP)
     return np.hypot(*x) < 0.2
 
 

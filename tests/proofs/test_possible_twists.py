@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -18,8 +16,7 @@ from nonsmooth.proofs.clauses.every_load.possible_twists import PossibleTwist, p
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import rows_with_friction
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-Floats: TypeAlias = NDArray[np.float64]
+from tests.oracles.floats import Floats
 
 BESIDE = 1e-4  # of a side
 

@@ -10,6 +10,7 @@ from functools import cache
 from typing import Any
 
 import pytest
+from flint import fmpq
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import read_system
@@ -19,20 +20,24 @@ from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.corpus import bad_certificates, forged_text, good_certificates
 from tests.oracles import second_checker
 from tests.oracles.mutants import Hand, Record
-from tests.oracles.second_formulas import GENS, Reading, terms
+from tests.oracles.second_formulas import GENS, ZERO, Poly, Reading, at_zero, number, terms
 from tests.proofs.system_families import families
-from tests.proofs.test_system_families import system_of
+from tests.proofs.test_known_systems import KNOWN, build, system_of
 from tests.thorough import but, few, keep
 
-NEWER = ("second", "proper", "growth", "denominator", "logarithm")  # hypotheses that the second checker does not know
+NEWER = ("proper", "growth", "denominator", "logarithm")  # hypotheses that the second checker does not know
+THEOREMS = ("lyapunov", "instability", "departure")
 PLANAR = {known.name: known for known in families()}
 FIRST = [
     *("crossed relays, contracting", "twisting 2, 1", "Coulomb friction", "parabola far away", "node and focus"),
     *("flower", "two units, negative loop", "relays with a weak repeller", "van der Pol, reversed", "saddle"),
 ]
+CURVED = "a V that bends on lines"  # what the second checker misses where functions bend on curves
+BENT = tuple(f"bang-bang, {which}" for which in ("curved line 1/4", "curved line 1/2", "curved line 1", "turned curve"))
 SHORT = (
     "two units, negative loop",
     "Coulomb friction",
@@ -40,26 +45,38 @@ SHORT = (
     "bends",
     "plane",
     "saddle",
+    "oscillator",
+    "chain",
+    "drift",
     "waves",
 )  # of few numbers, for mutants
 OWN = {
     "relays": ns.System(["x", "y"], ["-sign(x) + y/4 + x**3", "-sign(y) - x/4 + y**3"], radius="1/2"),
     "bends": ns.System(["x", "y"], ["-sign(x)", "-y"], lyapunov="Abs(x) + y**2", radius="1/2"),
     "plane": ns.System(["x", "y"], ["-x + y", "-x - y"]),
+    "oscillator": ns.System(["x", "y"], ["y", "-x - y"], lyapunov="x**2 + y**2", radius="1/2"),
+    "chain": ns.System(["x", "y", "z"], ["-x + y**2/4", "-y - sign(y)", "-z + x*y/2"], radius="1/2"),
+    "drift": ns.System(["x", "y", "z"], ["1 + sign(x)/2", "-y", "x - z"], radius="1/2"),
     "waves": ns.System(["x", "y"], ["-2*x + sin(y)/4 - sin(x)/8", "-y*cos(x) - x/8"], radius="1/2"),
 }
 
 
+def named(name: str) -> SwitchedSystem:
+    """One of the systems above, or the known one of a number."""
+    if name in PLANAR:
+        return system_of(PLANAR[name])
+    return OWN[name].system if name in OWN else build(KNOWN[int(name)])
+
+
 @cache
 def text_of(name: str) -> str:
-    """The certificate of a system; empty where there is none by a V alone."""
-    system = OWN[name].system if name in OWN else system_of(PLANAR[name])
+    """The certificate of a system; empty where there is none that the second checker knows."""
     try:
-        record = certificate_of(decide_system(system))
+        record = certificate_of(decide_system(named(name)))
     except NoCertificateError:
         return ""
     known = without_newer(record)
-    return json.dumps(known) if is_by_v(known) else ""
+    return json.dumps(known) if is_known(known) else ""
 
 
 def without_newer(record: Record) -> Record:
@@ -71,12 +88,11 @@ def without_newer(record: Record) -> Record:
     return {**record, "statement": {**record["statement"], "claims": claims}, "evidence": older}
 
 
-def is_by_v(record: Record) -> bool:
+def is_known(record: Record) -> bool:
     """Whether the second checker knows all of a certificate."""
-    entries = record["evidence"]
-    by_v = all(own["theorem"] in ("lyapunov", "instability") for own in entries)
-    about = record["statement"]["subject"]
-    return bool(entries) and by_v and len(about["states"]) == 2 and "roots" not in about and "numbers" not in about
+    entries, about = record["evidence"], record["statement"]["subject"]
+    theorems = {own["theorem"] for own in entries}
+    return bool(entries) and theorems <= set(THEOREMS) and "roots" not in about and "numbers" not in about
 
 
 def both(record: Record) -> tuple[str, str]:
@@ -89,6 +105,14 @@ def both(record: Record) -> tuple[str, str]:
 def test_both_checkers_accept(name: str) -> None:
     text = text_of(name)
     assert text or name not in FIRST
+    if text:
+        assert both(json.loads(text)) == ("", CURVED if name in BENT else "")
+
+
+@few(2)
+@pytest.mark.parametrize("known", keep(4, [2, 3, 8, 0, 7, *(k for k in range(len(KNOWN)) if k not in (0, 2, 3, 7, 8))]))
+def test_both_accept_systems_in_three_to_six_states(known: int) -> None:
+    text = text_of(str(known))
     if text:
         assert both(json.loads(text)) == ("", "")
 
@@ -152,11 +176,12 @@ def test_both_checkers_reject(name: str) -> None:
 
 
 def test_the_corpus_is_accepted() -> None:
-    """All good ones by a V alone, but those that ask what the second checker does not know."""
-    known = {name: own for name, own in good_certificates().items() if is_by_v(own) and without_newer(own) is own}
+    """All good ones of theorems that the second checker knows, in one to eight states."""
+    known = {name: own for name, own in good_certificates().items() if is_known(own) and without_newer(own) is own}
     refused = {name: second_checker.refusal(own) for name, own in known.items()}
-    assert {why for why in refused.values() if why} <= {"a V that bends on lines"}
-    assert len(known) >= 50
+    assert {why for why in refused.values() if why} <= {CURVED}
+    assert {len(own["statement"]["subject"]["states"]) for own in known.values()} == set(range(1, 9))
+    assert len(known) >= 200
 
 
 @pytest.mark.parametrize("start", keep(1, range(8)))
@@ -164,7 +189,7 @@ def test_what_is_forged_of_the_corpus_is_rejected(start: int) -> None:
     """Whatever the first checker must reject."""
     good, seen = good_certificates(), 0
     for own in bad_certificates()[start::8]:
-        if own.of not in good or own.text or not is_by_v(good[own.of]):
+        if own.of not in good or own.text or not is_known(good[own.of]):
             continue
         seen += 1
         assert second_checker.refusal(json.loads(forged_text(own, good))), own
@@ -232,3 +257,51 @@ def test_both_read_the_same_formulas(text: str) -> None:
     first, second = both(record)
     assert bool(first) == bool(second), (first, second)
     assert bool(first) == (FORMULAS.index(text) >= 10)
+
+
+# ---- One state: the signs of the formulas beside the point decide, whatever the theorem -------------
+
+BESIDE = fmpq(1, 10**9)
+ONE_STATE = {
+    "-x": "asymptotically stable",
+    "-sign(x)": "asymptotically stable",
+    "-x + x**3": "asymptotically stable",
+    "-relu(x)": "stable",
+    "x**3 - 2*sign(x)*x**2": "asymptotically stable",
+    "Abs(x)": "unstable",
+    "1 + sign(x)/2": "unstable",
+}
+
+
+def by_signs(about: Record) -> str:
+    """The verdict that the signs of all right-hand sides beside the point say."""
+
+    def sign(value: Poly) -> int:
+        return int(at_zero(value) > 0) - int(at_zero(value) < 0)
+
+    outward = set()
+    for side in (1, -1):
+        place = {about["states"][0]: ZERO + number(about["at"][0]) + side * BESIDE}
+        reading = Reading(place, sign, about.get("order", 0))
+        outward |= {side * sign(value) for own in about["rhs"] for (value,) in reading.fields(own)}
+    return {1: "unstable", 0: "stable", -1: "asymptotically stable"}[max(outward)]
+
+
+@pytest.mark.parametrize("rhs", ONE_STATE)
+def test_systems_in_one_state(rhs: str) -> None:
+    record = certificate_of(decide_system(ns.System(["x"], [rhs]).system))
+    assert {"stability": ONE_STATE[rhs]} in record["statement"]["claims"]
+    assert by_signs(record["statement"]["subject"]) == ONE_STATE[rhs]
+    known = without_newer(record)
+    assert not is_known(known) or both(known) == ("", "")
+
+
+def test_certificates_in_one_state() -> None:
+    """Of all theorems."""
+    claims = [own["statement"] for own in good_certificates().values()]
+    listed = [
+        own for own in claims if len(own["subject"]["states"]) == 1 and not {"roots", "numbers"} & set(own["subject"])
+    ]
+    for own in listed:
+        assert {"stability": by_signs(own["subject"])} in own["claims"], own
+    assert len(listed) >= 50

@@ -8,8 +8,7 @@ import random
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
-from pathlib import Path
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -30,10 +29,10 @@ from nonsmooth.proofs.kernel.search import Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
-from tests.plain import refused
+from tests.oracles.floats import midpoint, value, velocity
+from tests.plain import built, refused
 from tests.thorough import few, keep, thorough
 
 Record = dict[str, Any]
@@ -54,13 +53,11 @@ def certificate(rhs: Any, function: str, states: str = "x y", radius: str | None
 def searched(asked: str) -> str:
     """That certificate as text."""
     rhs, function, states, radius, more = json.loads(asked)
-    return json.dumps(built(rhs, function, states, radius, more))
+    return json.dumps(shown_by(rhs, function, states, radius, more))
 
 
-def built(rhs: Any, function: str, states: str, radius: str | None, more: Record) -> Record | None:
-    check = {"radius": radius or "1/2"}
-    data = {"system": {"states": states.split(), "rhs": rhs}, "check": check}
-    system = build_system(data, "t", Path("t.toml"))
+def shown_by(rhs: Any, function: str, states: str, radius: str | None, more: Record) -> Record | None:
+    system = built(rhs, states=states.split(), radius=radius or "1/2")
     bends = surfaces_of(system, parse_piecewise(function, system.states))
     half = None if radius is None else system.field(Fraction(radius))
     cells, subject, search = stated_cells(system, half, bends).record, about(system), Search()
@@ -150,8 +147,7 @@ def test_what_leaves_is_certified(damping: str) -> None:
 @pytest.mark.parametrize("force", keep(1, ["-sign(x) + y/4", "-sign(x) + 3*y", "-x + y*(1 - x**2)"]))
 def test_functions_of_reversed_time(force: str) -> None:
     """The energy and W of relays that gain energy are found; a path in floats gains it."""
-    data = {"system": {"states": ["x", "y"], "rhs": ["y", force]}, "check": {"radius": "1/2"}}
-    system = build_system(data, "t", Path("t.toml"))
+    system = built(["y", force], radius="1/2")
     found = find_weak_growth(system)
     assert found is not None
     (entry, claims), function, _ = found
@@ -159,8 +155,7 @@ def test_functions_of_reversed_time(force: str) -> None:
     statement = {"subject": about(system), "claims": claims}
     assert refused({"version": VERSION, "statement": statement, "evidence": [entry]}) == ""
     x, y = simulate(system_field(system, (0.1, 0.0)), (0.1, 0.0), 12.0).end.state
-    start, end = {"x": 0.1, "y": 0.0, "Abs": abs}, {"x": x, "y": y, "Abs": abs}
-    assert eval(function, end) < 1.5 * eval(function, start)  # noqa: S307 - found here
+    assert value(function, x=x, y=y) < 1.5 * value(function, x=0.1, y=0.0)
 
 
 # ---- what does not -------------------------------------------------------------------------------
@@ -280,23 +275,14 @@ def test_functions_rise_along_paths_that_keep_v(name: str, side: int) -> None:
     record = certificate(*ATTRACTING[name])
     assert record is not None
     functions = record["evidence"][0]["hypotheses"]["second"]["functions"]
-    names = {"relu": lambda a: max(a, 0.0)}
-
-    def value(text: str, place: np.ndarray) -> float:
-        return float(eval(text, names, {"x": place[0], "y": place[1]}))  # noqa: S307 - formulas of this file
-
-    def moved(place: np.ndarray, step: float) -> np.ndarray:
-        middle = place + step / 2 * np.array([value(text, place) for text in rhs])
-        return place + step * np.array([value(text, middle) for text in rhs])
-
     place, kept = np.array([0.3, 0.1]), 0
     for _ in range(300):
         before = place
         for _ in range(10):
-            place = moved(place, 1e-3)
+            place = midpoint(partial(velocity, rhs), place, 1e-3)
         if max(place[side], before[side]) < 0:
             kept += 1
-            changes = [value(text, place) - value(text, before) for text in functions]
+            changes = velocity(functions, place) - velocity(functions, before)
             assert next(change for change in changes if abs(change) > 1e-9) > 0, (before, changes)
     assert kept > 50
 
@@ -307,12 +293,7 @@ def test_functions_rise_along_paths_that_keep_v(name: str, side: int) -> None:
 def assert_true(record: Record, source: random.Random) -> None:
     """A path from near the point loses V again and again, if it stays in the square."""
     (rhs,), hypotheses = record["statement"]["subject"]["rhs"], record["evidence"][0]["hypotheses"]
-    names = {"relu": lambda a: max(a, 0.0), "sign": np.sign, "Abs": abs}
-    compiled = [compile(text, "formula", "eval") for text in (*rhs, hypotheses["function"])]
-
-    def values(place: np.ndarray) -> np.ndarray:
-        return np.array([eval(code, names, {"x": place[0], "y": place[1]}) for code in compiled])  # noqa: S307
-
+    values = partial(velocity, (*rhs, hypotheses["function"]))
     half = float(Fraction(hypotheses["cells"]["within"]))
     place = np.array([source.uniform(0.6, 0.8), source.uniform(-0.2, 0.2)]) * half
     first, lost = values(place)[2], 0.0

@@ -1,4 +1,4 @@
-"""Theorem 4 as a whole: verdicts of known arrays, pruning, and results that do not belong together."""
+"""Theorem 4 as a whole: verdicts of known arrays, what pruning saves, and results that do not belong together."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from typing import TypeAlias
 
 import pytest
 
+from nonsmooth.analysis.measurements import cases, path_studies, studies
+from nonsmooth.analysis.measurements.harness import Case, Clock, Limits, Outcome, Study
+from nonsmooth.proofs import measurements
 from nonsmooth.proofs.clause_registry import conclude
 from nonsmooth.proofs.clauses.equilibrium.clause import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -16,17 +19,21 @@ from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.rotation.clause import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
+from nonsmooth.proofs.measurements import CASES, PRUNING, STUDIES, SYSTEM_STUDIES
+from nonsmooth.proofs.measurements import verdicts as verdicts_of
 from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.clauses import drift, verdicts
+from tests.built_in import drift, verdicts
 from tests.conftest import Arrays, Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep, thorough
+
+# ---- Theorem 4 as a whole: verdicts of known arrays, pruning, and results that do not belong together.
 
 Build: TypeAlias = "Callable[[Arrays], Scene]"
 
@@ -293,3 +300,68 @@ def test_the_reason_names_the_clause_that_does_not_apply(arrays: Arrays) -> None
         "every clause that applies holds; not applicable: feedback",
     )
     assert check_cells(arrays.four_wheel(ROLL)).reason == "every clause holds"
+
+
+# ---- What pruning saves: the verdicts of a pruned check are those of a whole one, and a difference would be counted.
+
+SECONDS = 120
+
+
+@thorough  # the small one: test_differing_verdicts_are_counted
+def test_no_verdict_differs_and_no_work_is_added() -> None:
+    plan = PRUNING.build(load_scene("four-wheel"))
+    found = {trial.method: trial.judge(trial.work(Clock(SECONDS))) for trial in plan.trials}
+    assert list(found) == [
+        f"{rule}, {what}" for rule in ("nearest", "box", "ellipse", "roller") for what in ("whole", "pruned")
+    ]
+    assert all(finding.error == 0 for finding in found.values())
+    for rule in ("nearest", "box"):
+        pruned, whole = found[f"{rule}, pruned"].work, found[f"{rule}, whole"].work
+        assert all(pruned[what] <= whole[what] for what in ("row triples", "wheels", "contact states", "cells"))
+        assert whole["left out"] <= pruned["left out"]
+
+
+def test_differing_verdicts_are_counted() -> None:
+    scene = load_scene("four-wheel")
+    trial = PRUNING.build(scene).trials[1]
+    right = check_theorem4(scene)
+    open_rotation = replace(right.rotation, verdict=Rotation.UNDECIDED)
+    wrong = replace(right.with_results(rotation=open_rotation), verdict=Theorem4.UNDECIDED)
+    assert trial.judge(right).error == 0
+    assert trial.judge(wrong).error == 2
+    assert verdicts_of(right) == ("holds", "holds", "asymptotically stable", "unstable", "stabilizable")
+
+
+def test_a_rule_that_refuses_the_array_fails_and_says_why() -> None:
+    plan = PRUNING.build(load_scene("four-wheel", radius="2"))
+    trials = [trial for trial in plan.trials if trial.method.startswith("box")]
+    rows = [PRUNING.measure(trial, plan, Limits(1, SECONDS)) for trial in trials]
+    assert [row.outcome for row in rows] == [Outcome.FAILED] * 2
+    assert "check.radius: required at most" in rows[0].note
+
+
+# ---- The registry: every study and case that a chapter defines is listed, once and under its own name.
+
+
+def defined() -> dict[int, Study | Case]:
+    """The studies and cases of all chapters, by identity: the registry names those of the others too."""
+    values = [value for module in (studies, path_studies, cases, measurements) for value in vars(module).values()]
+    return {id(value): value for value in values if isinstance(value, Study | Case)}
+
+
+def test_every_measurement_is_listed_once() -> None:
+    listed = [*STUDIES, *SYSTEM_STUDIES, *CASES]
+    assert sorted(defined()) == sorted(map(id, listed))
+    for studies_of_a_kind in (STUDIES, SYSTEM_STUDIES):
+        assert len({study.name for study in studies_of_a_kind}) == len(studies_of_a_kind)
+
+
+def test_families_of_one_name_are_about_different_scenes() -> None:
+    for about in ("array", "system"):
+        names = [case.name for case in CASES if getattr(case, about) is not None]
+        assert len(set(names)) == len(names)
+
+
+def test_a_family_has_no_rows_of_scenes_that_it_is_not_about() -> None:
+    scene = load_scene("ring-3")
+    assert [list(case.rows(scene)) for case in CASES if case.array is None] == [[]]

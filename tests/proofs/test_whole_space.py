@@ -1,9 +1,10 @@
-"""Attraction of every start by a V on the whole space: against other points of rest, paths from afar, forged claims."""
+"""Attraction of every start by a V on the whole space, and when one is searched."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import deepcopy
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,13 +12,18 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
-from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.checker.files import parse
+from nonsmooth.proofs.checker.statements import refusal, show_evidence
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.cells import started, stated_cells
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, stability_hypotheses
-from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from tests.thorough import but
+from tests.oracles.floats import midpoint
+from tests.thorough import but, few
+
+# ---- Attraction of every start by a V on the whole space: against other points of rest, paths from afar, forged
+# claims.
 
 SIZE = 1 << 20  # of a file, for which there is enough work
 FAR, WIDTH = 30.0, 1e-3
@@ -129,3 +135,57 @@ def test_irrational_points_attract_from_near(rhs: list[str], rests: list[str]) -
     """Of them nothing is said about the whole space, of which no certificate in rational numbers can speak."""
     found = ns.System(["x", "y"][: len(rhs)], rhs, at=rests).check()
     assert (found.verdict, found.evidence.reach.everywhere) == ("asymptotically stable", False)
+
+
+# ---- A V for the whole space is searched where that of the checked square says nothing about it.
+#
+# The truths are published: the sources stand beside the systems in :mod:`tests.proofs.literature`.
+
+SEARCHED: dict[str, Any] = {
+    "energy that falls weakly": ("y", "-x**3 - y"),
+    "a quadratic form whose mixed terms cancel": ("-x - 3*x**2*y**3/2", "-y**3 + x**3*y**2/2"),
+    "a cascade": ("-x + y**2", "-y"),
+    "jet engine": ("-y - 3*x**2/2 - x**3/2", "3*x - y"),
+    "Lorenz": ("10*(y - x)", "x/2 - y - x*z", "x*y - 8*z/3"),
+    "arbitrary switching": [["-x + y**2", "-y"], ["-x - y**2", "-2*y"]],
+}
+LOCAL = {
+    "a limit cycle": ("-y", "x - y + x**2*y"),
+    "other places of rest": ("y", "-x + x**3 - y"),
+    "all but a line": ("-x + x**2*y", "-y"),
+}
+
+
+def system(rhs: tuple[str, ...] | list[list[str]]) -> ns.System:
+    first = rhs[0] if isinstance(rhs, list) else rhs
+    return ns.System(["x", "y", "z"][: len(first)], rhs, radius="1/2")
+
+
+@few(3)
+@pytest.mark.parametrize("name", SEARCHED)
+def test_every_start_arrives_by_a_searched_function(name: str) -> None:
+    result = system(SEARCHED[name]).check()
+    assert result.evidence.reach.everywhere
+    _, shown = show_evidence(*parse(certificate_text(result.certificate()).encode()))
+    assert {"attracts": "everywhere"} in shown
+
+
+@pytest.mark.parametrize("name", LOCAL)
+def test_not_every_start_is_said_to_arrive(name: str) -> None:
+    result = system(LOCAL[name]).check()
+    assert result.verdict == "asymptotically stable"
+    assert not result.evidence.reach.everywhere
+
+
+def test_starts_far_away_arrive_in_floats() -> None:
+    """Of the jet engine, by steps of Runge and Kutta that know nothing of V."""
+    x = np.random.default_rng(0).uniform(-20, 20, (2, 200))
+
+    def field(place: np.ndarray) -> np.ndarray:
+        u, v = place
+        return np.stack([-v - 3 * u**2 / 2 - u**3 / 2, 3 * u - v])
+
+    for _ in range(8_000):
+        step = 4e-3 / (1 + 0.05 * np.abs(x).max(axis=0) ** 2)
+        x = midpoint(field, x, step)
+    assert np.linalg.norm(x, axis=0).max() < 1e-2

@@ -29,11 +29,11 @@ from nonsmooth.reports.derivations.derivation import derive_report
 from nonsmooth.reports.output.document import Figure, Math, Paragraph, Section, Text
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import Arrays
+from tests.oracles.floats import Floats
 from tests.reports.conftest import Invoke
 from tests.reports.derived import derived
 from tests.thorough import few, keep, thorough
 
-Floats: TypeAlias = NDArray[np.float64]
 Rate: TypeAlias = Callable[[Floats], Floats]
 Record: TypeAlias = dict[str, Any]
 

@@ -1,16 +1,32 @@
-"""The feedback clause as a user meets it: on the terminal, in JSON, in reports, in simulations and certificates."""
+"""What a check shows beside its verdicts: feedback, headings of rest, the continuum, other rules."""
 
 from __future__ import annotations
 
+import json
+import math
 from fractions import Fraction
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
+from nonsmooth.reports.checks.agreement import compare_scene
+from nonsmooth.reports.checks.answers import answers_view
+from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.checks.check_results import CheckResult
+from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, derive_report, render_report
+from nonsmooth.reports.formats.markdown import render_markdown
+from nonsmooth.reports.output.document import Document, Section
+from nonsmooth.reports.sections.answers import _headings
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.numbers.number_text import lower_text
 from tests.reports.conftest import Invoke
-from tests.thorough import few
+from tests.reports.derived import derived
+from tests.thorough import few, keep, thorough
+
+# ---- The feedback clause as a user meets it: on the terminal, in JSON, in reports, in simulations and certificates.
 
 START = ("--from", "0.1,0.05,0.3")
 
@@ -102,3 +118,166 @@ def test_a_clause_that_the_certificate_leaves_open_is_named(invoke: Invoke, tmp_
     assert "feedback stands as undecided" in outcome.err
     assert invoke("check", "ring-3", "--rule", "box", "--certificate", str(path)).err == ""
     assert invoke("verify", str(path)).status == 0
+
+
+# ---- Headings of rest on the terminal, in JSON, in Python and in the report ----------------------
+
+SWIRL = """
+name = "swirl"
+friction = { mu_roll = 1, mu_side = 1 }
+grid = { rows = 4, columns = 5 }
+contact = { rule = "ellipse" }
+body = { shape = "rectangle", width = 2.1, height = 1.7 }
+[field]
+kind = "expression"
+x = "-x - 8/7*y + x*x*y/4"
+y = "-x - y/2 - y*y*x/28 - 3/28*x*x*x"
+"""
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> CheckResult:
+    file = tmp_path_factory.mktemp("bodies") / "swirl.toml"
+    file.write_text(SWIRL, encoding="utf-8")
+    return check_scene(load_scene(file), ask_others=False)
+
+
+@thorough  # the small one: test_python_offers_the_list
+def test_the_record_lists_single_headings_first(result: CheckResult) -> None:
+    record = result.to_dict()["answers"]["equilibrium_headings"]
+    assert record["searched_within"] is None
+    assert record["left_out"] == 0
+    first = record["found"][0]
+    assert (first["kind"], first["verdict"], first["position"]) == ("isolated", "undecided", "undecided")
+    assert (first["wheels"], first["edge"], first["status"]) == ([7, 8, 13, 14], [9, 12], "sampled")
+    assert first["heading"] == pytest.approx(-0.112994464)
+    assert first["reason"].startswith("the body turns to it from both sides")
+    assert first["exact"] == {}  # what is sampled has no exact text
+    kinds = [entry["kind"] for entry in record["found"]]
+    assert kinds == ["isolated"] * 2 + ["turning"] * 10
+    assert all(one["from"] == pytest.approx(one["to"]) and one["edge"] and one["reason"] for one in record["undecided"])
+
+
+@pytest.mark.usefixtures("without_paths")
+def test_the_terminal_says_what_is_proved_of_other_headings(result: CheckResult) -> None:
+    console = Console(width=100, record=True, file=StringIO())
+    console.print(answers_view(result.evidence, result.answers))
+    words = " ".join(console.export_text().split())
+    assert "equilibrium headings at the checked point" in words
+    assert "the body is proved to rest, without turning, at no heading but those listed" in words
+    headings = result.answers.headings
+    assert headings is not None
+    count = len(headings.undecided)
+    assert count > 4
+    assert f"not decided at the checked point: {count} single headings (--json lists them): " in words
+    assert "; simulate --headings 36 samples which return" in words
+    assert "(--headings does)" in words
+
+
+def test_the_report_has_a_table_of_them(result: CheckResult) -> None:
+    page = result_page(result)
+    assert "Equilibrium headings at the checked point" in page
+    assert "under the edge 9, 12" in page
+
+
+def result_page(result: CheckResult) -> str:
+    """The section of the report as Markdown."""
+    section = Section("Answers", tuple(_headings(result.answers.headings)))
+    return render_markdown(Document("swirl", (section,)))
+
+
+def test_python_offers_the_list(result: CheckResult) -> None:
+    found = result.equilibrium_headings
+    assert found is not None
+    assert [entry.edge for entry in found.found if not entry.proved] == [(9, 12), (9, 12)]
+    assert check_scene(load_scene("four-wheel"), ask_others=False).equilibrium_headings is None
+
+
+# ---- ``check --continuum``: the continuous idealization beside the verdicts, and where there is none.
+
+HEADING = 1e-12
+
+
+def test_verdicts_do_not_depend_on_it(invoke: Invoke) -> None:
+    done = [invoke("check", "four-wheel", "--json", *option) for option in (("--continuum",), ())]
+    with_it, without = (outcome.record for outcome in done)
+    assert without["continuum"] is None
+    for record in (with_it, without):
+        del record["continuum"], record["seconds"]
+    assert (done[0].status, with_it) == (done[1].status, without)
+
+
+def test_every_rule_has_its_row(invoke: Invoke) -> None:
+    asked = ("check", "four-wheel", "--rule", "all", "--continuum")
+    record, out = invoke(*asked, "--json").record, invoke(*asked).out
+    assert [check["continuum"]["array"]["rule"] for check in record["checks"]] == list(CONTACT_RULES)
+    assert out.count("continuous idealization") == 1
+    assert [out.count(f"the array, rule {rule}") for rule in CONTACT_RULES] == [1, 1, 1, 1]
+    assert "not in the verdict" in out
+
+
+def test_an_object_of_the_scene(tmp_path: Path, invoke: Invoke) -> None:
+    file = tmp_path / "my.toml"
+    wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n'
+    law = '[field]\nkind = "elliptic"\na = 2\nb = 1\nspeed = "magnitude"\n'
+    file.write_text(f'{wheels}{law}[body]\nshape = "polygon"\nvertices = [[0, 0], [30, 0], [0, 10]]\n')
+    record = invoke("check", str(file), "--continuum", "--json").record
+    (triangle,) = record["continuum"]["objects"]
+    assert record["continuum"]["given"] is True
+    assert triangle["exact"]["vertices"][0] == ["-10", "-10/3"]
+    axis = math.atan2(-2 * 9 / 72, 27 / 36 - 3 / 36) / 2  # of the long principal axis; the weaker pull is along y
+    stable = next(heading["theta"] for heading in triangle["headings"] if heading["stable"])
+    assert stable == pytest.approx(math.pi / 2 - axis, abs=HEADING)
+
+
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
+@pytest.mark.parametrize("extent", keep(1, ["short", "all"]))
+def test_the_derivation_has_a_section(extent: str) -> None:
+    """That it is in a report of all sections, tests/reports/test_derivation.py shows for another scene."""
+    short = ("verdict", "continuum")
+    report = derived("elliptic") if extent == "all" else derive_report(load_scene("elliptic"), parts=short)
+    for suffix in REPORT_FORMATS:
+        text = render_report(report, suffix)
+        assert "The continuous idealization" in text
+        assert "turns to certain headings" in text
+
+
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
+def test_no_section_without_a_field(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(
+        '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n[field]\nkind = "squeeze"\n'
+    )
+    titles = [
+        section.title for section in derive_report(load_scene(file), parts=("continuum", "left-out")).document.sections
+    ]
+    assert "The continuous idealization" not in titles
+    assert "What was left out, and why" in titles
+
+
+# ---- ``nonsmooth partition SCENE --compare``: table, JSON and picture ----------------------------
+
+
+def test_record_holds_exact_shares() -> None:
+    record = compare_scene(load_scene("ring-6")).facts()["agreement"]
+    assert Fraction(record["nearest_box"]["exact"]["share"]) == Fraction(1, 2)
+    assert record["nearest_box"]["share"] == 0.5
+    assert len(record["nearest_box"]["shared_twists"]) == 12
+    for other in ("ellipse_nearest", "ellipse_box"):
+        assert 0 < record[other]["mean"] <= record[other]["largest"]
+    json.dumps(record, allow_nan=False)
+
+
+def test_pictures_are_reproducible_vectors() -> None:
+    compared = compare_scene(load_scene("four-wheel"))
+    first, second = (compared.content(".svg") for _ in range(2))
+    assert first == second
+    assert first.startswith(b"<?xml")
+
+
+def test_the_command_prints_the_table_and_writes_the_picture(invoke: Invoke, tmp_path: Path) -> None:
+    shown = invoke("partition", "four-wheel", "--compare")
+    assert shown.status == 0
+    assert "share of 0 of the area (exact)" in " ".join(shown.out.replace("│", " ").split())  # 1 - 2 mu_S/mu_R
+    assert invoke("partition", "four-wheel", "--compare", "-o", "agreement.png").status == 0
+    assert (tmp_path / "agreement.png").read_bytes().startswith(b"\x89PNG")

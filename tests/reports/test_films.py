@@ -1,12 +1,14 @@
-"""``nonsmooth simulate -o path.gif``, ``.html``, and ``path.animate``: what is written, what is refused."""
+"""Films of paths, frames against the definitions, and how pictures are laid out."""
 
 from __future__ import annotations
 
 import io
 import json
 import re
+from fractions import Fraction
+from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 from unittest.mock import patch
 
 import numpy as np
@@ -14,15 +16,39 @@ import pytest
 from PIL import Image
 
 import nonsmooth as ns
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
 from nonsmooth.reports.animation import film as film_module
 from nonsmooth.reports.animation.film import MOST_FRAMES, RATE, build_film, frame_times
 from nonsmooth.reports.animation.page import _number
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.figures.wheels import outline_of, placed
+from nonsmooth.reports.figures.style import figure_bytes, lay_out
+from nonsmooth.reports.figures.wheels import array_figure, outline_of, placed
+from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
 from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.reports.output.files import OutputError
+from nonsmooth.reports.output.study_options import PathMethod
+from nonsmooth.reports.simulations.paths import PathResult, follow_cells
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from tests.reports.conftest import Invoke
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+# ---- Films of paths, and their frames against the definitions ------------------------------------
+
+# ---- ``nonsmooth simulate -o path.gif``, ``.html``, and ``path.animate``: what is written, what is refused.
 
 START = ("--from", "0.2,0.4,0.1")
 LARGEST_GIF = 3_000_000  # bytes
@@ -218,3 +244,262 @@ def test_a_rule_without_cells_moves_on_the_command_line_too(tmp_path: Path, caps
         assert "ring-6: contact.rule: required" in capsys.readouterr().err
     assert run(app, (*simulate[:5], "3,0,0")) == BAD_INPUT
     assert capsys.readouterr().err.count("\n") == 1
+
+
+# ---- Frames of a path against the definitions: slips from the twist, twists from the cells, contact sets by the
+# rules.
+
+PATHS: dict[str, tuple[str, tuple[float, float, float], dict[str, Any]]] = {
+    "open": ("four-wheel", (0.2, 0.4, 0.1), {}),
+    "sliding": ("ring-5", (0.11, 0.2, 0.0), {}),
+    "box": ("four-wheel", (0.2, 0.45, 0.0), {"rule": "box", "mu_side": "1/10"}),
+    "ellipse": ("ring-6", (0.1, 0.2, 0.0), {"rule": "ellipse"}),
+    "closed": ("ring-5", (0.1, 0.12, 0.2), {"feedback": True, "gain": 2.0}),
+    "cascade": ("ring-6", (0.1, 0.05, 0.1), {"feedback": "cascade"}),
+}
+
+
+def followed(name: str) -> PathResult:
+    scene, start, options = PATHS[name]
+    array = ns.load(scene)
+    assert isinstance(array, ns.Array)
+    return array.simulate(start, 1.0, **options)
+
+
+def frames_of(path: PathResult, count: int = 37) -> Frames:
+    assert path.scene
+    inputs = path.loop.inputs(path.partition) if isinstance(path.loop, FeedbackLoop) and path.partition else None
+    times = np.linspace(0, path.t[-1], count)
+    return build_frames(path.scene, path.trajectory, times, partition=path.partition, inputs=inputs)
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_slips_are_those_of_the_twist(name: str) -> None:
+    path = followed(name)
+    frames = frames_of(path)
+    assert path.scene
+    for k in range(len(frames)):
+        v_x, v_y, omega = frames.twists[k]
+        for i, wheel in enumerate(path.scene.wheels):
+            (x, y), (a, b) = ([float(e) for e in pair] for pair in (wheel.position, wheel.unit_direction))
+            moving = (v_x - omega * y, v_y + omega * x)  # v + omega J p
+            along = moving[0] * a + moving[1] * b - frames.speeds[k, i]
+            across = -moving[0] * b + moving[1] * a
+            assert np.allclose(frames.slips[k, i], (along, across), rtol=0, atol=1e-12, equal_nan=True)
+
+
+@pytest.mark.parametrize("name", ["open", "sliding", "box"])
+def test_twists_are_in_the_hull_of_the_cells_that_hold_the_point(name: str) -> None:
+    path = followed(name)
+    frames = frames_of(path)
+    assert path.partition
+    seen = set()
+    for pose, twist in zip(frames.poses, frames.twists, strict=True):
+        slack = 1e-9
+        held = [
+            np.array([float(entry) for entry in cell.twists[0]])
+            for cell in path.partition.cells
+            if all(
+                float(side.normal[0]) * pose[0] + float(side.normal[1]) * pose[1] <= float(side.offset) + slack
+                for side in cell.polygon.sides
+            )
+        ]
+        seen.add(min(len(held), 3))
+        if len(held) == 1:
+            assert np.abs(twist - held[0]).max() < 1e-7
+        if len(held) == 2:
+            ahead = held[1] - held[0]
+            share = float((twist - held[0]) @ ahead) / float(ahead @ ahead)
+            assert -1e-6 <= share <= 1 + 1e-6
+            assert np.abs(held[0] + share * ahead - twist).max() < 1e-6
+    assert seen >= {1} if name != "sliding" else seen >= {1, 2}
+
+
+def test_a_law_gives_the_acting_wheels_what_their_rows_ask_for() -> None:
+    """In the closed loop both rows of the nearest wheel hold, and the roll row of the second."""
+    frames = frames_of(followed("closed"), 101)
+    acting = np.isfinite(frames.speeds)
+    assert set(acting.sum(axis=1)) == {2}
+    assert (frames.contacts[acting] != WheelContact.FREE).all()
+    assert (frames.contacts[~acting] == WheelContact.FREE).all()
+    assert np.abs(frames.slips[..., 0][acting]).max() < 1e-6
+    across = np.where(acting, np.abs(frames.slips[..., 1]), np.inf)
+    assert across.min(axis=1).max() < 1e-6
+    slips = np.abs(frames.slips).max(axis=2)
+    sticking, slipping = (slips[frames.contacts == kind] for kind in (WheelContact.STICKS, WheelContact.SLIPS))
+    assert sticking.size
+    assert sticking.max() < 1e-5 < slipping.max()
+
+
+@thorough  # the small one: test_twists_are_in_the_hull_of_the_cells_that_hold_the_point
+def test_rule_ellipse_moves_with_its_minimizer_and_is_carried_by_loaded_wheels() -> None:
+    path = followed("ellipse")
+    frames = frames_of(path, 9)
+    assert path.scene
+    rule, model = smooth_rule_of(path.scene), contact_model(path.scene)
+    expected = minima_under(rule, path.scene, frames.poses[:, :2]).twists
+    assert np.abs(frames.twists - expected).max() < 1e-5
+    assert np.array_equal(frames.contacts != WheelContact.FREE, loads_at(model, frames.poses[:, :2]) > 1e-9)
+
+
+def test_leading_order_kinematics_and_samples_without_pieces() -> None:
+    array = ns.load("off-center")
+    assert isinstance(array, ns.Array)
+    partition = array.partition
+    radius = float(array.scene.check.radius)
+    x, y = (float(entry) + 0.3 * radius for entry in array.scene.check.equilibrium)
+    for method in (PathMethod.EVENTS, PathMethod.HYSTERESIS):
+        options = SimulateOptions(start=(x, y, 0.0), until=0.05, kinematics=Kinematics.LEADING, method=method)
+        path = follow_cells(partition, options)
+        frames = build_frames(array.scene, path, [0.01], partition=partition, pivot=(0.0, 0.0))
+        point = [array.scene.field.rational(Fraction(float(entry))) for entry in frames.poses[0, :2]]
+        cell = partition.cells_at((point[0], point[1]))[0]
+        assert np.abs(frames.twists[0] - [float(x) for x in cell.twists[0]]).max() < 1e-6
+
+
+def test_a_path_of_no_time_has_one_still_frame() -> None:
+    path = followed("open")
+    assert path.scene
+    end = build_frames(path.scene, path.trajectory, [float(path.t[-1])], partition=path.partition)
+    assert np.abs(end.twists).max() < 1e-9
+
+
+# ---- Pictures: all texts inside the figure, and the bytes of their files -------------------------
+
+# ---- Texts of pictures: all inside the figure, names of wheels apart from each other and from the rims.
+
+HEAD = 'units = { length = "mm", speed = "mm/s" }\nfriction = { mu_roll = 0.62, mu_side = 0.62 }\n'
+TABLE = f"""{HEAD}
+name = "sorting table 7"
+contact = {{ rule = "ellipse" }}
+field = {{ kind = "radial", speed = 250 }}
+wheels = {{ file = "wheels.csv" }}
+body = {{ shape = "rectangle", width = 400, height = 380 }}
+"""
+
+
+def table(folder: Path, names: str = "M{row}{column}") -> Path:
+    """Twelve named wheels in millimetres under a carton."""
+    rows = [
+        f"{names.format(row=row + 1, column='ABCD'[column])},{column * 150 - 225},{row * 150 - 150 + column}"
+        for row in range(3)
+        for column in range(4)
+    ]
+    (folder / "wheels.csv").write_text("\n".join(["name,x,y", *rows]), encoding="utf-8")
+    (folder / "table.toml").write_text(TABLE, encoding="utf-8")
+    return folder / "table.toml"
+
+
+def laid_out(figure: Figure, suffix: str = ".png") -> Any:
+    """What measures text, as the file would have it."""
+    lay_out(figure, suffix)
+    figure.canvas.draw()
+    return figure.canvas.get_renderer()  # type: ignore[attr-defined]
+
+
+def text_boxes(figure: Figure, renderer: Any) -> dict[str, Bbox]:
+    """The boxes of all texts that are drawn, by their words and a count."""
+    from matplotlib.text import Text
+
+    shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+    in_legends = {text for legend in figure.legends for text in legend.get_texts()}
+    kept = [text for text in shown if text.axes is not None or text in in_legends]
+    return {f"{k}: {text.get_text()}": text.get_window_extent(renderer) for k, text in enumerate(kept)}
+
+
+def outside(figure: Figure, boxes: dict[str, Bbox]) -> list[str]:
+    width, height = figure.bbox.width, figure.bbox.height
+    return [name for name, box in boxes.items() if box.x0 < 0 or box.y0 < 0 or box.x1 > width or box.y1 > height - 2]
+
+
+def overlapping(boxes: dict[str, Bbox]) -> list[tuple[str, str]]:
+    pairs = combinations(boxes.items(), 2)
+    return [(a, b) for (a, first), (b, second) in pairs if first.overlaps(second)]
+
+
+def test_the_check_itself_finds_a_clipped_title_and_two_texts_on_each_other() -> None:
+    from nonsmooth.reports.figures.style import new_figure
+
+    figure = new_figure(2.0, 2.0)
+    axes = figure.subplots()
+    axes.text(0.5, 0.5, "one")
+    axes.text(0.5, 0.5, "two")
+    axes.set_title("a title that is much wider than the figure is, on one line")
+    boxes = text_boxes(figure, laid_out(figure))
+    assert any("much wider" in name for name in outside(figure, boxes))
+    assert any("one" in a and "two" in b for a, b in overlapping(boxes))
+
+
+@few(3)
+@pytest.mark.parametrize("scene", ["four-wheel", "carton-on-6x6", "ring-8", "grid-4x4", "named", "long names"])
+def test_names_of_an_array_are_inside_and_apart(tmp_path: Path, scene: str) -> None:
+    names = "roller {row}/{column}" if scene == "long names" else "M{row}{column}"
+    source = table(tmp_path, names) if "name" in scene else scene
+    found = standing(load_scene(source))
+    figure = array_figure(found)
+    renderer = laid_out(figure)
+    boxes = text_boxes(figure, renderer)
+    assert not outside(figure, boxes)
+    wanted = {str(wheel.index) for wheel in whole(found).wheels}
+    named = {name: box for name, box in boxes.items() if name.partition(": ")[2] in wanted}
+    ticks = {str(label.get_text()) for axis in figure.axes for label in axis.get_xticklabels() + axis.get_yticklabels()}
+    assert {name.partition(": ")[2] for name in named} >= wanted
+    names_alone = {name: box for name, box in named.items() if name.partition(": ")[2] not in ticks}
+    assert not overlapping(names_alone)
+    rims = [line for line in figure.axes[0].lines if line.get_linewidth() == 5 and np.size(line.get_xdata()) == 2]
+    assert len(rims) == len(wanted)
+    for line in rims:
+        ends = figure.axes[0].transData.transform(line.get_xydata())
+        points = [ends[0] + share / 20 * (ends[1] - ends[0]) for share in range(21)]
+        assert not [name for name, box in names_alone.items() if any(box.contains(*point) for point in points)]
+
+
+def test_the_names_of_a_crowded_array_are_left_out(tmp_path: Path) -> None:
+    text = HEAD + "[grid]\nrows = 24\ncolumns = 25\npitch = 10\n[field]\nkind = 'expression'\nx = '1'\ny = '0'\n"
+    (tmp_path / "many.toml").write_text(text, encoding="utf-8")
+    figure = array_figure(load_scene(tmp_path / "many.toml"))
+    assert not [text for text in figure.axes[0].texts if text.get_text() == "17"]
+
+
+# ---- Pictures as files: laid out once before they are saved, they are those that Matplotlib lays out as it saves.
+
+LAST = {".svg": b"</svg>", ".png": b"IEND", ".pdf": b"%%EOF"}  # near the end of a whole file
+
+
+def crowded(layout: Literal["constrained"] | None) -> Figure:
+    """Two panels of equal axes, one with a scale of colors, with titles, a legend and long labels."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5, 3), layout=layout)
+    left, right = figure.subplots(1, 2)
+    left.set_aspect("equal")
+    left.plot([0, 1], [0, 2000], label="a line")
+    left.set_ylabel("a long label of an axis")
+    figure.colorbar(right.scatter([0, 1], [0, 1], c=[0.0, 1.0]), ax=right, label="a scale")
+    right.set_title("a title\nof two lines")
+    figure.legend(loc="outside lower center")
+    return figure
+
+
+@pytest.mark.parametrize("suffix", keep(1, LAST))
+def test_the_layout_is_that_of_saving(suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    ours = figure_bytes(lambda: crowded("constrained"), suffix)
+    assert LAST[suffix] in ours[-40:]
+    assert ours != figure_bytes(lambda: crowded(None), suffix)
+    monkeypatch.setattr("nonsmooth.reports.figures.style.lay_out", lambda figure, suffix: None)
+    assert ours == figure_bytes(lambda: crowded("constrained"), suffix)
+
+
+def test_a_picture_is_drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    from matplotlib.figure import Figure
+
+    drawn: list[Figure] = []
+    draw = Figure.draw
+
+    def counted(figure: Figure, renderer: Any) -> None:
+        drawn.append(figure)
+        draw(figure, renderer)
+
+    monkeypatch.setattr(Figure, "draw", counted)
+    figure_bytes(lambda: crowded("constrained"), ".svg")
+    assert len(drawn) == 1

@@ -1,17 +1,22 @@
-"""The HTML report in a real browser: headless Chromium opens it from a file, without a server and without a network."""
+"""Reports and films in a real browser: headless Chromium opens them from a file, without a server and a network."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 
+import nonsmooth as ns
 from tests.browser import CONTRAST, NARROW, READABLE, STICKING_OUT, WIDE, Opened, needs_chromium, opened
 from tests.reports import derived
-from tests.thorough import keep
+from tests.thorough import few, keep
+
+# ---- The HTML report in a real browser: headless Chromium opens it from a file, without a server and without a
+# network.
 
 pytestmark = needs_chromium
 BESIDE = 1120  # where two columns begin (70 rem)
@@ -209,3 +214,164 @@ def test_the_page_prints_without_its_controls(page: Page) -> None:
     assert not page.locator("#starts .slider").is_visible()
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert len(page.pdf()) > 50_000
+
+
+# ---- The page of a path in a real browser: it plays, the slider moves the drawing, it fits a phone and the dark.
+
+PATHS: dict[str, Any] = {
+    "open": ("four-wheel", (0.2, 0.4, 0.1), {}),
+    "closed": ("four-wheel", (0.2, 0.1, 0.3), {"feedback": True}),
+    "ellipse": ("ring-6", (0.1, 0.2, 0.0), {"rule": "ellipse"}),
+}
+
+
+class FilmPages(dict[str, Path]):
+    """The page of each path, written when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def __missing__(self, name: str) -> Path:
+        scene, start, options = PATHS[name]
+        path = ns.load(scene).simulate(start, until=3.0, **options)
+        self[name] = written = path.animate(self._folder / f"{name}.html")
+        return written
+
+
+@pytest.fixture(scope="module")
+def films(tmp_path_factory: pytest.TempPathFactory) -> FilmPages:
+    """The films that the tests open."""
+    return FilmPages(tmp_path_factory.mktemp("films"))
+
+
+@pytest.fixture
+def film(browser: Browser, films: FilmPages) -> Iterator[Page]:
+    """The open loop on a desk."""
+    seen = opened(browser, films["open"])
+    yield seen.page
+    assert seen.said == []
+    assert len(seen.asked) == 1
+    seen.page.context.close()
+
+
+def drawn_film(film: Page) -> tuple[str, ...]:
+    """All that moves, as it stands."""
+    script = """() => [document.getElementById('marker').getAttribute('transform'),
+        ...[...document.querySelectorAll('#picture .slip')].map((e) => e.getAttribute('d')),
+        ...[...document.querySelectorAll('#picture .ring')].map((e) => e.getAttribute('class')),
+        document.getElementById('time').textContent]"""
+    return tuple(film.evaluate(script))
+
+
+@few(1)
+@pytest.mark.parametrize("width", [NARROW, WIDE])
+@pytest.mark.parametrize("name", keep(2, PATHS))
+def test_a_page_opens_quietly_and_fits(browser: Browser, films: FilmPages, name: str, width: int) -> None:
+    seen = opened(browser, films[name], width)
+    assert seen.said == []
+    assert seen.asked == [films[name].as_uri()]
+    assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
+    assert seen.page.evaluate(STICKING_OUT) == []
+    size = seen.page.locator("#picture .name").first.evaluate("(e) => e.getBoundingClientRect().height")
+    assert size >= 11
+    seen.page.context.close()
+
+
+def test_text_is_readable(browser: Browser, films: FilmPages) -> None:
+    seen = opened(browser, films["closed"])
+    schemes: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+    for scheme in schemes:
+        seen.page.emulate_media(color_scheme=scheme)
+        brightness = seen.page.evaluate("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)[0]")
+        assert (brightness > 128) == (scheme == "light")
+        for place in ("h1", "main p", "li", "td", "caption", "#play", "#time", "#picture .name", ".pace"):
+            assert seen.page.locator(place).first.evaluate(CONTRAST) >= READABLE, place
+    seen.page.context.close()
+
+
+def test_the_slider_moves_the_drawing_by_the_keyboard(film: Page) -> None:
+    slider = film.locator("#scrubber")
+    slider.focus()
+    states = [drawn_film(film)]
+    for _ in range(6):
+        film.keyboard.press("ArrowRight")
+        states.append(drawn_film(film))
+    assert len(set(states)) == 7
+    assert slider.get_attribute("aria-valuetext") == film.locator("#time").inner_text()
+    film.keyboard.press("End")
+    assert film.locator("#time").inner_text() == "t = 3.000"
+    film.keyboard.press("Home")
+    assert drawn_film(film) == states[0]
+
+
+def test_the_button_plays_in_real_time_and_pauses(film: Page) -> None:
+    button = film.locator("#play")
+    assert button.inner_text() == "Play"
+    button.focus()
+    film.keyboard.press("Space")
+    assert button.inner_text() == "Pause"
+    first = drawn_film(film)
+    expect(film.locator("#time")).to_have_text(re.compile(r"t = (0\.[5-9]|1)"))
+    assert drawn_film(film) != first
+    button.click()
+    assert button.inner_text() == "Play"
+    kept = drawn_film(film)
+    film.wait_for_timeout(200)
+    assert drawn_film(film) == kept
+    for key in ("End", "PageDown"):  # the last tenth of the film
+        film.locator("#scrubber").press(key)
+    button.click()
+    expect(button).to_have_text("Again")
+    assert film.locator("#time").inner_text() == "t = 3.000"
+    button.click()
+    assert button.inner_text() == "Pause"
+
+
+def test_events_are_marked_and_lead_to_their_time(film: Page) -> None:
+    count = film.locator("button.event").count()
+    assert count == film.locator(".tick").count() > 0
+    button = film.locator("button.event").nth(1)
+    share = float(button.get_attribute("data-share") or "nan")
+    button.click()
+    time = float(film.locator("#time").inner_text().removeprefix("t = "))
+    assert time == pytest.approx(3 * share, abs=0.026)
+    track = film.locator("#scrubber").bounding_box()
+    tick = film.locator(".tick").nth(1).bounding_box()
+    assert track
+    assert tick
+    thumb = track["x"] + 10 + share * (track["width"] - 20)
+    assert tick["x"] + tick["width"] / 2 == pytest.approx(thumb, abs=2)
+
+
+def test_speeds_of_a_closed_loop_change(browser: Browser, films: FilmPages) -> None:
+    seen = opened(browser, films["closed"])
+    film = seen.page
+    arrows = "() => [...document.querySelectorAll('#picture .speed')].map((e) => e.getAttribute('d'))"
+    first = film.evaluate(arrows)
+    assert sum(bool(arrow) for arrow in first) == 2
+    film.locator("#scrubber").press("PageUp")
+    assert film.evaluate(arrows) != first
+    film.context.close()
+
+
+def test_reduced_motion_goes_on_by_steps(browser: Browser, films: FilmPages) -> None:
+    seen = opened(browser, films["open"], reduced_motion="reduce")
+    button = seen.page.locator("#play")
+    assert button.inner_text() == "Next"
+    times = []
+    for _ in range(3):
+        button.click()
+        times.append(seen.page.locator("#time").inner_text())
+        seen.page.wait_for_timeout(120)
+        assert seen.page.locator("#time").inner_text() == times[-1]
+    assert len(set(times)) == 3
+    seen.page.context.close()
+
+
+def test_the_film_serves_with_scripts_off(browser: Browser, films: FilmPages) -> None:
+    seen = opened(browser, films["open"], java_script_enabled=False)
+    assert not seen.page.locator(".controls").is_visible()
+    assert seen.page.locator("#picture .rim").count() == 4
+    assert seen.page.locator("#picture").bounding_box()
+    seen.page.context.close()

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
@@ -34,9 +33,8 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.reports.simulations.paths import ArrayPath, PathResult
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from tests.oracles.floats import Floats
 from tests.thorough import few, keep, thorough
-
-Floats = NDArray[np.float64]
 
 SLACK = 1e-9  # of V and times along integrated paths
 SLOW: dict[str, Any] = {"field": {"kind": "radial", "speed": "1/100"}}  # speeds of the open loop, below every limit
@@ -324,7 +322,7 @@ def test_paths_say_when_speeds_end_in_every_format(tmp_path: Path, capsys: pytes
     capsys.readouterr()
 
 
-@thorough  # the small one: tests/reports/test_cli_system_paths.py, test_pictures
+@thorough  # the small one: tests/reports/test_path_ends.py, test_pictures
 def test_speeds_are_drawn_alike_twice(tmp_path: Path) -> None:
     first, again = (tmp_path / name for name in ("first.svg", "again.svg"))
     for picture in (first, again):

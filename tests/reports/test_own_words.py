@@ -1,19 +1,26 @@
-"""The user's own words: names of wheels, decimals and degrees wherever a table in millimetres is spoken of."""
+"""What is said in words: the user's own names, what is not certified, unknown loads, contradictions."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
+import nonsmooth as ns
+from nonsmooth.proofs import theorem4
+from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.reports.checks import subject
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.figures.wheels import wheel_labels
+from nonsmooth.reports.sweeps import outcome as outcomes
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -22,6 +29,9 @@ from nonsmooth.symbolic.mechanics.scene import WheelNumber
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_text import brief_text, numbers_text, short_text
 from tests.reports.conftest import Invoke
+from tests.thorough import few, keep, thorough
+
+# ---- The user's own words: names of wheels, decimals and degrees wherever a table in millimetres is spoken of.
 
 TABLE = "wheel,x,y\nA1,100,100\nA2,-100,100\nB1,-100,-100\nB2,100,-100.4\n"
 SCENE = """
@@ -167,3 +177,238 @@ def test_a_design_is_written_in_degrees_and_decimals_where_units_are_stated(tmp_
     other.write_text(toml_text(document), encoding="utf-8")
     a, b = (float(part) for part in load_scene(other).wheels[1].unit_direction)
     assert math.degrees(math.atan2(b, a)) == pytest.approx(float(second["heading"]), abs=1e-9)
+
+
+# ---- What no forces prove is said in words, in every view of a check under rule ``ellipse`` ------
+
+INWARD = """
+friction = { mu_roll = 1, mu_side = 0 }
+wheel = [{ position = [1, 1] }, { position = [-1, 1] }, { position = [-1, -1] }, { position = [1, -1] }]
+"""
+CARRIED = """
+friction = { mu_roll = 1, mu_side = 0 }
+field = { kind = "spiral", angle = "pi/2" }
+[ring]
+count = 3
+[check]
+radius = "1/10"
+"""
+HUGE = re.compile(r"e\+\d\d")  # no length, speed or rate here is above 10
+
+
+@pytest.fixture(params=keep(1, [INWARD, CARRIED]), ids=["inward", "carried"])
+def free_scene(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    (tmp_path / "free.toml").write_text(request.param, encoding="utf-8")
+    return "free.toml"
+
+
+SECTIONS = ("--only", "verdict,situation,derivative,theorem,feedback,rules")
+
+
+@few(1)
+@pytest.mark.parametrize(
+    "views",
+    [("check",), ("check", "--json"), ("derive", *SECTIONS), ("derive", *SECTIONS[:1], "theorem,feedback", "--json")],
+    ids=["check", "check-json", "report", "report-json"],
+)
+def test_no_view_shows_a_number_that_is_none(invoke: Invoke, free_scene: str, views: tuple[str, ...]) -> None:
+    command, *options = views
+    outcome = invoke(command, free_scene, "--rule", "ellipse", *options)
+    assert outcome.status in (0, 1, 3)
+    assert not HUGE.search(outcome.out)
+    assert "nan" not in re.findall(r"[a-z]+", outcome.out)
+    if "--json" in options:
+        json.loads(outcome.out)
+
+
+@thorough  # the small one: test_free_motions_are_named_instead_of_numbers, analysis/test_proved_minima.py
+def test_the_missing_motion_is_named(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "free.toml").write_text(INWARD, encoding="utf-8")
+    sentence = "no row with friction resists the motion xi = (0, 0, 1)"
+    table = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune", "--evidence").out
+    printed = " ".join(re.sub("[│╭╮╰╯├┤─┼]", " ", table).split())
+    assert "largest V*/|c| over the square not certified: " in printed
+    assert printed.count("certified: no row with friction resists") == 3
+    record = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune", "--json").record
+    assert record["translation"]["not_certified"] == sentence
+    assert record["translation"]["worst_rate"] is None
+    for sample in record["feedback"]["sampled"]:
+        assert (sample["worst_rate"], sample["worst_state"], sample["fails"]) == (None, None, None)
+        assert sample["not_certified"] == sentence
+    assert (
+        "is not certified: no row with friction resists"
+        in invoke("derive", "free.toml", "--rule", "ellipse", *SECTIONS).out
+    )
+
+
+# ---- What commands say of scenes whose loads are unknown: verdicts, or one line that names the key.
+
+TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\nrule = "{}"\nloads = {}\n'
+
+
+@pytest.fixture(params=['"any"', '{kind = "elastic", height = 0.1}'])
+def loads(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+def ring_file(tmp_path: Path, rule: str, loads: str) -> str:
+    path = tmp_path / "ring.toml"
+    path.write_text(TEXT.format(rule, loads), encoding="utf-8")
+    return str(path)
+
+
+@few(1)
+@pytest.mark.parametrize("rule", ["ellipse", "box", "roller", "nearest"])
+def test_json_says_which_loads_are_meant(tmp_path: Path, invoke: Invoke, loads: str, rule: str) -> None:
+    done = invoke("check", ring_file(tmp_path, rule, loads), "--json", "--require", "position")
+    assert done.status in {0, 1}
+    record = done.record
+    assert record["equilibrium"]["loads"].startswith("any" if "any" in loads else "elastic")
+    assert record["equilibrium"]["verdict"] == "holds"
+
+
+def test_motions_that_are_possible_are_listed(tmp_path: Path, invoke: Invoke) -> None:
+    path = tmp_path / "ring.toml"
+    path.write_text(TEXT.replace("count = 5", "count = 3").format("box", '"any"'), encoding="utf-8")
+    assert "16 motions under every load, rule box; 1 possible at the point" in invoke("partition", str(path)).out
+    record = invoke("partition", str(path), "--json").record
+    assert set(record) == {"schema", "scene", "rule", "at", "exact", "motions", "notes"}
+    (rest,) = [motion for motion in record["motions"] if motion["at_point"]]
+    assert rest["twist"] == [0, 0, 0]
+    assert rest["rows"] == ["S1", "S2", "S3"]
+    assert len(rest["polygon"]) == 6
+    assert invoke("partition", str(path), "-o", "ring.svg").status == 2
+
+
+@pytest.mark.parametrize(("rows", "columns"), keep(1, [(2, 3), (3, 4)]))
+def test_json_holds_the_load_that_refutes(tmp_path: Path, invoke: Invoke, rows: int, columns: int) -> None:
+    path = tmp_path / "grid.toml"
+    grid = f"[grid]\nrows = {rows}\ncolumns = {columns}"
+    text = TEXT.replace("[ring]\ncount = 5", grid).format("ellipse", '"any"')
+    path.write_text(text, encoding="utf-8")
+    done = invoke("check", str(path), "--json")
+    assert done.status == 1
+    load = done.record["equilibrium"]["load"]
+    assert len(load) == rows * columns
+    assert sum(load) == pytest.approx(1)
+
+
+@thorough  # the small one: test_json_holds_the_load_that_refutes
+@pytest.mark.parametrize("rule", ["ellipse", "box"])
+def test_reports_show_the_load_that_refutes_and_say_what_is_about_one_load(
+    tmp_path: Path, invoke: Invoke, rule: str
+) -> None:
+    path = tmp_path / "grid.toml"
+    text = TEXT.replace("[ring]\ncount = 5", "[grid]\nrows = 3\ncolumns = 4").format(rule, '"any"')
+    path.write_text(text, encoding="utf-8")
+    report = invoke("derive", str(path)).out
+    assert re.search(r"under the load \(0\.\d+ on wheel \d+, ", report)
+    left_out = report[report.index("What was left out") :]
+    for section in ("cells", "derivative", "trajectories", "feedback"):
+        assert f"Section {section}: the loads are not known, and this is about one load." in left_out
+    assert invoke("derive", str(path), "-o", "grid.html").status == 0
+
+
+# ---- A contradiction is undecided and said with both sides, wherever the verdict is written ------
+
+BOTH_SIDES = ("translation unstable: V* < 0 at every nonzero vertex", "sampled starts near the point")
+
+# Three rims at 67 degrees and its turns, rounded: under rule ellipse the body rests at the point, to every digit.
+RING = """
+name = "ring"
+friction = { mu_roll = 1, mu_side = "1/2" }
+check = { equilibrium = [0, 0], radius = "1/4" }
+contact = { rule = "ellipse" }
+wheel = [
+    { position = [1, 0], heading = "187 deg", speed = 1 },
+    { position = ["-1/2", "sqrt(3)/2"], heading = "307 deg", speed = 1 },
+    { position = ["-1/2", "-sqrt(3)/2"], heading = "67 deg", speed = 1 },
+]
+"""
+
+
+def wrong(check: Check) -> Check:
+    """The four-wheel array, which attracts, as a point that bodies leave: a fault that no evidence shows."""
+    assert isinstance(check, CellCheck)
+    translation = replace(check.translation, verdict=Translation.UNSTABLE, fan=None)
+    return replace(check.with_results(translation=translation), verdict=Theorem4.FAILS)
+
+
+@pytest.fixture
+def planted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Such a fault behind every command."""
+    truly = theorem4.check_theorem4
+    for module in (theorem4, subject, outcomes):
+        monkeypatch.setattr(module, "check_theorem4", lambda *given, **how: wrong(truly(*given, **how)))
+
+
+@pytest.mark.usefixtures("planted")
+def test_the_terminal_says_both_sides(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--require", "pose")
+    assert outcome.status == 3
+    text = " ".join(outcome.out.split())
+    assert "contradiction between position and destinations: nobody may rely on either" in text
+    for side in BOTH_SIDES:
+        assert side in text
+
+
+@pytest.mark.usefixtures("planted")
+def test_json_says_both_sides(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--json")
+    assert outcome.status == 3
+    record = outcome.record
+    found = record["contradictions"][0]
+    assert found["between"] == "position and destinations"
+    for side, words in zip(found["sides"], BOTH_SIDES, strict=True):
+        assert words in side
+    assert record["answers"]["position"]["verdict"] == "undecided"
+    assert record["translation"]["verdict"] == record["theorem4"]["verdict"] == "undecided"
+    assert "contradictions" in invoke("check", "four-wheel", "--rule", "nearest", "--json").record
+
+
+@pytest.mark.usefixtures("planted")
+def test_many_scenes_the_report_and_python_say_it(invoke: Invoke, tmp_path: Path) -> None:
+    outcome = invoke("check", "four-wheel", "four-wheel", "--json")
+    assert outcome.status == 3
+    assert [check["theorem4"]["verdict"] for check in outcome.record["checks"]] == ["undecided"] * 2
+    invoke("derive", "four-wheel", "--only", "answers,verdict", "-o", str(tmp_path / "report.md"))
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "contradiction between position and destinations" in text
+    result = ns.load("four-wheel").check()
+    assert isinstance(result, ns.CheckResult)
+    assert (str(result.position.verdict), result.theorem4) == ("undecided", "undecided")
+    assert result.contradictions
+    assert "position and destinations contradict each other" in " ".join(repr(result).split())
+    assert result.rows()[-1]["question"] == "contradiction"
+
+
+@pytest.mark.usefixtures("planted")
+def test_a_sweep_says_it(invoke: Invoke) -> None:
+    command = ("sweep", "four-wheel", "--vary", "mu_side=1/4,1/2", "--workers", "1")
+    for row in invoke(*command, "--json").record["rows"]:
+        assert (row["position"], row["theorem4"]) == ("undecided", "undecided")
+        assert row["why"].startswith("position and destinations contradict each other: ")
+    said = " ".join(invoke(*command).out.split())
+    assert "2 of 2 scenes are undecided for that (please report this): position and destinations contradict" in said
+
+
+@pytest.mark.usefixtures("planted")
+def test_no_certificate_and_no_law_are_written_of_it(invoke: Invoke, tmp_path: Path) -> None:
+    file = tmp_path / "certificate.json"
+    outcome = invoke("check", "four-wheel", "--certificate", str(file))
+    assert outcome.status == 3
+    assert "not written: what the check says contradicts itself" in outcome.err
+    assert not file.exists()
+
+
+@few(1)
+@pytest.mark.parametrize("mu_side", ["1/2", "1"])
+def test_a_rounded_ring_is_not_said_to_drive_away_what_rests_on_it(
+    invoke: Invoke, tmp_path: Path, mu_side: str
+) -> None:
+    file = tmp_path / "ring.toml"
+    file.write_text(RING.replace('1/2" }\ncheck', f'{mu_side}" }}\ncheck'), encoding="utf-8")
+    outcome = invoke("check", str(file), "--json")
+    assert outcome.status == 0, json.dumps(outcome.record["theorem4"])
+    assert "only rounding tells from the point" in outcome.record["theorem4"]["reason"]
+    assert outcome.record["answers"]["position"]["verdict"] == "comes home"

@@ -1,21 +1,36 @@
-"""``simulate`` says where, when and how a path ends, with inertia and without."""
+"""Paths through the command line: where, when and how they end, of arrays and plain systems, with inertia or not."""
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 import math
 import re
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.bodies.mass_study import body_of, body_path
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.output.console import run
 from nonsmooth.reports.simulations.heading_maps import HeadingsResult
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.units import Units
 from tests.reports.conftest import Invoke
+from tests.thorough import few, keep, thorough
+
+# ---- ``simulate`` says where, when and how a path ends, with inertia and without -----------------
 
 TABLE = """
 name = "table"
@@ -206,3 +221,311 @@ def test_a_path_under_a_law_says_that_the_clock_stopped_it(invoke: Invoke) -> No
     assert stopped not in whole
     words = invoke("simulate", "four-wheel", "--rule", "box", *start, "1").out
     assert 'where "tie" is zero two of them do so alike' in " ".join(words.split())
+
+
+# ---- ``nonsmooth simulate --method dynamics``: its text, JSON, CSV and pictures, and what it refuses.
+
+DYNAMICS = ("simulate", "four-wheel", "--from", "0.2,0.4,0", "--method", "dynamics")
+PNG = b"\x89PNG"
+
+
+def invoke(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """Standard output of a run that ends well."""
+    assert run(app, arguments) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def test_record_is_that_of_a_trajectory_with_body_and_velocity(capsys: pytest.CaptureFixture[str]) -> None:
+    record: dict[str, Any] = json.loads(invoke(capsys, *DYNAMICS, "--mass", "0.02", "--inertia", "0.01", "--json"))
+    model = contact_model(load_scene("four-wheel"))
+    path = simulate_dynamics(model, RigidBody(0.02, 0.01), (0.2, 0.4, 0.0), 2.0)
+    assert (record["schema"], record["method"], record["kinematics"]) == ("nonsmooth-trajectory/1", "dynamics", "exact")
+    assert (record["mass"], record["inertia"], record["creep_speed"]) == (0.02, 0.01, path.creep)
+    assert record["t"] == path.times.tolist()
+    assert np.array_equal(np.column_stack([record["state"], record["velocity"]]), path.states)
+    assert record["velocity"][0] == [0, 0, 0]
+    assert (record["end"]["t"], record["end"]["reason"], record["unique"]) == (2, "the time is over", True)
+
+
+def test_body_is_a_disc_of_a_tenth_unless_said_otherwise(capsys: pytest.CaptureFixture[str]) -> None:
+    record = json.loads(invoke(capsys, *DYNAMICS, "--until", "0.1", "--json"))
+    assert (record["mass"], record["inertia"]) == (0.1, pytest.approx(0.1))  # R^2 = 2
+    text = invoke(capsys, *DYNAMICS, "--until", "0.1")
+    assert "four-wheel: full dynamics, mass 0.1, inertia 0.1, from rest" in text
+    assert "end: the time is over" in text
+    assert "(1/g): 0.1 unless stated" in text
+
+
+HEAVY_TABLE = """
+units = {{ length = "{unit}", speed = "m/s" }}
+friction = {{ mu_roll = 0.8, mu_side = 0.4 }}
+check = {{ radius = {radius} }}
+[[wheel]]
+position = [{x}, {y}]
+speed = 0.3
+[[wheel]]
+position = [-{x}, {y}]
+speed = 0.3
+[[wheel]]
+position = [-{x}, -{y}]
+speed = 0.3
+[[wheel]]
+position = [{x}, -{y}]
+speed = 0.3
+"""
+
+
+def test_gravity_is_that_of_the_units_a_scene_states(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """One table in metres and in millimetres moves one body: the same times, all lengths a thousandfold."""
+    found = {}
+    for unit, size in (("m", 1), ("mm", 1000)):
+        file = tmp_path / f"{unit}.toml"
+        file.write_text(HEAVY_TABLE.format(unit=unit, radius=0.05 * size, x=0.2 * size, y=0.1 * size), encoding="utf-8")
+        start = f"{0.02 * size:g},{0.01 * size:g},0"
+        arguments = ("simulate", str(file), "--from", start, "--method", "dynamics", "--until", "0.4")
+        found[unit] = json.loads(invoke(capsys, *arguments, "--json"))
+        assert found[unit]["mass"] == pytest.approx(1 / (9.80665 * size))
+        text = " ".join(invoke(capsys, *arguments).split())
+        assert f"mass per weight (1/g): {1 / (9.80665 * size):.3g} in {unit} and seconds" in text
+    end, larger = (np.array(found[unit]["state"][-1]) for unit in ("m", "mm"))
+    assert np.allclose(end * [1000, 1000, 1], larger, rtol=1e-5, atol=1e-6)
+
+
+def test_path_does_not_depend_on_the_scenes_rule(capsys: pytest.CaptureFixture[str]) -> None:
+    one, other = (invoke(capsys, *DYNAMICS, "--until", "0.2", "--rule", rule) for rule in ("ellipse", "nearest"))
+    assert one == other
+
+
+@thorough
+def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = (*DYNAMICS, "--until", "0.02", "--mass", "0.01", "--compare-masses")
+    record = json.loads(invoke(capsys, *arguments, "--json"))
+    assert list(record) == ["schema", "scene", "start", "until", "rows", "limits", "skipped"]
+    assert (record["schema"], record["start"], record["until"]) == ("nonsmooth-masses/1", [0.2, 0.4, 0], 0.02)
+    assert [row["mass"] for row in record["rows"]] == pytest.approx([10.0**-k for k in range(2, 7)])
+    assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [
+        {"nearest", "box", "ellipse", "roller"}
+    ] * 5
+    assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box", "roller"}
+    assert record["skipped"] == []
+    text = invoke(capsys, *arguments)
+    for row in record["rows"]:
+        for own in row["distances"]:
+            assert f"{own['position']:.3g}," in text  # a cell may be broken after the comma
+            assert f"{own['rotation']:.3g} " in text
+
+
+@thorough  # the small one: test_rules_without_a_path_are_named, analysis/test_mass_study.py
+def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
+    outward = ("simulate", "outward", "--from", "0.2,0.4,0", "--method", "dynamics", "--compare-masses")
+    assert "rule nearest: compared until t = 0.0791001" in invoke(capsys, *outward)
+    outside = ("simulate", "four-wheel", "--from", "0.6,0.4,0", "--method", "dynamics", "--compare-masses")
+    text = " ".join(invoke(capsys, *outside, "--until", "0.1").split())
+    assert "rule box: no path: required a start inside the domain" in text
+
+
+@thorough  # the small one: test_record_is_that_of_a_trajectory_with_body_and_velocity
+def test_files_of_a_path(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    files = {suffix: str(tmp_path / f"path{suffix}") for suffix in (".csv", ".json", ".svg", ".png")}
+    for file in files.values():
+        assert "the time is over" in invoke(capsys, *DYNAMICS, "--until", "0.5", "-o", file)
+    record = json.loads(Path(files[".json"]).read_text(encoding="utf-8"))
+    header, *lines = csv.reader(Path(files[".csv"]).read_text(encoding="utf-8").splitlines())
+    assert header == ["t", "x", "y", "theta", "w_x", "w_y", "omega"]
+    expected = np.column_stack([record["t"], record["state"], record["velocity"]])
+    assert np.array_equal(np.array(lines, float), expected)
+    assert ET.parse(files[".svg"]).getroot().tag.endswith("svg")
+    assert Path(files[".png"]).read_bytes().startswith(PNG)
+
+
+@thorough  # the small one: test_a_body_with_mass_is_what_the_command_follows, reports/interface/test_results.py
+def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    arguments = (*DYNAMICS, "--until", "0.02", "--compare-masses", "-o")
+    table, picture = tmp_path / "masses.csv", tmp_path / "masses.svg"
+    assert "from rule ellipse at mass 1e-05" in invoke(capsys, *arguments, str(table))
+    invoke(capsys, *arguments, str(picture))
+    header, *lines = csv.reader(table.read_text(encoding="utf-8").splitlines())
+    assert header == ["mass", "rule", "position", "rotation", "until"]
+    assert len(lines) == 5 * 4 + 3
+    assert [line[1] for line in lines if float(line[0]) == 0] == ["nearest", "box", "roller"]
+    first = picture.read_bytes()
+    invoke(capsys, *arguments, str(picture))
+    assert picture.read_bytes() == first
+
+
+# ---- ``simulate --method``: hysteresis and smoothing follow the event-driven path within their width.
+
+WIDTH = 1e-3
+ERROR_PER_WIDTH = 4  # as in tests/analysis/test_steppers.py
+
+
+def end_of(invoke: Invoke, *options: str) -> tuple[str, list[float]]:
+    start = ("--from", "0.4,0.15,0", "--until", "0.3")
+    found = invoke("simulate", "four-wheel", *start, *options, "--json")
+    assert found.status == 0
+    return found.record["method"], found.record["end"]["state"]
+
+
+@pytest.mark.parametrize("method", ["hysteresis", "smoothed"])
+def test_layers_stay_near_the_events(method: str, invoke: Invoke) -> None:
+    _, exact = end_of(invoke)
+    name, found = end_of(invoke, "--method", method, "--width", str(WIDTH))
+    assert name == method
+    assert found != exact
+    assert found == pytest.approx(exact, abs=ERROR_PER_WIDTH * WIDTH)
+
+
+# ---- Solutions of plain systems through the command line, against their closed forms -------------
+
+ROUNDING = 1e-14
+EVENT = 1e-12  # times of events found on DOP853's dense output
+CURVED = 1e-9  # DOP853 over a few units of time
+ROOT = math.sqrt(2)
+
+Follow: TypeAlias = Callable[..., Any]
+
+TWO_SURFACES = (["x", "y"], ["-2*sign(x - y)", "-3/4 - 9/4*sign(y - x)"])
+EQ_4 = (
+    ["x", "y", "theta"],
+    [
+        "sqrt(2)/2*sign(x)*(sign(y**2 - x**2) - 1)",
+        "-sqrt(2)/2*sign(y)*(sign(y**2 - x**2) + 1)",
+        "sqrt(2)/2*sign(x)*sign(y)*sign(y**2 - x**2)",
+    ],
+)
+
+
+def write_system(folder: Path, states: list[str], rhs: list[str]) -> str:
+    file = folder / "system.toml"
+    file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n")
+    return str(file)
+
+
+@pytest.fixture
+def follow(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Follow:
+    """Simulate a system and return its record."""
+
+    def call(system: tuple[list[str], list[str]] | str, start: str, *options: str) -> Any:
+        name = system if isinstance(system, str) else write_system(tmp_path, *system)
+        assert run(app, ["simulate", name, "--from", start, "--json", *options]) == 0
+        captured = capsys.readouterr()
+        assert not captured.err
+        return json.loads(captured.out)
+
+    return call
+
+
+def test_two_surfaces_become_a_slide(follow: Follow) -> None:
+    """x' = -2 if x > y else 2, y' = -3 if y > x else 1.5 from (1.5, 1)."""
+    record = follow(TWO_SURFACES, "1.5,1", "--until", "1")
+    (event,) = record["events"]
+    assert (event["kind"], event["surface"]) == ("slide", "x - y = 0")
+    assert event["t"] == pytest.approx(1 / 7, abs=EVENT)
+    assert record["end"]["state"] == pytest.approx([31 / 34, 31 / 34], abs=EVENT)
+    assert record["unique"] is True
+    assert (record["schema"], record["kinematics"], record["feedback"]) == ("nonsmooth-trajectory/1", None, None)
+    assert (record["states"], record["method"]) == (["x", "y"], "events")
+
+
+def test_equation_4_with_its_heading(follow: Follow) -> None:
+    """Diagonal at t = 0.5/sqrt2 with theta -1/4, origin at 1.5/sqrt2."""
+    record = follow(EQ_4, "1,0.5,0", "--until", "2")
+    slide, rest = record["events"][:2]
+    assert (slide["kind"], rest["kind"]) == ("slide", "rest")
+    assert slide["t"] == pytest.approx(0.5 / ROOT, abs=EVENT)
+    assert slide["state"] == pytest.approx([0.5, 0.5, -0.25], abs=EVENT)
+    assert rest["t"] == pytest.approx(1.5 / ROOT, abs=EVENT)
+    assert rest["state"] == pytest.approx([0, 0, -0.25], abs=EVENT)
+    assert record["unique"] is False  # theta may drift at the origin
+
+
+def test_a_slide_is_left_where_the_drive_grows(follow: Follow) -> None:
+    """x' = 1 + t for x < 0 and t - 1 for x > 0: x leaves 0 at t = 1 and is 1/8 at t = 3/2."""
+    record = follow((["x", "t"], ["t - sign(x)", "1"]), "0,0", "--until", "1.5")
+    assert [event["kind"] for event in record["events"]] == ["slide", "leave"]
+    assert record["events"][1]["t"] == pytest.approx(1, abs=CURVED)
+    assert record["end"]["state"] == pytest.approx([1 / 8, 1.5], abs=CURVED)
+
+
+def test_a_circle_is_crossed(follow: Follow) -> None:
+    """Radius e^(t - 1); counterclockwise at rate 2 inside the unit circle, clockwise outside."""
+    circle = "sign(x**2 + y**2 - 1)"
+    system = (["x", "y"], [f"x + 2*y*{circle}", f"y - 2*x*{circle}"])
+    record = follow(system, f"{math.exp(-1)!r},0", "--until", "1.5")
+    (event,) = record["events"]
+    assert (event["kind"], event["t"]) == ("cross", pytest.approx(1, abs=CURVED))
+    end = math.exp(0.5) * np.array([math.cos(1), math.sin(1)])
+    assert record["end"]["state"] == pytest.approx(end, abs=CURVED)
+
+
+def test_built_in_relays(follow: Follow) -> None:
+    record = follow("relay-oscillator", "1,0.5", "--until", "2")
+    assert record["end"]["state"] == pytest.approx([0, -1.5], abs=EVENT)
+    assert record["events"][0]["t"] == pytest.approx(0.5, abs=EVENT)
+    damped = follow("relay-oscillator-damped", "1,0.5", "--until", "10")
+    assert damped["events"][-1]["kind"] == "rest"
+    assert damped["events"][-1]["t"] == pytest.approx(3, abs=EVENT)  # 5/3, then turns of 8/9 with ratio 1/3: 4/3
+    assert damped["end"]["state"] == pytest.approx([0, 0], abs=EVENT)
+
+
+def test_one_state(follow: Follow) -> None:
+    record = follow((["x"], ["-sign(x)"]), "0.75", "--until", "2")
+    assert [event["kind"] for event in record["events"]] == ["rest"]
+    assert record["events"][0]["t"] == pytest.approx(0.75, abs=ROUNDING)
+    assert ns.System(["x"], ["-sign(x)"]).simulate([0.75], until=2).summary().startswith("1 event, ")
+
+
+def test_repelling_surfaces_are_not_unique(follow: Follow) -> None:
+    record = follow((["x", "y"], ["sign(x)", "1"]), "0,0", "--until", "1")
+    assert record["unique"] is False
+    assert "nonunique" in [event["kind"] for event in record["events"]]
+
+
+def test_no_solution_leaves_a_point_that_is_proved_stable(follow: Follow) -> None:
+    """Surfaces touch at the point, which floats alone leave in doubt."""
+    record = follow((["x", "v"], ["v", "-sgn(2*x + v*Abs(v))"]), "1,0", "--until", "5")
+    assert ([event["kind"] for event in record["events"]], record["unique"]) == (["slide", "rest"], True)
+    record = follow((["x", "v"], ["v", "sgn(2*x - v*Abs(v))"]), "0,0", "--until", "1")
+    assert record["unique"] is not True
+
+
+def test_hysteresis_stays_within_its_width(follow: Follow) -> None:
+    record = follow(TWO_SURFACES, "1.5,1", "--until", "1", "--method", "hysteresis", "--width", "1e-3")
+    assert (record["method"], record["unique"]) == ("hysteresis", None)
+    assert record["end"]["state"] == pytest.approx([31 / 34, 31 / 34], abs=1e-2)
+    late = np.array([event["state"] for event in record["events"]]) @ [1, -1] / ROOT
+    assert np.abs(late) == pytest.approx(1e-3, rel=1e-6)
+
+
+def test_a_table_holds_the_samples(tmp_path: Path, follow: Follow) -> None:
+    record, file = follow(EQ_4, "1,0.5,0"), tmp_path / "path.csv"
+    assert run(app, ["simulate", str(tmp_path / "system.toml"), "--from", "1,0.5,0", "-o", str(file)]) == 0
+    rows = list(csv.DictReader(io.StringIO(file.read_text())))
+    assert [float(row["t"]) for row in rows] == record["t"]
+    assert [[float(row[name]) for name in record["states"]] for row in rows] == record["state"]
+
+
+@few(1)
+@pytest.mark.parametrize("suffix", keep(1, [".svg", ".png", ".pdf"]))
+@pytest.mark.parametrize(
+    ("states", "rhs", "start"),
+    [(["x"], ["-sign(x)"], "1"), (*TWO_SURFACES, "1.5,1"), (*EQ_4, "1,0.5,0"), (["x", "y"], ["0", "0"], "1,1")],
+)
+def test_pictures(states: list[str], rhs: list[str], start: str, suffix: str, tmp_path: Path) -> None:
+    """One, two and three states; and a point that never moves, without a surface."""
+    name, files = write_system(tmp_path, states, rhs), [tmp_path / f"{name}{suffix}" for name in "ab"]
+    for file in files:
+        assert run(app, ["simulate", name, "--from", start, "-o", str(file)]) == 0
+    first, second = (file.read_bytes() for file in files)
+    assert first == second
+    if suffix == ".svg":
+        ET.fromstring(first)
+
+
+def test_events_and_end_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(app, ["simulate", "relay-oscillator", "--from", "1,0.5", "--until", "2"]) == 0
+    out = capsys.readouterr().out
+    for said in ("plain switched system in x, y", "cross at x = 1.5, y = 0", "x = 0, y = -1.5", "unique"):
+        assert said in out

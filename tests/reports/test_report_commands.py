@@ -1,16 +1,43 @@
-"""Every figure of a report names the command that draws it: the command runs, wherever the checked point lies."""
+"""Reports beside their derivation: commands of figures, brief ones, plain systems, and formulas."""
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
+import shutil
+import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import nonsmooth as ns
+from nonsmooth.proofs.answers import destinations
+from nonsmooth.proofs.system_facts import rewriting_words
+from nonsmooth.proofs.systems.border_motion import BorderKind, sliding_velocity
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait
+from nonsmooth.reports.checks.subject import ArraySubject, Invocation
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.output.console import run
-from tests.thorough import keep, thorough
+from nonsmooth.reports.derivations.brief import brief_document
+from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
+from nonsmooth.reports.derivations.parts import names_of
+from nonsmooth.reports.output.console import BAD_INPUT, run
+from nonsmooth.reports.output.document import Bullets, Document, Math, Paragraph, Section, Table, plain_text
+from nonsmooth.reports.output.prose import with_formulas
+from nonsmooth.reports.sections.answers import answers_section
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.formulas.formula_text import tidied
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
+from tests.oracles.floats import value
+from tests.reports.conftest import Invoke
+from tests.thorough import few, keep, thorough
+
+# ---- Every figure of a report names the command that draws it: the command runs, wherever the checked point lies.
 
 TABLE = """name = "table"
 [friction]
@@ -68,3 +95,222 @@ def test_the_path_that_a_command_draws_is_that_of_the_report(
     words = shlex.split(command)
     start = [float(value) for value in words[words.index("--from") + 1].split(",")]
     assert start == pytest.approx([0.3 + 0.04, -0.1 + 0.08, 0.0])
+
+
+# ---- ``derive --brief``: two pages that say nothing but what the whole report says ---------------
+
+PAGES = 2
+
+
+@pytest.fixture(scope="module")
+def four_wheel() -> ArraySubject:
+    return ArraySubject(load_scene("four-wheel"), Invocation("four-wheel"), ("answers",))
+
+
+def words(document: Document, title: str) -> str:
+    """All paragraphs and items of a section."""
+    (section,) = [section for section in document.sections if section.title == title]
+    said = []
+    for block in section.blocks:
+        if isinstance(block, Paragraph):
+            said.append(plain_text(block.text))
+        elif isinstance(block, Bullets):
+            said += [plain_text(item) for item in block.items]
+    return "\n".join(said)
+
+
+def table_of(section: Section) -> Table:
+    return next(block for block in section.blocks if isinstance(block, Table))
+
+
+def test_the_answers_are_those_of_the_whole_report(four_wheel: ArraySubject) -> None:
+    short = brief_document(four_wheel)
+    assert table_of(short.sections[0]).rows == table_of(answers_section(four_wheel)).rows
+    assert len(short.figures) == 1
+    titles = ["Answers", "Where and when bodies end", "What binds", "Law", "Not decided"]
+    assert [section.title for section in short.sections] == titles
+
+
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
+def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: ArraySubject) -> None:
+    document = brief_document(four_wheel)
+    assert "tolerances: none are stated" in words(document, "What binds").lower()
+    assert "nonsmooth check four-wheel --law law.st" in words(document, "Law")
+    assert "nonsmooth derive four-wheel -o report.html" in words(document, "Not decided")
+    undecided = ArraySubject(load_scene("saddle", rule="ellipse"), Invocation("saddle"), ("answers",))
+    assert "position: " in words(brief_document(undecided), "Not decided")
+
+
+@pytest.mark.usefixtures("without_other_rules")
+def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(destinations, "FEW_STARTS", 3)
+    ends = "Where and when bodies end"
+    assert "at the point, after at most 0.5 s, from anywhere within 0.5 of it (proved)" in words(
+        brief_document(four_wheel), ends
+    )
+    beside = ArraySubject(load_scene("off-center", rule="ellipse"), Invocation("off-center"), ("answers",))
+    document, position = brief_document(beside), beside.answers.answers[0].numbers
+    assert f"after at most {float(position['after']):.4g}" in words(document, ends)
+    (section,) = [section for section in document.sections if section.title == ends]
+    assert "the body ..." in str(table_of(section).header)
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed (`make tools` tries)")
+def test_it_has_two_pages(four_wheel: ArraySubject, tmp_path: Path) -> None:
+    report = ReportResult(brief_document(four_wheel), four_wheel)
+    (tmp_path / "r.tex").write_text(render_report(report, ".tex"), encoding="utf-8")
+    line = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "r.tex"]
+    done = subprocess.run(line, cwd=tmp_path, capture_output=True, timeout=120, check=False)
+    found = re.search(r"\((\d+) pages?", done.stdout.decode("latin-1"))
+    assert found is not None
+    assert int(found[1]) <= PAGES
+
+
+def test_the_command_says_the_answers_in_a_line(invoke: Invoke) -> None:
+    done = invoke("derive", "four-wheel", "--brief", "-o", "brief.md")
+    assert "brief.md: position comes home, heading drifts, pose can be held" in " ".join(done.out.split())
+    assert Path("brief.md").read_text(encoding="utf-8").startswith("# In brief: four-wheel")
+
+
+def test_what_does_nothing_with_it_is_refused(invoke: Invoke) -> None:
+    plain = invoke("derive", "relay-oscillator-damped", "--brief")
+    assert (plain.status, "--brief: required an array of wheels" in plain.err) == (2, True)
+    chosen = invoke("derive", "four-wheel", "--brief", "--only", "verdict")
+    assert (chosen.status, "--only: required a report of all sections" in chosen.err) == (2, True)
+
+
+# ---- The derivation report of plain systems: in every format, by name of section, and its sliding velocities.
+
+RELAYS = ns.System(["x_1", "omega"], ["-sign(x_1) + omega/4", "-sign(omega) - x_1/4"], radius="1/2")
+SEVERAL = ns.System(["x", "y"], [["-x", "-y"], ["-x + y/4", "-y"]])
+
+
+def test_every_section_is_written_or_named_as_left_out() -> None:
+    report = RELAYS.derive()
+    text = report.text(".md")
+    left_out = text.split("## What was left out, and why")[1].split("##")[0]
+    assert len(report.sections) == len(names_of(SceneKind.SYSTEM)) - 1
+    assert "Section leading-terms: " in left_out
+    assert report.verdict == "asymptotically stable"
+    with pytest.raises(AttributeError, match="plain system"):
+        _ = report.theorem4
+
+
+def test_words_and_greek_letters_are_names_of_states() -> None:
+    text = RELAYS.derive(only="cells").text(".tex")
+    assert r"\tfrac{1}{4} \omega" in text or r"\frac{1}{4} \omega" in text
+    assert "x_{1}" in text
+
+
+def test_under_arbitrary_switching_the_rest_is_written() -> None:
+    report = SEVERAL.derive(without="versions,references")
+    text = report.text(".md")
+    assert "Section borders: the field may switch at any time" in text
+    assert json.loads(report.text(".json"))["phase_portrait"] is None
+    assert "Phase portrait" not in report.sections
+
+
+def test_leading_terms_stand_where_they_decide() -> None:
+    report = derive_report(load_system("flower"), parts=("verdict", "leading-terms"))
+    text = render_report(report, ".md")
+    assert "## Leading terms" in text
+    assert report.subject.headline == "asymptotically stable"
+
+
+def test_sliding_velocities_are_limits_of_small_steps() -> None:
+    """Euler steps that take the field of the side they are on chatter along the border with Filippov's velocity."""
+    system = ns.System(["x", "y"], ["1 + y/2 - x", "-2*sign(y) + 1/3 + x/4"], radius=1).system
+    sliding = [part for part in PhasePortrait(system).borders if part.kind is BorderKind.SLIDING]
+    assert sliding
+    step, count = 1e-5, 4_000
+    for part in sliding:
+        middle = tuple((a + b) / 2 for a, b in zip(part.start, part.end, strict=True))
+        predicted = [float(v) for v in sliding_velocity(part, middle)]
+        x, y = start = [float(v) for v in middle]
+        for _ in range(count):
+            x, y = x + step * (1 + y / 2 - x), y + step * (-2 * np.sign(y or 1e-12) + 1 / 3 + x / 4)
+        walked = (np.array([x, y]) - start) / (step * count)
+        assert walked == pytest.approx(predicted, abs=0.04)  # the field changes along the way
+
+
+def test_the_command_writes_and_refuses(invoke: Invoke, tmp_path: Path) -> None:
+    page = tmp_path / "eq-4.html"
+    outcome = invoke("derive", "eq-4", "--only", "verdict,portrait", "-o", str(page))
+    assert (outcome.status, outcome.out) == (0, f"{page}: asymptotically stable\n")
+    assert "<svg" in page.read_text(encoding="utf-8")
+    rule, section = ("--rule", "box"), ("--only", "wheels")
+    for options, named in [(rule, "required no contact rule"), (section, "required names among verdict")]:
+        refused = invoke("derive", "eq-4", *options)
+        assert refused.status == BAD_INPUT
+        assert named in refused.err
+
+
+# ---- Formulas of systems that were rewritten: short in reports, and with the same values ---------
+
+RATES = ["sin(x) - 2*sgn(x + y) - y", "1/4 - (1 - x)*cos(2*x - y) + Abs(y)", "-(x/2 + sin(y + pi/2)) + 10*sin(x)**2"]
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("(((1*((+ (x)) - (+ (x))**3/6 + 0*(+ (x))**5/120)) - (2*sgn(x + y))) - (y))", "x - x**3/6 - 2*sgn(x + y) - y"),
+        ("(0 - x)*1 + 0/7", "-x"),
+        ("x/(y*1)/2 - (x - (y - 0))", "x/y/2 - (x - y)"),
+        ("-(0) + -x**2", "-x**2"),
+        ("10*x + 0.5*(+y)", "10*x + 0.5*y"),
+        ("(-1)**2*x", "(-1)**2*x"),
+        ("1 + (x - (-1/2))**2", "1 + (x + 1/2)**2"),
+        ("x - (-2)*y + (-3) - (y - -1)", "x + 2*y - 3 - (y + 1)"),
+    ],
+)
+def test_what_changes_nothing_is_left_out(text: str, shown: str) -> None:
+    assert tidied(text) == shown
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_values_stay(rate: str) -> None:
+    data = {"system": {"states": ["x", "y"], "rhs": ["y", rate]}, "check": {"equilibrium": ["0", "0"]}}
+    x, y = np.random.default_rng(0).uniform(-2, 2, (2, 50))
+    for member in build_system(data, "t", Path("t.toml")).members:
+        written, shown = member.rhs[1].text, tidied(member.rhs[1].text)
+        assert len(shown) < len(written)
+        first, second = (value(text, x=x, y=y) for text in (written, shown))
+        assert np.allclose(first, second, rtol=1e-12, atol=1e-12)
+
+
+def test_the_factor_that_clears_fractions_is_tidied() -> None:
+    data = {"system": {"states": ["x", "y"], "rhs": ["y", "-x/(1 + Abs(y))"]}}
+    said = rewriting_words(build_system(data, "t", Path("t.toml")))
+    assert said.startswith("multiplied by (1 + Abs(y))*(1 + Abs(y)), which is positive")
+
+
+# ---- Sentences of the program with their formulas set as formulas --------------------------------
+
+
+def plain(text: str) -> str:
+    return "".join(part.plain if isinstance(part, Math) else str(part) for part in with_formulas(text))
+
+
+@pytest.mark.parametrize(
+    ("text", "latex"),
+    [
+        ("V* < 0 at every nonzero vertex", [r"\dot V^* < 0"]),
+        ("at any rate in [-sqrt(2)/2, 3*sqrt(5)/7]", [r"-\tfrac{\sqrt{2}}{2}", r"\tfrac{3\sqrt{5}}{7}"]),
+        ("by at most -3/8 |c_0|", [r"-\tfrac{3}{8}", r"\lvert c_0 \rvert"]),
+        ("theta is stable", [r"\theta"]),
+        ("a cell on the paper's page 3 of 12", []),
+        ("V = 25*x**2/38 + y**2/2 and 2/3", [r"\tfrac{2}{3}"]),  # a square over 38, not a power of 2/38
+        ("the file a/b and a date 2001/1988x", []),
+    ],
+)
+def test_formulas_are_found(text: str, latex: list[str]) -> None:
+    assert [part.latex for part in with_formulas(text) if isinstance(part, Math)] == latex
+
+
+@few(8)
+@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
+@pytest.mark.parametrize("name", keep(6, builtin_scenes()))
+def test_no_word_is_lost(name: str, rule: str) -> None:
+    check = check_theorem4(load_scene(name, rule=rule))
+    for reason in (check.reason, *(found.reason for _, found in check.clauses)):
+        assert plain(reason) == reason

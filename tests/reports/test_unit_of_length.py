@@ -1,17 +1,17 @@
-"""One table in metres, centimetres, millimetres and inches: the same verdicts, rates and closed loops."""
+"""Tables as they are measured: any unit of length, whole degrees."""
 
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -26,13 +26,18 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, default_length
 from tests.array_certificates import check_certificate, proofs, said
+from tests.measured_arrays import Kind, measured_array
+from tests.oracles.floats import Floats
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
 
-Floats: TypeAlias = NDArray[np.float64]
+# ---- One table in metres, centimetres, millimetres and inches: the same verdicts, rates and closed loops.
+
 
 METRES = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000), "in": Fraction(254, 10_000)}
 SAME = 1e-12  # of states, in metres and radian: what the issue asks for
@@ -379,3 +384,49 @@ def test_rings_with_irrational_and_measured_places(count: int, phase: Any, rule:
                 for array, place in ((ring(unit), start), (metres, (0.02, 0.012, 0.1)))
             ]
             assert np.abs(states[0] * [float(size), float(size), 1] - states[1]).max() <= SAME
+
+
+# ---- Headings in whole degrees and positions in millimetres, through the command line: every check ends soon.
+#
+# The benchmarks hold the same at large (``tests/benchmarks/test_measured_speed.py``).
+
+LONGEST = 10  # seconds of processor time
+
+
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
+@few(3)
+@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
+@pytest.mark.parametrize("kind", keep(2, Kind))
+@pytest.mark.parametrize("seed", keep(1, [4, 1]))
+def test_a_check_of_a_measured_array_ends_soon(
+    kind: Kind, seed: int, rule: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text(measured_array(kind, seed), encoding="utf-8")
+    start = time.process_time()
+    status = run(app, ["check", str(path), "--rule", rule, "--json"])
+    assert time.process_time() - start < LONGEST
+    record = json.loads(capsys.readouterr().out)
+    assert status == {"holds": 0, "undecided": 3}.get(record["theorem4"]["verdict"], 1)
+    assert len(record["notes"]) == 1
+    if kind is Kind.MIRRORED and rule != "nearest":  # a map of the array onto itself keeps no velocity but zero
+        assert record["equilibrium"]["verdict"] == "holds"
+
+
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
+@few(3)
+@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
+@pytest.mark.parametrize("field", ['kind = "spiral"\nangle = "pi/180"', 'kind = "radial"\nspeed = "cos(pi/180)"',
+                                   'kind = "radial"\nspeed = "cos(2*pi/359)"'])  # fmt: skip
+def test_one_angle_of_high_degree_ends_soon(
+    field: str, rule: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "my.toml"
+    ring = '[ring]\ncount = 4\nradius = "sqrt(2)"\nphase = "pi/4"\n'
+    path.write_text(f"[friction]\nmu_roll = 1\nmu_side = 0.5\n{ring}[field]\n{field}\n", encoding="utf-8")
+    start = time.process_time()
+    assert run(app, ["check", str(path), "--rule", rule, "--json"]) in {0, 1, 3}
+    assert time.process_time() - start < LONGEST
+    record = json.loads(capsys.readouterr().out)
+    assert record["equilibrium"]["verdict"] == "holds"
+    assert len(record["notes"]) == 1

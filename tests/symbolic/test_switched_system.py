@@ -1,22 +1,48 @@
-"""Switched systems in any number of states: their surfaces, their pieces, and what is refused."""
+"""Plain systems as they are read: surfaces, pieces, parameters, starts, and fields that are rewritten."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+import math
+import random
+import re
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 from itertools import product
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+from scipy.optimize import linprog
 
+import nonsmooth as ns
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.fields.system_field import system_field, wave_weight
+from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.symbolic.files.start_values import read_start_angle, read_start_value
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
 from tests.built_in import planar_systems
+from tests.oracles.floats import value
+from tests.plain import built
+from tests.thorough import examples, few
+
+# ---- Switched systems in any number of states: their surfaces, their pieces, and what is refused.
 
 
 def sign_at(point: tuple[Fraction, Fraction], inner: Polynomial) -> int:
@@ -189,3 +215,320 @@ def test_too_many_surfaces_are_refused(load: Load, monkeypatch: pytest.MonkeyPat
     with pytest.raises(SceneError, match="fewer switching surfaces"):
         load(["x", "y"], [f"Abs({relays})", "0"]).surfaces()
     assert len(load(["x", "y"], [relays, "0"]).surfaces()) == 8  # each relay is a part of its own
+
+
+# ---- Fractions, sines of states and interval parameters: the rewritten field against the formula as it was written.
+
+WRITTEN = [
+    "-sin(x) - y",
+    "sin(x + pi/3)*y - sin(pi/3)*y",
+    "cos(2*x - y) - 1",
+    "-sin(x)**2*sgn(y) + cos(x)*sin(y)",
+    "x/(1 + x**2) - y",
+    "-x/(x - 2) + sgn(x + y)/(3 - y)",
+    "Max(x/(2 + y), y)/(1 + Abs(x))",
+    "sgn(x/(y - 2)) - 3*relu(y/(1 + x**2))**2",
+    "sin(x)/(1 + y**2) - 1/(2 + x) + 1/2",
+]
+
+
+def velocity(system: SwitchedSystem, x: np.ndarray) -> np.ndarray:
+    """Of the float field at a point off all surfaces."""
+    field = system_field(system)
+    signs = tuple(1 if surface.value(x) > 0 else -1 for surface in field.surfaces)
+    return np.asarray(field.flow(signs)(0.0, x))
+
+
+@few(2)
+@pytest.mark.parametrize("formula", WRITTEN)
+def test_the_float_field_is_the_formula(formula: str) -> None:
+    system = built(["y", formula])
+    rng = np.random.default_rng(1)
+    for x in rng.uniform(-1.5, 1.5, (40, 2)):
+        expected = value(formula, x=x[0], y=x[1])
+        assert velocity(system, x) == pytest.approx([x[1], expected], abs=1e-9)
+
+
+@few(2)
+@pytest.mark.parametrize("formula", [text for text in WRITTEN if "sin" in text or "cos" in text])
+def test_right_hand_sides_enclose_the_formula(formula: str) -> None:
+    system = built(["y", formula])
+    assert system.others
+    rng = np.random.default_rng(2)
+    for x in rng.uniform(-3, 3, (40, 2)):
+        expected = value(formula, x=x[0], y=x[1])
+        scale = value(system.scale.text, x=x[0], y=x[1]) if system.scale else 1
+        values = [value(member.rhs[1].text, x=x[0], y=x[1]) for member in system.members]
+        assert min(values) - 1e-9 <= scale * expected <= max(values) + 1e-9
+
+
+@examples(200)
+@given(st.floats(-20, 20), st.sampled_from(["sin", "cos"]))
+def test_weights_of_waves_lie_between_zero_and_one(v: float, kind: str) -> None:
+    e = wave_weight(Wave(kind, "v"), v)
+    assert -1e-9 <= e <= 1 + 1e-9
+    if abs(v) < 3:
+        enclosed = v - v**3 / 6 + e * v**5 / 120 if kind == "sin" else 1 - v**2 / 2 + v**4 / 24 - e * v**6 / 720
+        assert enclosed == pytest.approx(getattr(math, kind)(v), abs=1e-9)
+
+
+def test_a_sine_of_a_large_argument_is_not_mixed_of_powers() -> None:
+    """Beyond it the rounding of ``v^5`` alone would be seen; where it is allowed, the value is right to nine digits."""
+    for kind in ("sin", "cos"):
+        e = wave_weight(Wave(kind, "v"), 49.0)
+        enclosed = 49 - 49**3 / 6 + e * 49**5 / 120 if kind == "sin" else 1 - 49**2 / 2 + 49**4 / 24 - e * 49**6 / 720
+        assert enclosed == pytest.approx(getattr(math, kind)(49), abs=1e-8)
+        with pytest.raises(RefusalError, match="the argument of a sine is 1e"):
+            wave_weight(Wave(kind, "v"), 1e5)
+
+
+def test_paths_of_numbers_beyond_floats_are_refused() -> None:
+    with pytest.raises(RefusalError, match="coefficients within the range of floats"):
+        velocity(built(["y", "-x - sin(x*1e300)"]), np.array([0.1, 0.1]))
+
+
+def test_interval_parameters_stand_for_their_ends() -> None:
+    system = built(["y", "-k*x - c*sgn(y)"], {"k": [1, "3/2"], "c": ["1/4", 2]})
+    found = {member.rhs[1].text for member in system.members}
+    assert len(found) == len(list(itertools.product(range(2), repeat=2)))
+    assert not system.written
+    twice = built([["y", "-k*x - y"], ["y", "-3*x - y"]], {"k": [1, 2], "unused": [0, 1]})
+    assert [member.rhs[1].text for member in twice.members] == ["-1*x - y", "-3*x - y", "-2*x - y"]
+    assert twice.intervals == ("k",)
+
+
+@pytest.mark.parametrize(
+    ("rhs", "parameters", "said"),
+    [
+        (["y", "-x/y"], None, "required denominators that are not zero at the checked point"),
+        (["y", "-x/(1 + 1/(1 + y))"], None, "required no fraction and no sine of states in a denominator"),
+        (["y", "-x/(1 + sin(x))"], None, "required no fraction and no sine of states in a denominator"),
+        (["y", "sin(x - 1)"], None, "system.rhs: required sin and cos of what is zero at the checked point"),
+        (["y", "sin(x + 1 + pi)"], None, "up to a multiple of pi, received 'x + 1'"),
+        (["y", "sin(x + 1 + pi*sqrt(2))"], None, "system.rhs[2]: required a rational multiple of pi"),
+        (["y", "sgn(sin(x))"], None, "system.rhs[2]: required sin and cos of states in sums and products only"),
+        (["y", "sin(sin(x))"], None, "system.rhs[2]: required no sine or cosine inside another"),
+        (["-sin(x)", "sin(sin(y))"], None, "inside another, received 'sin(sin(y))'"),
+        (["sin(x) + sin(2*x) + sin(3*x)", "sin(y) + sin(2*y) + sin(3*y)"], None, "system.rhs: required at most 5"),
+        (["sin(x) + sin(2*x) + sin(3*x)", "sin(y) + sin(2*y) + sin(3*y)"], None, "of states, received 6"),
+        (["y", "sin(Abs(x))"], None, "required sin and cos of polynomials in the states"),
+        (["y", "sin(x)**4*cos(y)**3"], None, "system.rhs[2]: required at most 5 sines and cosines of states"),
+        (["y", "-x/k"], {"k": [1, 2]}, "system.rhs[2]: required a formula that is affine in the interval parameter k"),
+        (["y", "-Abs(k)*x"], {"k": [1, 2]}, "required a formula that is affine"),
+        (["y", "-k*x"], {"k": [2, 1]}, "system.parameters.k: required an interval of two rational numbers"),
+        (["y", "-k*x"], {"k": [1]}, "system.parameters.k: required an interval of two rational numbers"),
+        (["y", "-k*x"], {"x": [1, 2]}, "system.parameters.x: required a name that is no state and no function"),
+    ],
+)
+def test_bad_input_in_one_line(rhs: list[str], parameters: dict[str, Any] | None, said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        built(rhs, parameters)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_sine_must_vanish_at_the_checked_point() -> None:
+    with pytest.raises(SceneError, match="zero at the checked point"):
+        built(["y", "-sin(x)"], equilibrium=[1, 0])
+    assert decide_system(built(["y", "-sin(x - 1) - y"], equilibrium=[1, 0])).verdict == "asymptotically stable"
+
+
+# ---- Irrational numbers between rational ones: the stated field is a mixture of those that enclose it, by its
+# values.
+
+FORMULAS = [
+    ["-sqrt(2)*x + y", "-x/sqrt(3) - sign(y)*sqrt(5)"],
+    ["y*cos(pi/7) - x", "-Max(x, y)*sqrt(2)/3 - 10**9*sqrt(7)*y"],
+    ["(sqrt(2) - 1)*(x + sqrt(3)*(y - x**2))", "-y - sign(x)/(1 + sqrt(2))"],
+    ["-x + sqrt(2)*sin(x)", "-y", "-sqrt(3)/10**12*z"],
+    [["-sqrt(2)*x", "-y"], ["-x", "-2*y"]],
+]
+
+
+def fields(system: SwitchedSystem, place: Sequence[sympy.Rational]) -> list[list[sympy.Expr]]:
+    """The values of all right-hand sides to sixty digits, by SymPy."""
+    at = dict(zip(map(sympy.Symbol, system.states), place, strict=True))
+    sides = [[side.text for side in member.rhs] for member in system.members]
+    return [[sympy.sympify(text, locals={"Max": sympy.Max}).subs(at).evalf(60) for text in side] for side in sides]
+
+
+@few(2)
+@pytest.mark.parametrize("rhs", FORMULAS, ids=str)
+def test_the_stated_field_is_a_mixture(rhs: list[Any]) -> None:
+    stated = built(rhs)
+    enclosing = enclose_numbers(stated)
+    assert enclosing.encloses_numbers
+    assert enclosing.only_encloses
+    assert len(enclosing.members) > len(stated.members)
+    assert enclose_numbers(enclosing) is enclosing
+    source = random.Random(3)
+    for _ in range(6):
+        place = [sympy.Rational(source.randint(-99, 99), 100) for _ in stated.states]
+        bounds = fields(enclosing, place)
+        for own in fields(stated, place):
+            away = [[a - b for a, b in zip(bound, own, strict=True)] for bound in bounds]
+            sizes = [max(*map(abs, column), sympy.Rational(1, 10**40)) for column in zip(*away, strict=True)]
+            rows = np.array([[float(d / size) for d, size in zip(row, sizes, strict=True)] for row in away])
+            table = np.vstack([rows.T, np.ones(len(rows))])
+            assert linprog(np.zeros(len(rows)), A_eq=table, b_eq=np.r_[np.zeros(len(own)), 1.0]).status == 0
+
+
+def test_rational_systems_stay_as_they_are() -> None:
+    stated = built(["-x + sqrt(4)*y", "-y/3 - sign(x)"])
+    assert enclose_numbers(stated) is stated
+
+
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ["-sign(x - sqrt(2)*y)", "-y"],
+        ["-Abs(x*sqrt(2))", "-y"],
+        ["-(x*sqrt(2) + y)**2", "-y"],
+        [" + ".join(f"sqrt({k})*x" for k in (2, 3, 5, 6, 7, 10)), "-y"],
+    ],
+)
+def test_other_systems_are_refused(rhs: list[str]) -> None:
+    with pytest.raises(NoEnclosureError, match="irrational numbers"):
+        enclose_numbers(built(rhs))
+
+
+@pytest.mark.parametrize(
+    ("rhs", "verdict"),
+    [
+        (["x*(sqrt(2) - 141421356237/10**11)"], Translation.UNSTABLE),
+        (["sqrt(2)*x - 141421356237/10**11*x"], Translation.UNSTABLE),  # of the bounds one attracts, one repels
+        (["sqrt(2) - 141421356237/10**11 - x"], Translation.UNSTABLE),
+    ],
+)
+def test_what_no_bounds_tell_is_certified_by_the_numbers(rhs: list[str], verdict: Translation) -> None:
+    result = decide_system(built(rhs))
+    assert result.verdict is verdict
+    assert {"stability": str(verdict)} in certificate_of(result)["statement"]["claims"]
+
+
+@pytest.mark.parametrize(
+    ("rhs", "function", "verdict"),
+    [
+        (["-sqrt(2)*x + y", "-y", "-z/sqrt(3)"], "x**2 + y**2 + z**2", AuditVerdict.VALID),
+        (["-sqrt(2)*x + y", "-y", "-z/sqrt(3)"], "x**2 - y**2 + z**2", AuditVerdict.INVALID),
+        (["-sqrt(2)*x", "y", "-z"], "x**2 + y**2 + z**2", AuditVerdict.UNDECIDED),  # true of all of them, not asked
+        (["sqrt(2)*y", "-sqrt(2)*x", "-z"], "x**2 + y**2 + z**2", AuditVerdict.UNDECIDED),
+    ],
+)
+def test_functions_are_judged_by_what_holds_of_all_bounds(rhs: list[str], function: str, verdict: AuditVerdict) -> None:
+    found = audit(built(rhs), function)
+    assert found.verdict is verdict
+
+
+# ---- Named parameters of plain systems: complete formulas, and one line for what cannot be used.
+
+STATES = 'states = ["x", "v"]\n'
+
+
+def written(folder: Path, rhs: str, parameters: str, check: str = "") -> Path:
+    file = folder / "my.toml"
+    file.write_text(f"[system]\n{STATES}rhs = {rhs}\nparameters = {parameters}\n[check]\n{check}", encoding="utf-8")
+    return file
+
+
+def test_formulas_are_complete_and_mean_the_same(tmp_path: Path) -> None:
+    rhs = '["v", "-k1*sign(x) - k*v*1e1"]'
+    system = load_system(written(tmp_path, rhs, '{ k = 0.5, k1 = "sqrt(2)" }', 'lyapunov = "k1*Abs(x) + v**2/2"'))
+    assert [side.text for side in system.rhs] == ["v", "-(sqrt(2))*sign(x) - 0.5*v*1e1"]
+    assert system.check.lyapunov.text == "(sqrt(2))*Abs(x) + v**2/2"
+    velocity = system.velocity(lambda surface: 1)
+    assert float(velocity[1]([system.field(1), system.field(2)])) == pytest.approx(-(2**0.5) - 10)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "key"),
+    [
+        ("{ x = 1 }", "system.parameters.x"),
+        ("{ sign = 1 }", "system.parameters.sign"),
+        ('{ k = "x" }', "system.parameters.k"),
+        ('{ k = "1/0" }', "system.rhs"),
+        ("{ k = [1] }", "system.parameters.k"),
+        ('{ "k k" = 1 }', "system.parameters.k k"),
+        ("3", "system.parameters"),
+        ("{ other = 1 }", "system.rhs"),
+        ("{ k = \"__import__('os')\" }", "system.parameters.k"),
+    ],
+)
+def test_what_cannot_be_used_is_said_in_one_line(tmp_path: Path, parameters: str, key: str) -> None:
+    with pytest.raises(SceneError) as raised:
+        load_system(written(tmp_path, '["v", "-k*x - v"]', parameters))
+    assert f"my.toml: {key}" in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_python_changes_some_of_them() -> None:
+    system = ns.System(["x", "v"], ["v", "-k*x - c*v"], parameters={"k": 2, "c": 1})
+    assert system.check().verdict == "asymptotically stable"
+    assert system.with_(parameters={"c": -1}).check().verdict == "unstable"
+
+
+# ---- Starts of solutions: formulas against mpmath, rounded once to the nearest float -------------
+
+DIGITS = 80
+
+
+@pytest.mark.parametrize("text", ["0.1", "-1e-3", "0", " 2.50 ", "1_000.25", ".5", "-7", "4503599627370497.5", "1e300"])
+def test_decimals_are_the_floats_that_python_reads(text: str) -> None:
+    assert read_start_value(text) == read_start_angle(text) == float(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1/3", lambda: mp.mpf(1) / 3),
+        ("sqrt(2)/4", lambda: mp.sqrt(2) / 4),
+        ("1 - sqrt(3)/2 + 10**-20", lambda: 1 - mp.sqrt(3) / 2 + mp.mpf(10) ** -20),
+        ("cos(pi/5)", lambda: mp.cos(mp.pi / 5)),
+    ],
+)
+def test_formulas_are_rounded_once(text: str, value: object) -> None:
+    with mp.workdps(DIGITS):
+        assert callable(value)
+        expected = float(value())
+    assert read_start_value(text) == read_start_angle(text) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("pi/6", lambda: mp.pi / 6),
+        ("-2*pi/3", lambda: -2 * mp.pi / 3),
+        ("pi", lambda: mp.pi),
+        ("pi/4 + 0.1", lambda: mp.pi / 4 + mp.mpf(1) / 10),
+        ("pi - 3.14159265358979323846264338327950288", lambda: mp.pi - mp.mpf("3.14159265358979323846264338327950288")),
+        ("1e30*pi - pi", lambda: (mp.mpf(10) ** 30 - 1) * mp.pi),
+    ],
+)
+def test_angles_with_pi_are_rounded_once(text: str, value: object) -> None:
+    with mp.workdps(DIGITS):
+        assert callable(value)
+        expected = float(value())
+    assert read_start_angle(text) == expected
+
+
+def test_a_float_near_a_multiple_of_pi_stays_that_float() -> None:
+    assert read_start_angle(repr(math.pi / 6 + 1e-13)) == math.pi / 6 + 1e-13
+
+
+NUMBERS = "numbers such as 1/3 or sqrt(3)/2"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("pi/6", f"{NUMBERS}, with pi only inside sin and cos or in an angle, received 'pi/6'"),
+        ("", "a number or a formula such as \"sqrt(2)/2\", received ''"),
+        ("x", "a formula of numbers"),
+        ("1/0", "a finite number"),
+        ("nan", "a finite number, received 'nan'"),
+        ("__import__('os').getcwd()", "a formula of numbers"),
+    ],
+)
+def test_what_is_no_start(text: str, words: str) -> None:
+    with pytest.raises(ValueError, match=f"^required {re.escape(words)}"):
+        read_start_value(text)

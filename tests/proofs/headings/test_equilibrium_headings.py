@@ -23,9 +23,9 @@ from nonsmooth.proofs.headings.stay import set_motion
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.oracles.floats import Floats
 from tests.thorough import few, keep, thorough
 
-Floats: TypeAlias = NDArray[np.float64]
 Field: TypeAlias = tuple[str, str]
 
 HEADINGS = 181  # looked at around; none of them brings a wheel to the edge

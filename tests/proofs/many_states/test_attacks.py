@@ -1,29 +1,53 @@
-"""Systems and functions that tempt a proof: each must be refused, or said no stronger than it is."""
+"""Systems and functions in many states that tempt a proof, on faces, beside rest, and relays of high degree."""
 
 from __future__ import annotations
 
+import itertools
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 from flint import fmpq
 from numpy.typing import NDArray
+from scipy.optimize import linprog, nnls
 
+import nonsmooth as ns
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.checker.polynomials import Polynomial as Checked
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import build_cells, is_empty
-from nonsmooth.proofs.many_states.decision import Spectrum, spectrum_of
-from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.many_states.decision import Spectrum, first_cells, spectrum_of
+from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, find_slide
+from nonsmooth.proofs.many_states.lyapunov_search import proposals
+from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
+from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
+from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
+from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
+from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.interface.system import System
+from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.certificates.inclusion import FloatInclusion, contradiction
+from tests.oracles.floats import Floats, velocity
+from tests.oracles.solver_questions import Questions, read, with_z3
 from tests.plain import built
 from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import few, keep, thorough
+
+# ---- Systems and functions that tempt a proof: each must be refused, or said no stronger than it is.
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 VALID, INVALID, OPEN = AuditVerdict.VALID, AuditVerdict.INVALID, AuditVerdict.UNDECIDED
@@ -229,3 +253,294 @@ def test_a_chain_of_relays_arrives_in_time() -> None:
     sizes = np.array([np.abs(np.asarray(place, dtype=float)).sum() for place in path.states])
     times = np.array([float(time) for time in path.times])
     assert (sizes <= np.maximum(sizes[0] - float(rate.kappa) * times, 0) + 1e-9).all()
+
+
+# ---- A V that is wrong on a face only: points that refute it, beside paths, floats and Z3 --------
+
+ON_A_FACE = [
+    (["-sgn(x) + y/2", "-sgn(y) + 3*z", "-sgn(z) - x"], (16, 16, 1)),
+    (["-sgn(x) + y/2", "-sgn(y) + z", "-sgn(z) + 5*x"], (1, 4, 1)),
+    (["-sgn(x)", "-sgn(y) + 8*z", "-sgn(z) + x"], (6, 1, 1)),
+]
+
+
+def bent(weights: Sequence[int]) -> str:
+    return " + ".join(f"{c}*Abs({name})" for c, name in zip(weights, "xyz", strict=True))
+
+
+def witness(audited: AuditResult) -> tuple[list[Fraction], Fraction]:
+    assert audited.function is not None
+    failure = audited.function.failure
+    assert failure is not None
+    assert failure.value is not None
+    return list(failure.point), failure.value
+
+
+def largest_slide(rhs: Sequence[str], weights: Sequence[int], point: Sequence[float]) -> float:
+    """The largest derivative of V along all mixtures of fields beside a point that keep its zeros, in floats."""
+    zero = [k for k in range(3) if not point[k]]
+    fields = []
+    for sides in product((-1e-9, 1e-9), repeat=len(zero)):
+        beside = np.array(point, dtype=float)
+        beside[zero] = sides
+        fields.append(velocity(rhs, beside))
+    columns = np.array(fields).T
+    gradient = np.array(weights) * np.sign(point)
+    equal, right = np.vstack([columns[zero], np.ones(len(fields))]), [0.0] * len(zero) + [1.0]
+    found = linprog(-gradient @ columns, A_eq=equal, b_eq=right, bounds=(0, None), method="highs")
+    return -float(found.fun)
+
+
+@few(1)
+@pytest.mark.parametrize(("rhs", "weights"), ON_A_FACE)
+def test_a_point_of_the_face_refutes(rhs: list[str], weights: tuple[int, ...]) -> None:
+    system = built(rhs)
+    audited = audit(system, bent(weights))
+    assert audited.verdict is AuditVerdict.INVALID
+    assert audited.reason == SLIDES_UP
+    point, value = witness(audited)
+    assert value > 0
+    assert 0 in point
+    floats = [float(v) for v in point]
+    assert largest_slide(rhs, weights, floats) == pytest.approx(float(value), abs=1e-6)
+    end = simulate(system_field(system, floats), tuple(floats), 0.01).end
+    assert np.dot(weights, np.abs(end.state)) > np.dot(weights, np.abs(floats)) + 0.005 * float(value)
+
+
+def test_z3_finds_such_points_too() -> None:
+    pytest.importorskip("z3")
+    rhs, weights = ON_A_FACE[0]
+    questions = Questions(read(list("xyz"), rhs, [0, 0, 0], "1/2", bent(weights)), ">")
+    assert any(with_z3(question.text, 20) == "sat" for question in questions)
+
+
+def test_a_face_that_solutions_leave_at_once_refutes_nothing() -> None:
+    """Solutions cross x = 0; the gradient of one side and the field of the other would let V rise."""
+    found = slides(["1", "-(7/4 + 5*sgn(x)/4)*sgn(y)", "-sgn(z)/4"], (1, 1, 1))
+    assert not [failure.point for failure in found if not failure.point[0]]
+    assert not slides(["-sgn(x)", "-sgn(y)", "-sgn(z)"], (1, 1, 1))
+
+
+def test_without_surfaces_there_is_no_face_to_refute_on() -> None:
+    """Claims about a smooth system have no signs in their names; an audit that could not prove one asks here."""
+    system = built(["-x", "-y", "-z"])
+    formula = parse_lyapunov("x**2 + y**2 + z**2", system.states, "t", "lyapunov")
+    _, conditions = conditions_on(system, formula, system.check.radius)
+    claims = conditions.claims()
+    assert claims
+    assert [find_slide(system, conditions, claim) for claim in claims] == [None] * len(claims)
+
+
+def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Refutation]:
+    system = built(rhs)
+    formula = parse_lyapunov(bent(weights), system.states, "t", "lyapunov")
+    _, conditions = conditions_on(system, formula, system.check.radius)
+    found = (find_slide(system, conditions, claim) for claim in conditions.claims())
+    return [failure for failure in found if failure is not None]
+
+
+@thorough  # test_a_face_that_solutions_leave_at_once_refutes_nothing
+@pytest.mark.parametrize(("count", "sought"), keep(1, [(3, 1), (5, 2), (14, 2)]))
+def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: int) -> None:
+    rng = np.random.default_rng(2)
+    known: Counter[str] = Counter()
+    for _ in range(count):
+        a, c = rng.integers(1, 4, 3), rng.integers(1, 5, 3)
+        coupled = rng.integers(-6, 7, 3)
+        rhs = [f"-{a[k]}*sgn({'xyz'[k]}) + {coupled[k]}*{'yzx'[k]}" for k in range(3)]
+        audited = audit(built(rhs), bent(c.tolist()))
+        assert audited.function is not None
+        function = audited.function
+        known[function.decrease] += 1
+        if function.decrease is Decrease.STRICT and known[Decrease.STRICT] <= sought:
+            assert not slides(rhs, c.tolist())
+        if function.reason == SLIDES_UP:
+            known[SLIDES_UP] += 1
+            point, value = witness(audited)
+            assert largest_slide(rhs, c.tolist(), [float(v) for v in point]) == pytest.approx(float(value), abs=1e-6)
+    assert known[Decrease.STRICT] >= count // 5
+    assert known[SLIDES_UP] >= 1
+
+
+# ---- Points beside which others of rest lie: friction and relays, and points that attract --------
+
+AGREE = ["sign(y - x) + sign(z - x)", "sign(x - y) + sign(z - y)", "sign(x - z) + sign(y - z)"]
+FRICTION = ["u", "v", "-2*x + y - sign(u)/2", "x - 2*y - sign(v)/2"]
+RESTS = [(["x", "y", "z"], AGREE), (["x", "y", "u", "v"], FRICTION), (["x", "y", "z"], ["-x*z**2", "-y", "-z"])]
+MOVES = [
+    (["x", "y", "z"], ["-sign(x)", "-sign(y)", "-sign(z)"]),
+    (["x", "y", "u", "v"], ["u", "v", "-2*x + y - sign(u)/2", "x - 2*y - v"]),  # only one mass sticks
+    (["x", "y", "z"], ["-1 - sign(y) - x**2", "-y", "-z"]),  # 0 is at the border of the mixtures at the point alone
+    (["x", "y", "z"], ["-sign(x*y - z)", "-y", "-z"]),  # a curved surface: its cells are not known to have points
+]
+
+
+def system(states: Sequence[str], rhs: Sequence[str]) -> SwitchedSystem:
+    return ns.System(list(states), list(rhs)).system
+
+
+def test_no_function_that_falls_is_proposed_beside_places_of_rest() -> None:
+    """Both searches took 45 s of a processor here, and could find nothing."""
+    own = system("xyz", ["-2*x + 3*x*sin(z)/2", "-2*x - x*y", "-z + 2*x*sign(y)"])
+    assert not any(True for positive in (True, False) for _ in proposals(own, positive=positive))
+
+
+@pytest.mark.parametrize(("states", "rhs"), RESTS)
+def test_places_of_the_ray_are_equilibria(states: list[str], rhs: list[str]) -> None:
+    ray = ray_of_rest(system(states, rhs))
+    assert ray is not None
+    inclusion = FloatInclusion({"states": states, "rhs": [rhs], "at": ["0"] * len(states)}, 1)
+    for distance in (0.1, 0.01):
+        places = distance * np.tile(np.array(ray, dtype=float), (200, 1))
+        values = inclusion.corners(places, np.full(200, 1e-9)).reshape(-1, len(states))
+        _, rest = nnls(np.vstack([values.T, np.ones(len(values))]), np.append(np.zeros(len(states)), 1.0))
+        assert rest < 1e-6
+
+
+@pytest.mark.parametrize(("states", "rhs"), RESTS[:2])
+def test_the_point_is_said_not_to_attract(states: list[str], rhs: list[str]) -> None:
+    result = decide_system(system(states, rhs))
+    assert result.verdict is Translation.STABLE
+    assert "not asymptotically: every point of the ray through" in result.reason
+
+
+@pytest.mark.parametrize(("states", "rhs"), MOVES)
+def test_no_ray_is_found_of_others(states: list[str], rhs: list[str]) -> None:
+    assert ray_of_rest(system(states, rhs)) is None
+
+
+# ---- Relays of high relative degree are unstable: against paths of fine steps, and forged evidence.
+
+STEP, START, FAR = 1 / 512, 1e-3, 30.0
+
+
+def decided(rhs: Sequence[str], states: str = "xyzuvw") -> StabilityResult:
+    return decide_system(ns.System(list(states[: len(rhs)]), list(rhs)).system)
+
+
+@few(3)
+@pytest.mark.parametrize(
+    ("rhs", "degree"),
+    keep(
+        5,
+        [
+            (["y", "z", "-sgn(x)"], 3),
+            (["y", "z", "sgn(x) - x - y - z"], 3),
+            (["y", "z", "-sgn(x) - 100*x - 50*y - 20*z - z**3"], 3),
+            (["y", "z", "u", "v", "-sgn(x)"], 5),
+            (["y", "z", "-sgn(x) + u", "-u + x"], 3),
+            (["y", "z + x**2", "-2*sgn(x) - sgn(y) - z"], 3),
+            (["y", "sgn(x) - y", "-z + x"], 2),
+            (["y", "z", "u", "-sgn(x) - u"], 4),
+        ],
+    ),
+)
+def test_known_degrees(rhs: list[str], degree: int) -> None:
+    result = decided(rhs)
+    assert result.verdict is Translation.UNSTABLE
+    assert result.check()
+    if result.method is Method.RELAY:
+        assert result.deciding.proofs.degree == degree
+    else:
+        assert result.method is Method.ESCAPE
+
+
+@few(2)
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ["y", "z", "-sgn(x)"],
+        ["y", "z", "sgn(x) - x - y - z"],
+        ["y", "z + x**2", "-2*sgn(x) - sgn(y) - z"],
+        ["y", "z", "u", "v", "-sgn(x)"],
+        ["y", "z", "-sgn(x) + u", "-u + x"],
+    ],
+)
+def test_the_function_of_a_relay_is_certified(rhs: list[str]) -> None:
+    """Products of neighbouring derivatives rise one after the other where it is kept."""
+    certificate = certificate_of(decided(rhs))
+    (entry,) = certificate["evidence"]
+    assert entry["theorem"] == "instability"
+    assert entry["hypotheses"]["second"]["functions"]
+    assert not contradiction(certificate["statement"], 1 / 16)
+
+
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ["y", "z", "u", "v", "w", "-sgn(x)"],  # degree 6: terms of both signs
+        ["y", "-sgn(x) - y", "-z"],  # degree 2, pushed back: stable
+        ["y", "z", "-x - y - z - sgn(x + y + z)"],  # degree 1
+        ["y", "z", "-sgn(x) - 2*sgn(y)"],  # the sign of s does not decide that of its third derivative
+        ["y + sgn(z)", "z", "-sgn(x)"],  # another relay acts in the first derivative
+        ["y", "z", "-x*sgn(x) - y - z"],  # the field does not jump at the point
+    ],
+)
+@pytest.mark.parametrize("whole", keep(1, [False, True]), ids=["relay", "whole check"])
+def test_other_relays_are_left_to_others(rhs: list[str], whole: bool) -> None:
+    system = ns.System(list("xyzuvw"[: len(rhs)]), rhs).system
+    found = decided(rhs).by(Method.RELAY) if whole else high_degree_relay(system, first_cells(system))
+    assert found is None
+
+
+def test_the_function_of_a_relay_never_falls_near_the_point() -> None:
+    """W along the field at random points, and on the way from the point in its direction."""
+    relay = decided(["y", "z", "-sgn(x) - z"]).deciding.proofs
+
+    def value(polynomial: Checked, place: Floats) -> float:
+        return sum(float(c) * float(np.prod(place ** np.array(e))) for e, c in polynomial.terms.items())
+
+    slopes = [relay.rising.derivative(k) for k in range(3)]
+    for x, y, z in np.random.default_rng(0).uniform(-1 / 8, 1 / 8, (400, 3)):
+        rate = (y, z, -np.sign(x) - z)
+        assert sum(value(slope, np.array([x, y, z])) * v for slope, v in zip(slopes, rate, strict=True)) >= -1e-12
+    direction = np.array([float(d) for d in relay.direction])
+    assert all(value(relay.rising, direction * 0.5**k) > 0 for k in range(4, 20))
+
+
+# ---- against paths -------------------------------------------------------------------------------
+
+
+def random_relay(seed: int) -> tuple[list[str], Callable[[Floats], Floats]]:
+    """Integrators in a row with a relay and random linear terms, perhaps a further state, in other coordinates."""
+    rng = np.random.default_rng(seed)
+    degree, more = int(rng.integers(3, 5)), int(rng.integers(0, 2))
+    count = degree + more
+    matrix = np.zeros((count, count), dtype=int)
+    matrix[np.arange(degree - 1), np.arange(1, degree)] = 1
+    matrix[degree - 1 :] = rng.integers(-3, 2, (count - degree + 1, count))
+    push = np.zeros(count, dtype=int)
+    push[degree - 1] = -int(rng.integers(1, 4))
+    turn = np.eye(count, dtype=int)
+    for i, j in itertools.permutations(range(count), 2):
+        turn[i] += int(rng.integers(-1, 2)) * turn[j]
+    old = sp.Matrix(turn.tolist()).inv()
+    moved, pushed, output = sp.Matrix(turn.tolist()) * sp.Matrix(matrix.tolist()) * old, turn @ push, old.row(0)
+    names = sp.symbols("x y z u v")[:count]
+    surface = sum(a * b for a, b in zip(output, names, strict=True))
+    rows = [sum(moved[k, i] * names[i] for i in range(count)) for k in range(count)]
+    rhs = [f"{row} + ({p})*sgn({surface})" for row, p in zip(rows, pushed, strict=True)]
+    a, b, c = np.array(moved.tolist(), dtype=float), pushed.astype(float), np.array(output.tolist()[0], dtype=float)
+    return rhs, lambda point: a @ point + b * np.sign(c @ point)
+
+
+def leaves(field: Callable[[Floats], Floats], start: Floats) -> bool:
+    """Whether a path of fine steps comes many times as far as it began."""
+    point, size = start.copy(), float(np.abs(start).max())
+    for _ in range(40_000):
+        point = point + STEP * size ** (1 / 3) * field(point + STEP * size ** (1 / 3) / 2 * field(point))
+        if np.abs(point).max() > FAR * size:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_paths_leave(seed: int) -> None:
+    rhs, field = random_relay(seed)
+    result = decided(rhs, "xyzuv")
+    assert result.verdict is Translation.UNSTABLE
+    assert result.check()
+    relay = high_degree_relay(result.scene, first_cells(result.scene))
+    assert relay is not None
+    direction = np.array([float(d) for d in relay.direction])
+    assert leaves(field, START * direction / np.abs(direction).max())

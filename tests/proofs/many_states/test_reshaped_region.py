@@ -6,22 +6,20 @@ import copy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.statements import refusal as refused
 from nonsmooth.proofs.many_states.reshaped_region import EFFORTS, SearchEffort, TooMuchWorkError, _Iteration
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, find_region_of_another_function
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from tests.oracles.floats import Floats, runge_kutta, value
+from tests.plain import built
 from tests.thorough import keep
 
-Floats: TypeAlias = NDArray[np.float64]
 NAMES = ("x", "y", "z", "u", "v", "w")
 STARTS, STEP, STEPS = 400, 0.01, 3_000
 
@@ -47,15 +45,13 @@ def refusal(certificate: dict[str, Any]) -> str:
 
 def found(names: tuple[str, ...], rhs: tuple[str, ...]) -> Found:
     """A region as of ``--region fast``, without the tetrahedra beside it (reports/test_region_many_states.py)."""
-    document = {"system": {"states": list(names), "rhs": list(rhs)}}
-    result = decide_system(build_system(document, "reshaped", Path("reshaped.toml")))
+    result = decide_system(built(rhs, states=names))
     own = find_region_of_another_function(result, "fast", lambda *_: None)
     assert own is not None
     formula, level = own.formula.text, float(own.region.level)
 
     def values(places: Floats) -> Floats:
-        named = {name: places[:, k] for k, name in enumerate(names)}
-        return np.asarray(eval(formula, {}, named) / level)  # noqa: S307 - our own V
+        return np.asarray(value(formula, **dict(zip(names, places.T, strict=True))) / level)
 
     evidence = replace(result, reach=replace(result.reach, reshaped=own))
     return Found(certificate_of(evidence), values, float(own.region.radius))
@@ -132,10 +128,7 @@ def sizes_after(name: str, starts: Floats) -> Floats:
 
     z = starts.T.copy()
     for _ in range(STEPS):
-        a = rate(z)
-        b = rate(z + STEP / 2 * a)
-        c = rate(z + STEP / 2 * b)
-        z = z + STEP / 6 * (a + 2 * b + 2 * c + rate(z + STEP * c))
+        z = runge_kutta(rate, z, STEP)
     return np.linalg.norm(z, axis=0)
 
 
@@ -177,7 +170,7 @@ def coupled(count: int) -> _Iteration:
     x = [f"x{k}" for k in range(count)]
     pairs = [(x[k], x[k - 1], x[k - 2]) for k in range(count)]
     rhs = [f"-{a} + {b}/2 - {c}/2 + {a}*{b} - {a}**3 + {a}**2*{c}" for a, b, c in pairs]
-    system = build_system({"system": {"states": x, "rhs": rhs}}, "coupled", Path("coupled.toml"))
+    system = built(rhs, states=x)
     return _Iteration(system, parse_piecewise(" + ".join(f"{own}**2" for own in x), x), None)
 
 

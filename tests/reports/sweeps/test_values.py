@@ -1,20 +1,44 @@
-"""What a user writes after ``--vary``: exact values, grids, draws, and what is refused."""
+"""Sweeps: what is varied, plain systems, cells that are certified as a whole, and clusters."""
 
 from __future__ import annotations
 
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from fractions import Fraction
+from importlib.util import find_spec
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import nonsmooth as ns
+from nonsmooth.reports.sweeps import workers
+from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.borders import simplest_fraction
+from nonsmooth.reports.sweeps.store import Store
+from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import SweepPlan, read_plan
 from nonsmooth.reports.sweeps.values import Range, SweepError, read_values
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.key_paths import find_path, numeric_paths, path_text, with_value
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from tests.proofs.robust.test_nearest_bounds import drawn, velocities
+from tests.reports.conftest import Invoke
+from tests.thorough import few, thorough
+
+# ---- What a user writes after ``--vary``: exact values, grids, draws, and what is refused --------
 
 
 def entries(text: str) -> list[int | str]:
@@ -179,3 +203,301 @@ def test_the_simplest_fraction_has_the_smallest_denominator(low: Fraction, width
         assert (
             -(-low * denominator // 1) > (low + width) * denominator
         )  # no whole multiple of 1/denominator lies between
+
+
+# ---- Sweeps of plain systems against checks one by one, and borders against eigenvalues and closed forms.
+
+RELAY: dict[str, Any] = {"states": ["x", "y"], "rhs": ["y", "-a*x - k*y - sgn(x)"], "parameters": {"k": 1, "a": 0}}
+INTERVAL: dict[str, Any] = {"states": ["x"], "rhs": ["-sgn(x)*(1 - k*x)"], "parameters": {"k": 4}}
+
+
+def swept(system: dict[str, Any], vary: dict[str, str], means: Means | None = None, draws: int | None = None) -> Sweep:
+    base = base_of({"system": system}, "t", Path("t.toml"))
+    return run_sweep(base, read_plan(vary, base.document, base.file, draws), means or Means())
+
+
+def written_system(folder: Path, system: dict[str, Any]) -> str:
+    lines = [f"{key} = {json.dumps(value)}" for key, value in system.items() if key != "parameters"]
+    values = ", ".join(f"{name} = {json.dumps(value)}" for name, value in system["parameters"].items())
+    file = folder / "system.toml"
+    file.write_text("[system]\n" + "\n".join(lines) + f"\nparameters = {{ {values} }}\n")
+    return str(file)
+
+
+def test_rows_are_checks_one_by_one() -> None:
+    found = swept(RELAY, {"k": "-1,1/2", "a": "1"})
+    system = ns.System(RELAY["states"], RELAY["rhs"], parameters=RELAY["parameters"])
+    values = [(-1, 1), ("1/2", 1)]
+    for outcome, (k, a) in zip(found.outcomes, values, strict=True):
+        check = system.check(parameters={"k": k, "a": a})
+        assert outcome["stability"] == check.verdict
+        assert outcome["V"] == check.lyapunov or outcome["V"] is None
+        region = check.to_dict()["lyapunov"]["region"]
+        assert outcome["level"] == (None if region is None else region["level"])
+
+
+def test_the_border_of_a_linear_system_is_where_its_eigenvalues_cross() -> None:
+    system = {"states": ["x", "y"], "rhs": ["y - x", "k*x - 2*y"], "parameters": {"k": 0}}
+    found = swept(system, {"k": "0:4:3"}, Means(borders=True))
+    first, last = found.borders or ()
+    assert first.point[0].number == last.point[0].number == 2.0
+    assert (first.before, last.after) == (("asymptotically stable",), ("unstable",))
+    assert first.after == first.there == last.there == last.before == ("stable",)  # a line of equilibria
+    for k in (first.below.number, last.above.number):
+        assert abs(np.linalg.eigvals(np.array([[-1.0, 1.0], [float(k or 0), -2.0]])).real.max()) < 1e-8
+
+
+def test_random_draws_agree_with_the_formula_of_the_region() -> None:
+    """The field ``-sgn(x)(1 - k x)`` turns at ``x = 1/k``."""
+    found = swept(INTERVAL, {"k": "3:9"}, draws=8)
+    for k, outcome in enumerate(found.outcomes):
+        value = found.plan.point(k)[0].number
+        assert value is not None
+        assert outcome["to"] == pytest.approx(1 / value, rel=1e-12)
+        assert outcome["from"] == -0.5
+
+
+@thorough
+def test_an_end_of_an_interval_varies() -> None:
+    system = {"states": ["x", "y"], "rhs": ["y", "-x - k*y"], "parameters": {"k": [1, 2]}}
+    found = swept(system, {"k.low": "-1,1"})
+    assert [outcome["stability"] == "asymptotically stable" for outcome in found.outcomes] == [False, True]
+
+
+def test_a_store_knows_what_was_checked(tmp_path: Path) -> None:
+    means = Means(store=tmp_path / "store.db")
+    first, second = (swept(INTERVAL, {"k": "1:5:3"}, means) for _ in range(2))
+    assert (first.checked, second.checked) == (3, 0)
+    assert first.outcomes == second.outcomes
+
+
+@pytest.mark.usefixtures("without_reach")
+def test_files_of_all_kinds(invoke: Invoke, tmp_path: Path) -> None:
+    file = written_system(tmp_path, INTERVAL)
+    done = invoke("sweep", file, "--vary", "k=-1:5:3", "--workers", "1", "-o", str(tmp_path / "rows.csv"))
+    assert done.status == 0
+    rows = list(csv.DictReader((tmp_path / "rows.csv").read_text().splitlines()))
+    assert [row["system.parameters.k exact"] for row in rows] == ["-1", "2", "5"]
+    assert Fraction(rows[2]["to"]) == Fraction("0.2")
+    for vary in (["--vary", "k=-1:5:3"], ["--vary", "k=-1:5:2", "--vary", "radius=1/4,1/2"]):
+        done = invoke("sweep", file, *vary, "--workers", "1", "-o", str(tmp_path / "picture.svg"))
+        assert done.status == 0
+        assert b"asymptotically stable" in (tmp_path / "picture.svg").read_bytes()
+
+
+def test_in_python() -> None:
+    system = ns.System(["x"], INTERVAL["rhs"], parameters={"k": 4})
+    found = system.sweep(k="1:5:3")
+    assert [row["stability"] for row in found.rows()] == ["asymptotically stable"] * 3
+    assert "asymptotically stable" in repr(found)
+    assert "stability" in found._repr_html_()
+
+
+# ---- Cells of a sweep that are certified as a whole, against arrays drawn from them; what is refused.
+
+SCENE = """
+friction = {{ mu_roll = 1, mu_side = {mu_side} }}
+check = {{ radius = "1/20" }}
+wheel = [
+  {{ position = [{x}, "1/10"], heading = {heading}, speed = {speed} }},
+  {{ position = ["-1/10", "1/10"], heading = 315, speed = "1/10" }},
+  {{ position = ["-1/10", "-1/10"], heading = 45, speed = "1/10" }},
+  {{ position = ["1/10", "-1/10"], heading = 135, speed = "1/10" }},
+]
+"""
+TOLERANCE = '[tolerance]\nposition = "1/1000"\nheading = "1 deg"\nspeed = "1/50"\nmu_side = "1/20"\n'
+DEFAULTS = {"mu_side": 0.5, "x": 0.1, "heading": 225, "speed": 0.1}
+PATHS = {
+    "mu_side": "friction.mu_side",
+    "x": "wheel.1.position.x",
+    "heading": "wheel.1.heading",
+    "speed": "wheel.1.speed",
+}
+
+
+def written(folder: Path, **values: float) -> Path:
+    file = folder / "table.toml"
+    file.write_text(SCENE.format(**{**DEFAULTS, **values}) + TOLERANCE, encoding="utf-8")
+    return file
+
+
+@few(1)
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [(("x", "0.1:0.11:2"), ("mu_side", "0.3:0.5:2")), (("heading", "221:229:3"), ("speed", "0.09:0.11:3"))],
+    ids=["position and friction", "heading and speed"],
+)
+def test_no_array_of_a_certified_cell_breaks_it(
+    invoke: Invoke, tmp_path: Path, first: tuple[str, str], second: tuple[str, str]
+) -> None:
+    """Scenes at corners and inside of the cell, and arrays within the tolerances of each, outside the cell's disc."""
+    file, names = written(tmp_path), (first[0], second[0])
+    vary = [f"{PATHS[name]}={values}" for name, values in (first, second)]
+    record = invoke(
+        "sweep", str(file), "--vary", vary[0], "--vary", vary[1], "--certify", "--workers", "1", "--json"
+    ).record
+    certified = [cell for cell in record["cells"] if cell["verdict"] == "certified"]
+    assert len(record["cells"]) == (int(first[1][-1]) - 1) * (int(second[1][-1]) - 1)
+    assert certified
+    rng = np.random.default_rng(5)
+    for cell in certified[:2]:
+        for _ in range(6):
+            shares = rng.choice([0.0, 1.0, 0.5], 2)
+            ends = [cell["between"][PATHS[name]] for name in names]
+            chosen = {name: low + s * (high - low) for name, (low, high), s in zip(names, ends, shares, strict=True)}
+            scene = load_scene(written(tmp_path, **chosen), rule="nearest")
+            sizes = rng.uniform(cell["ends_within"], cell["starts_within"], 400)
+            angles = rng.uniform(0, 2 * np.pi, 400)
+            points = sizes[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+            moved = velocities(drawn(scene, 400, int(rng.integers(1000))), points)
+            assert ((points * moved).sum(axis=1) < 0).all()
+
+
+def test_a_cell_across_a_border_is_left_white(invoke: Invoke, tmp_path: Path) -> None:
+    """Where mu_side may exceed mu_roll the answer changes: a cell beside the border is certified, one across is not."""
+    cells = cells_of(invoke, written(tmp_path), f"{PATHS['mu_side']}=0.5,0.8,1.2,1.4")
+    assert [cell["verdict"] for cell in cells] == ["certified", "undecided", "undecided"]
+    assert cells[1]["ends_within"] is None
+    assert cells[1]["why"]
+
+
+def cells_of(invoke: Invoke, file: Path, *vary: str) -> list[dict[str, Any]]:
+    options = [part for text in vary for part in ("--vary", text)]
+    found: list[dict[str, Any]] = invoke("sweep", str(file), *options, "--certify", "--workers", "1", "--json").record[
+        "cells"
+    ]
+    return found
+
+
+@few(1)
+@pytest.mark.parametrize(
+    ("vary", "stated", "larger"),
+    [
+        ("mu_side=0.4,0.6", 'mu_side = "1/20', " + 1/5*1048577/1048576 + 1/20*1/5*1048577/1048576"),
+        ("x=0.098,0.102", 'position = "1/1000', " + 1/500*1048577/1048576"),
+    ],
+)
+def test_a_cell_is_its_middle_with_larger_tolerances(
+    invoke: Invoke, tmp_path: Path, vary: str, stated: str, larger: str
+) -> None:
+    """The bound is the one of a check of that scene."""
+    name, values = vary.split("=")
+    (cell,) = cells_of(invoke, written(tmp_path), f"{PATHS[name]}={values}")
+    middle = tmp_path / "middle.toml"
+    middle.write_text((SCENE.format(**DEFAULTS) + TOLERANCE).replace(stated, stated + larger), encoding="utf-8")
+    robust = invoke("check", str(middle), "--json").record["robust"]
+    assert robust["radius"] == pytest.approx(cell["ends_within"], rel=1e-12)
+    assert robust["from"] == pytest.approx(cell["starts_within"], rel=1e-12)
+
+
+def test_the_picture_leaves_white_what_is_not_certified(invoke: Invoke, tmp_path: Path) -> None:
+    vary = ("--vary", f"{PATHS['mu_side']}=0.5,0.8,1.2", "--vary", f"{PATHS['x']}=0.098,0.102")
+    outcome = invoke("sweep", str(written(tmp_path)), *vary, "--certify", "--workers", "1", "-o", "cells.svg")
+    assert outcome.status == 0
+    assert "1 of 2 cells of the grid are certified as a whole" in outcome.out
+    assert "#009e73" in (tmp_path / "cells.svg").read_text(encoding="utf-8").lower()
+
+
+def test_results_of_cells_are_kept(invoke: Invoke, tmp_path: Path) -> None:
+    vary = ("--vary", f"{PATHS['mu_side']}=0.5,0.8", "--certify", "--workers", "1", "--store", "runs.sqlite", "--json")
+    first, again = (invoke("sweep", str(written(tmp_path)), *vary).record for _ in range(2))
+    assert first == again
+
+
+# ---- Sweeps on a Dask cluster, where the optional package is installed ---------------------------
+
+needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is optional")
+SWEEP = ("sweep", "four-wheel", "--vary", "mu_side=1/10:2:40", "--store", "r.sqlite", "-o", "t.csv")
+
+
+@contextmanager
+def running(*words: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A program of Dask, ended in the end."""
+    command = [sys.executable, "-m", "distributed.cli." + words[0], *words[1:], "--no-dashboard"]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+@contextmanager
+def scheduler(folder: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    file = folder / "scheduler.json"
+    with running("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)) as process:
+        end = time.monotonic() + 60
+        while not file.exists() and time.monotonic() < end:
+            time.sleep(0.05)
+        time.sleep(0.2)
+        yield next(w for w in file.read_text(encoding="utf-8").split('"') if w.startswith("tcp://")), process
+
+
+@contextmanager
+def worker(address: str) -> Iterator[subprocess.Popen[bytes]]:
+    with running("dask_worker", address, "--nthreads", "1", "--no-nanny") as process:
+        yield process
+
+
+@needs_dask
+@pytest.mark.filterwarnings("ignore")  # of the optional package
+def test_a_cluster_gives_the_same_table_though_a_worker_is_killed(invoke: Invoke, tmp_path: Path) -> None:
+    assert invoke(*SWEEP, "--workers", "1").status == 0
+    wanted = (tmp_path / "t.csv").read_bytes()
+    for name in ("t.csv", "r.sqlite"):
+        (tmp_path / name).unlink()
+    with scheduler(tmp_path) as (address, _), worker(address) as first, worker(address):
+        command = [sys.executable, "-m", "nonsmooth", *SWEEP, "--scheduler", address]
+        sweep = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while count(tmp_path / "r.sqlite") < 5 and sweep.poll() is None:
+            time.sleep(0.05)
+        os.kill(first.pid, signal.SIGKILL)
+        _, said = sweep.communicate(timeout=120)
+        assert (sweep.returncode, said) == (0, "")
+    assert (tmp_path / "t.csv").read_bytes() == wanted
+
+
+@needs_dask
+@pytest.mark.filterwarnings("ignore")
+def test_a_lost_scheduler_is_one_line_and_loses_nothing(tmp_path: Path) -> None:
+    with scheduler(tmp_path) as (address, process), worker(address):
+        command = [sys.executable, "-m", "nonsmooth", *SWEEP, "--vary", "mu_roll=1:2:99", "--scheduler", address]
+        sweep = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while count(tmp_path / "r.sqlite") < 5 and sweep.poll() is None:
+            time.sleep(0.05)
+        process.kill()
+        _, said = sweep.communicate(timeout=60)
+        assert sweep.returncode == 2
+        assert (
+            said == f"nonsmooth: --scheduler: {address}: required a scheduler that stays, received a lost connection\n"
+        )
+    assert count(tmp_path / "r.sqlite") >= 5
+    assert not (tmp_path / "t.csv").exists()
+
+
+@needs_dask
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense://x"])
+def test_a_scheduler_that_is_not_there_is_one_line_in_time(invoke: Invoke, address: str) -> None:
+    started = time.monotonic()
+    done = invoke(*SWEEP, "--scheduler", address)
+    assert time.monotonic() - started < 10
+    required = f"required a Dask scheduler that answers within {workers.ANSWER} s, received none"
+    assert (done.status, done.out, done.err) == (2, "", f"nonsmooth: --scheduler: {address}: {required}\n")
+
+
+def test_without_the_package_the_extra_is_named(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    done = invoke(*SWEEP, "--scheduler", "tcp://127.0.0.1:1")
+    assert (done.status, done.out, done.err.count("\n")) == (2, "", 1)
+    assert "required the package distributed (pip install nonsmooth[cluster])" in done.err
+
+
+def count(path: Path) -> int:
+    if not path.exists():
+        return 0
+    store = Store(path)
+    try:
+        return len(store)
+    finally:
+        store.close()

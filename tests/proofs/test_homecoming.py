@@ -1,0 +1,429 @@
+"""Bodies that come home and stay: balances of forces, discs under rules without cells, and their mass."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+import nonsmooth as ns
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.cells.loads import LoadRegion, load_regions, value_at
+from nonsmooth.analysis.dynamics.newton_euler import CREEP, MovingLoads, NewtonEuler, RigidBody
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
+from nonsmooth.proofs.answers.answer import at_least
+from nonsmooth.proofs.answers.inertia import inertia_answer
+from nonsmooth.proofs.boxes.linearization import linearize
+from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point, rest_balance
+from nonsmooth.proofs.clauses.at_point.mass import MassLimit
+from nonsmooth.proofs.clauses.authority import roll_authority
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
+from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.symbolic.files.documents import builtin_scenes
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.scene import Scene
+from tests.built_in import ruled
+from tests.conftest import Arrays
+from tests.four_wheel import ROLL, SIDE
+from tests.oracles.clause_evidence import evidence_holds
+from tests.proofs.forces_oracle import solves
+from tests.thorough import few, keep
+
+Pair = tuple[Fraction | int, Fraction | int]
+
+
+def ellipse_twist(scene: Scene, region: LoadRegion, point: tuple[Fraction, Fraction]) -> np.ndarray:
+    """Minimizer of the smooth ellipse functional near rest, by a general-purpose solver."""
+    c = (scene.field(point[0]), scene.field(point[1]))
+    loads = np.array([float(value_at(form, c)) for form in region.forces])
+    p = np.array([[float(x) for x in w.position] for w in scene.wheels])
+    d = np.array([[float(x) for x in w.unit_direction] for w in scene.wheels])
+    n = np.stack([-d[:, 1], d[:, 0]], axis=1)
+    arm = np.stack([-p[:, 1], p[:, 0]], axis=1)
+    roll = np.column_stack([d, (d * arm).sum(1)])
+    side = np.column_stack([n, (n * arm).sum(1)])
+    speed = np.array([float(w.speed) for w in scene.wheels])
+    mu_r = np.array([float(w.friction.roll) for w in scene.wheels])
+    mu_s = np.array([float(w.friction.side) for w in scene.wheels])
+
+    def total(xi: np.ndarray) -> float:
+        return float((loads * np.hypot(mu_r * (roll @ xi - speed), mu_s * (side @ xi))).sum())
+
+    def gradient(xi: np.ndarray) -> np.ndarray:
+        r, s = roll @ xi - speed, side @ xi
+        length = np.hypot(mu_r * r, mu_s * s)
+        return roll.T @ (loads * mu_r**2 * r / length) + side.T @ (loads * mu_s**2 * s / length)
+
+    result = minimize(total, np.zeros(3), jac=gradient, method="BFGS", options={"gtol": 1e-14, "xrtol": 1e-15})
+    return np.asarray(result.x)
+
+
+@pytest.mark.parametrize("friction", [ROLL, (1, Fraction(1, 10)), SIDE])
+def test_four_wheel_closed_form(arrays: Arrays, friction: Pair) -> None:
+    """c' = -sqrt2 (mu_R/mu_S)^2 c, no rotation."""
+    scene = ruled(arrays.four_wheel(friction), "ellipse")
+    (region,) = load_regions(scene)
+    assert not any(rest_balance(scene, region).residual)
+    linear = linearize(scene, region, scene.field.zero)
+    assert linear is not None
+    ratio = Fraction(friction[0]) / Fraction(friction[1])
+    rate = -scene.field.sqrt(2) * ratio * ratio
+    zero = scene.field.zero
+    assert linear.translation == ((rate, zero), (zero, rate))
+    assert linear.rotation_map == (zero, zero)
+    assert linear.spectral_abscissa == rate
+    assert solves(linear)
+
+
+@pytest.mark.parametrize("sides", [(1, 1, 1, 1), (1, 2, 3, 4), (3, 1, 1, 5)])
+def test_linearization_against_a_minimizer(arrays: Arrays, sides: tuple[int, ...]) -> None:
+    """The twist at a small c agrees with M c up to second order; mu_S differs from wheel to wheel."""
+    scene = ruled(arrays.four_wheel(), "ellipse")
+    wheels = (
+        replace(w, friction=replace(w.friction, side=scene.field(side) / 3))
+        for w, side in zip(scene.wheels, sides, strict=True)
+    )
+    scene = replace(scene, wheels=tuple(wheels))
+    (region,) = load_regions(scene)
+    assert not any(rest_balance(scene, region).residual)
+    linear = linearize(scene, region, scene.field.zero)
+    assert linear is not None
+    small = Fraction(1, 1000)
+    for point in ((small, Fraction(0)), (Fraction(0), small), (small, -small)):
+        predicted = sum(
+            np.array([float(x) for x in column]) * float(s) for column, s in zip(linear.columns, point, strict=True)
+        )
+        found = ellipse_twist(scene, region, point)
+        # relative to the twist: the second-order term is of the order of |c| / mu_S
+        assert np.abs(found - predicted).max() < 2e-2 * np.abs(predicted).max()
+
+
+def test_a_wheel_out_of_balance_is_refuted(arrays: Arrays) -> None:
+    scene = ruled(arrays.four_wheel(), "ellipse")
+    wheels = (replace(scene.wheels[0], given_speed=scene.field(-1)), *scene.wheels[1:])
+    scene = replace(scene, wheels=wheels)
+    (region,) = load_regions(scene)
+    balance = rest_balance(scene, region)
+    assert any(balance.residual)
+    assert not balance.strict
+
+
+def test_wheels_that_stick_hold_the_body_at_rest(arrays: Arrays) -> None:
+    """Two driven, two braking wheels: the brakes answer any small imbalance."""
+    scene = ruled(arrays.four_wheel(), "ellipse")
+    zero = scene.field.zero
+    wheels = tuple(replace(w, given_speed=zero) if w.index % 2 == 0 else w for w in scene.wheels)
+    scene = replace(scene, wheels=wheels)
+    (region,) = load_regions(scene)
+    balance = rest_balance(scene, region)
+    assert balance.stuck
+    assert balance.strict
+    rest = ellipse_like_value(scene, region, np.zeros(3))
+    rng = np.random.default_rng(0)
+    assert all(ellipse_like_value(scene, region, rng.normal(size=3) * 1e-3) > rest for _ in range(200))
+
+
+def ellipse_like_value(scene: Scene, region: LoadRegion, xi: np.ndarray) -> float:
+    total = 0.0
+    for wheel, form in zip(scene.wheels, region.forces, strict=True):
+        d, p = ([float(x) for x in v] for v in (wheel.unit_direction, wheel.position))
+        vx, vy = xi[0] - xi[2] * p[1], xi[1] + xi[2] * p[0]
+        r, s = d[0] * vx + d[1] * vy - float(wheel.speed), -d[1] * vx + d[0] * vy
+        total += float(form[0]) * np.hypot(float(wheel.friction.roll) * r, float(wheel.friction.side) * s)
+    return total
+
+
+def test_torque_authority_is_the_rank_of_the_roll_rows(arrays: Arrays) -> None:
+    scene = ruled(arrays.four_wheel(), "ellipse")
+    inward = roll_authority(scene)
+    zero, one = scene.field.zero, scene.field.one
+    assert (inward.rank, inward.missing) == (2, ((zero, zero, one),))
+    tangential = arrays.four_wheel(turn=(0, 1))
+    assert roll_authority(tangential).rank == 3
+    parallel = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward([(1, 0), (-1, 0), (2, 0)])])
+    assert roll_authority(parallel).rank == 1
+
+
+def test_rims_on_one_line_through_the_point_leave_two_twists_missing(arrays: Arrays) -> None:
+    """Their row has no moment: the missing twists are the motion across it and the rotation."""
+    scene = arrays.scene(arrays.inward([(1, Fraction(3, 2)), (-1, Fraction(-3, 2))]), ROLL)
+    authority = roll_authority(scene)
+    assert authority.rank == 1
+    assert np.linalg.matrix_rank(np.array([[float(x) for x in twist] for twist in authority.missing])) == 2
+    assert check_theorem4(scene).check()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_torque_authority_against_numerical_rank(arrays: Arrays, seed: int) -> None:
+    scene = arrays.cocircular(seed)
+    rows = []
+    for wheel in scene.wheels:
+        d, p = ([float(x) for x in v] for v in (wheel.direction, wheel.position))
+        rows.append([*d, d[1] * p[0] - d[0] * p[1]])
+    authority = roll_authority(scene)
+    assert authority.rank == np.linalg.matrix_rank(np.array(rows))
+
+
+def many_wheels(arrays: Arrays, rows: int) -> Scene:
+    """A grid under the rims (-x, -2 y), with side friction that differs from wheel to wheel."""
+    scene = arrays.grid(rows, rows)
+    wheels = [
+        replace(
+            wheel,
+            direction=(wheel.direction[0], wheel.direction[1] * 2),
+            friction=replace(wheel.friction, side=scene.field(1 + k % 3) / 4),
+        )
+        for k, wheel in enumerate(scene.wheels)
+    ]
+    return replace(scene, wheels=tuple(wheels))
+
+
+@pytest.mark.parametrize("rows", [4, 10])
+def test_many_square_roots_leave_the_linearization_exact(arrays: Arrays, rows: int) -> None:
+    """An exact inverse of det H would have up to 2^r terms over r square roots: quotients are put off."""
+    scene = ruled(many_wheels(arrays, rows), "ellipse")
+    linear = linearize(scene, load_regions(scene)[0], scene.field.zero)
+    assert linear is not None
+    assert solves(linear)
+    assert not solves(replace(linear, columns=(linear.columns[1], linear.columns[0])))
+    hessian, slope = (np.array([[float(x) for x in row] for row in part]) for part in (linear.hessian, linear.slope))
+    motion = -np.linalg.solve(hessian, slope.T)
+    columns = np.array([[float(x) for x in column] for column in linear.columns])
+    assert np.abs(columns.T - motion).max() < 1e-12
+    rates = np.linalg.eigvals(motion[:2])
+    assert float(linear.spectral_abscissa) == pytest.approx(rates.real.max(), rel=1e-12)
+    turned = -motion[2] @ np.linalg.inv(motion[:2])
+    assert [float(x) for x in linear.rotation_map] == pytest.approx(turned, abs=1e-12)
+    assert np.abs(turned).max() > 1e-3
+
+
+# ---- Discs of starts that come home under rules without cells, against minimizers of D all over them.
+
+INWARD = ("four-wheel", "four-wheel-side", "ring-5", "ring-6", "grid-4x4")
+POINTS = 200
+
+
+def translation_of(scene: Scene) -> EllipseTranslation:
+    found = check_theorem4(scene, beside=False).results["translation"]
+    assert isinstance(found, EllipseTranslation)
+    assert evidence_holds(found)
+    return found
+
+
+def largest_product(scene: Scene, radius: float, seed: int = 5) -> float:
+    """The largest ``c . v/|c|`` over random points of a disc, most of them near its border or its centre."""
+    centred, rng = scene.recentred(), np.random.default_rng(seed)
+    angles = rng.uniform(0, 2 * np.pi, POINTS)
+    reaches = radius * rng.choice([0.02, 0.3, 0.9, 1.0], POINTS) * rng.uniform(0.9, 1.0, POINTS)
+    points = reaches[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    twists = minima_under(smooth_rule_of(centred), centred, points).twists
+    return float(((points * twists[:, :2]).sum(axis=1) / reaches).max())
+
+
+@few(1)
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("name", INWARD)
+def test_the_distance_falls_all_over_the_disc(name: str, rule: str) -> None:
+    scene = load_scene(name, rule=rule)
+    found = translation_of(scene)
+    assert found.home_radius is not None
+    assert found.home_radius == scene.check.radius
+    assert largest_product(scene, float(found.home_radius)) < 0
+
+
+def test_a_spin_at_the_point_does_not_matter() -> None:
+    scene = load_scene("spiral-30", rule="ellipse")
+    found = translation_of(scene)
+    assert found.home_radius is not None
+    assert largest_product(scene, float(found.home_radius)) < 0
+
+
+@few(4)
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_no_disc_is_claimed_where_the_distance_may_grow(name: str) -> None:
+    """Every built-in scene: where a minimizer moves outward, no disc reaches there."""
+    found = check_theorem4(load_scene(name, rule="ellipse"), beside=False).results["translation"]
+    if isinstance(found, EllipseTranslation) and found.home_radius is None:
+        assert found.region_radius is None
+        return
+    assert found.verdict is Translation.ASYMPTOTICALLY_STABLE
+
+
+@pytest.mark.parametrize(("name", "radius"), keep(1, [("ring-6", Fraction(3, 5)), ("grid-4x4", Fraction(5, 4))]))
+def test_the_disc_ends_where_a_spring_lifts_off(name: str, radius: Fraction) -> None:
+    """Beyond, the loads have another form: the disc is no larger than the part of the square that holds the point."""
+    base = load_scene(name, rule="ellipse")
+    wide = replace(base, check=replace(base.check, radius=base.field(radius)))
+    found = translation_of(wide)
+    assert found.home_radius is not None
+    assert 0 < found.home_radius < wide.check.radius
+    assert largest_product(wide, float(found.home_radius)) < 0
+
+
+def test_another_disc_is_refused() -> None:
+    found = translation_of(load_scene("four-wheel", rule="ellipse"))
+    assert found.home_radius is not None
+    assert not evidence_holds(replace(found, region_radius=found.home_radius * 2))
+    saddle = translation_of(load_scene("elliptic", rule="ellipse"))
+    assert saddle.home_radius is None
+    assert not evidence_holds(replace(saddle, region_radius=saddle.point.scene.check.radius))
+
+
+# ---- Up to which mass a verdict holds: against the Jacobian of the full dynamics, its paths, and forged evidence.
+
+SPIRAL = ns.Array.ring(
+    4,
+    radius="sqrt(2)",
+    phase="pi/4",
+    mu_roll=1,
+    mu_side="1/2",
+    check_radius="1/2",
+    rule="ellipse",
+    length=1,
+    field={"kind": "spiral", "angle": "pi/6"},
+)
+BESIDE = 1e-3  # relative distance from the limits at which the eigenvalues are looked at
+FIVE_OF_EACH = (0, 1, 3, 4, 5, 2, 14, 28, 31, 32)  # arrays that lose their stability with mass, and that keep it
+
+
+def translation_at(scene: Scene) -> EllipseTranslation:
+    own = scene.recentred()
+    return decide_translation_at(ellipse_point(own, load_regions(own, own.check.equilibrium)), None)
+
+
+def limit_of(scene: Scene) -> MassLimit | None:
+    return translation_at(scene).mass
+
+
+def growth(scene: Scene, omega: float, mass: float) -> float:
+    """The largest real part of the eigenvalues of the equations that full dynamics integrates, theta left out."""
+    own = scene.recentred()
+    model = contact_model(own)
+    state = np.array([0.0, 0.0, 0.0, 0.0, 0.0, omega])
+    radius = np.sqrt(((model.positions - model.positions.mean(axis=0)) ** 2).sum(axis=1).mean() / 2)
+    loads = MovingLoads(model, state[:2])
+    equations = NewtonEuler(model, RigidBody(mass, mass * radius**2), loads, CREEP * float(np.abs(model.targets).max()))
+    matrix = equations.jacobian(0.0, state)
+    kept = [0, 1, 3, 4, 5]
+    return float(np.linalg.eigvals(matrix[np.ix_(kept, kept)]).real.max())
+
+
+def test_the_spiral_loses_stability_where_the_jacobian_says() -> None:
+    scene = SPIRAL.scene
+    limit = limit_of(scene)
+    assert limit is not None
+    assert limit.unstable_at is not None
+    omega = float(limit.linearization.omega)
+    assert growth(scene, omega, float(limit.stable_to) * (1 - BESIDE)) < 0
+    assert growth(scene, omega, float(limit.unstable_at) * (1 + BESIDE)) > 0
+
+
+def leaning_ring(seed: int) -> ns.Array:
+    """Rims that lean away from the way inward, all alike: the body spins, and inertia may feed the forces around."""
+    draw = random.Random(seed)
+    lean = f"{draw.choice((0, 15, 30, 40, 50, 60))} deg"
+    friction = Fraction(draw.randrange(2, 25), 10)
+    radius = Fraction(draw.randrange(5, 30), 10)
+    field = {"kind": "spiral", "angle": lean, "speed": Fraction(draw.randrange(2, 30), 10)}
+    return ns.Array.ring(draw.randrange(3, 7), radius=radius, mu_roll=1, mu_side=friction, rule="ellipse", field=field)
+
+
+def random_limits(seeds: Iterable[int]) -> list[tuple[Scene, MassLimit]]:
+    scenes = [leaning_ring(seed).scene for seed in seeds]
+    return [(scene, limit) for scene in scenes if (limit := limit_of(scene)) is not None]
+
+
+@pytest.mark.parametrize("seeds", keep(1, [FIVE_OF_EACH, range(40)]), ids=["five of each", "all"])
+def test_limits_of_random_arrays_are_those_of_the_jacobian(seeds: Iterable[int]) -> None:
+    found = random_limits(seeds)
+    lost = [(scene, limit) for scene, limit in found if limit.unstable_at is not None]
+    kept = [(scene, limit) for scene, limit in found if limit.unstable_at is None]
+    assert len(lost) >= 5
+    assert len(kept) >= 5
+    for scene, limit in lost:
+        omega = float(limit.linearization.omega)
+        for share in (1e-3, 0.03, 0.3, 1 - BESIDE):
+            assert growth(scene, omega, float(limit.stable_to) * share) < 0
+        assert growth(scene, omega, float(limit.unstable_at or 0) * (1 + BESIDE)) > 0
+    for scene, limit in kept:
+        omega = float(limit.linearization.omega)
+        for power in range(-4, 4):
+            assert growth(scene, omega, 10.0**power) < 0
+
+
+@pytest.mark.parametrize(("share", "grows"), [(0.7, False), (1.3, True)])
+def test_paths_beside_the_limit(share: float, grows: bool) -> None:
+    """The spiral from its spin, a little beside the point."""
+    scene = SPIRAL.scene
+    limit = limit_of(scene)
+    assert limit is not None
+    mass = share * float(limit.stable_to)
+    body = RigidBody(mass, mass * float(limit.squared_radius))
+    spin = (0.0, 0.0, float(limit.linearization.omega))
+    path = simulate_dynamics(contact_model(scene), body, (1e-3, 0.0, 0.0), 60.0, spin)
+    late = [np.hypot(*path.state(t)[:2]) for t in np.linspace(50.0, 60.0, 50)]
+    early = [np.hypot(*path.state(t)[:2]) for t in np.linspace(0.0, 10.0, 50)]
+    assert (max(late) > max(early)) == grows
+
+
+def test_speeds_count_as_the_root_of_the_mass() -> None:
+    array = SPIRAL
+    faster = array.with_(field={"kind": "spiral", "angle": "pi/6", "speed": 2})
+    slow, fast = limit_of(array.scene), limit_of(faster.scene)
+    assert slow is not None
+    assert fast is not None
+    assert fast.stable_to == pytest.approx(slow.stable_to / 4, rel=1e-3)
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+def test_built_in_arrays_are_stable_at_any_mass_but_the_spiral(rule: str) -> None:
+    limits = {name: limit_of(load_scene(name, rule=rule)) for name in ("four-wheel", "ring-5", "elliptic", "spiral-30")}
+    lost = {name for name, limit in limits.items() if limit is not None and limit.unstable_at is not None}
+    assert lost == ({"spiral-30"} if rule == "ellipse" else set())
+
+
+def test_forged_limits_are_refused() -> None:
+    limit = limit_of(SPIRAL.scene)
+    assert limit is not None
+    assert limit.unstable_at is not None
+    assert evidence_holds(limit)
+    forged: list[dict[str, Any]] = [
+        {"stable_to": limit.unstable_at},
+        {"unstable_at": limit.stable_to},
+        {"unstable_at": None, "stable_to": limit.stable_to * 2},
+        {"stable_to": Fraction(0)},
+        {"stable_to": -limit.stable_to},
+    ]
+    for change in forged:
+        assert not evidence_holds(replace(limit, **change))
+
+
+def test_limits_of_another_array_are_refused() -> None:
+    """The same numbers, with another radius: true by chance, as the spin decouples, and not of this array."""
+    found = translation_at(SPIRAL.scene)
+    assert found.mass is not None
+    assert evidence_holds(found)
+    other = replace(found.mass, squared_radius=found.mass.squared_radius * 2)
+    assert not evidence_holds(replace(found, mass=other))
+
+
+@few(2)
+@pytest.mark.parametrize(("length", "metres", "speed"), [("m", 1, 1), ("mm", 0.001, 1), ("m", 1, 10)])
+def test_answers_say_it_in_speeds(length: str, metres: float, speed: int) -> None:
+    faster = SPIRAL.with_(units={"length": length}, field={"kind": "spiral", "angle": "pi/6", "speed": speed})
+    limit, answer = limit_of(faster.scene), inertia_answer(faster.scene)
+    assert limit is not None
+    assert answer is not None
+    factor = np.sqrt(float(limit.stable_to) * 9.80665 / metres)
+    assert float(answer["stable_to"]) == pytest.approx(factor, rel=1e-3)
+    assert answer.verdict == ("stable" if factor > 1 else "unstable")
+    assert f"it is stable up to {at_least(answer['stable_to'])} times these speeds" in answer.sentence
