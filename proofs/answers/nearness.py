@@ -23,7 +23,6 @@ from functools import lru_cache
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.fan import CellCone, rays_of
 from nonsmooth.analysis.cells.load_sets import Loads
-from nonsmooth.analysis.cells.moves import departure_sign
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.answers.answer import Results, angle_at_least
@@ -42,7 +41,7 @@ from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import cross, dot, turned
+from nonsmooth.symbolic.numbers.plane import cross, dot
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 FOLLOWED = {"nearest", "box", "ellipse", "roller", MIXED}  # rules whose motions are enclosed
@@ -290,42 +289,14 @@ def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:
-    """Whether a move leads farther than the accuracy, in the same cell or between the same two cells."""
-    if move.move is Move.SLIDE:
-        return _slides_out(move, fan, accuracy)
-    return move.move is Move.ESCAPE and any(
-        _escapes(cone, move.twists[0], accuracy) for cone in fan.cones if isinstance(cone, CellCone)
-    )
-
-
-def _escapes(cone: CellCone, twist: Twist, accuracy: Fraction) -> bool:
-    """Whether a motion of a cell leads from the point out of the disc, before it leaves the cell.
-
-    Until ``c = 2 l (v + l w J v)/(1 + l^2 w^2)``, with ``l = tan(w t/2)/w`` at the time t, the body is on an arc that
-    turns by less than a half turn.  The tangents at its ends meet at ``l v``, so it lies in a triangle, which lies in
-    the cell if its corners do.
-    """
-    velocity, turn = twist.velocity, twist.omega
-    if twist not in cone.twists or any(departure_sign(normal, twist) < 0 for normal in cone.inward_normals):
-        return False
-    room = 4 * float(dot(velocity, velocity)) - float(accuracy * turn) ** 2
-    if room <= 0:  # the whole circle lies within the disc
-        return False
-    share = Fraction(float(accuracy) / room**0.5) * (1 + Fraction(1, 2**20))
-    stretch = 2 * share / (1 + share * share * turn * turn)
-    tangent, across = (velocity[0] * share, velocity[1] * share), turned(velocity)
-    end = stretch * (velocity[0] + share * turn * across[0]), stretch * (velocity[1] + share * turn * across[1])
-    is_out = dot(end, end) > accuracy * accuracy
-    return is_out and all(cone.cell.polygon.contains(corner) for corner in (tangent, end))
-
-
-def _slides_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:
     """Whether a body slides outward along a ray of the fan, between the same two cells, farther than the accuracy.
 
     At the place ``lambda r`` of the ray r the velocity of a cell has the normal part ``J r . v + lambda omega r . r``,
     which is affine in lambda, and the radial part ``r . v``.  Where the normal parts of the two cells oppose each other
     at both ends of a piece of the ray they do so on all of it.
     """
+    if move.move is not Move.SLIDE:
+        return False
     ray = move.ray
     size = float(dot(ray, ray)) ** 0.5
     most = Fraction(float(accuracy) / size) * (1 + Fraction(1, 2**20))

@@ -8,12 +8,10 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from random import Random
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
 import nonsmooth as ns
@@ -31,17 +29,14 @@ from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
 from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, destinations_of
-from nonsmooth.proofs.answers.nearness import _escapes
 from nonsmooth.proofs.robust.drift import _directions, driven_out, is_driven_out_on_one_side, largest_spin
 from nonsmooth.proofs.robust.ends import decide_ends
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays
 from tests.oracles.floats import Floats
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
@@ -349,13 +344,15 @@ def test_friction_axes_of_their_own_are_followed_by_the_exact_cells() -> None:
     assert largest_spin(scene.recentred(), scene.accuracy) is not None
 
 
-IN_ONE_CELL = [("nearest", 104), ("box", 128), *(("nearest", seed) for seed in (100, 106, 110, 114, 116))]
-TO_ONE_SIDE = [("nearest", 102), ("box", 114), ("nearest", 112), ("nearest", 122), ("box", 116)]
+TO_ONE_SIDE = [
+    *(("nearest", 102), ("box", 114), ("nearest", 104), ("box", 128), ("nearest", 112), ("nearest", 122), ("box", 116)),
+    *(("nearest", seed) for seed in (100, 106, 110, 114, 116)),
+]
 
 
-@pytest.mark.parametrize(("rule", "seed"), [*keep(2, IN_ONE_CELL), *keep(1, TO_ONE_SIDE)])
+@pytest.mark.parametrize(("rule", "seed"), keep(3, TO_ONE_SIDE))
 def test_a_body_that_is_carried_out_from_as_near_as_one_likes_leaves(rule: str, seed: int, tmp_path: Path) -> None:
-    """One motion leads out of the disc before its cell ends; or all do, on one side of a line through the point."""
+    """All motions lead out of the disc on one side of a line through the point."""
     table = MeasuredTable.symmetric(seed, rule)
     scene = scene_of(tmp_path, table.toml)
     answer, accuracy = position_of(scene), float(scene.accuracy)
@@ -364,35 +361,6 @@ def test_a_body_that_is_carried_out_from_as_near_as_one_likes_leaves(rule: str, 
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     starts = 1e-3 * accuracy * np.column_stack([np.cos(angles), np.sin(angles)])
     assert max(SmallSteps(table).end(start, 5.0, accuracy)[1] for start in starts) >= accuracy
-
-
-@pytest.mark.parametrize("turn", ["1/50", "1/7", "-3/2", "2"])
-def test_an_arc_out_of_the_disc_lies_in_the_triangle_that_is_asked(turn: str) -> None:
-    """Of speed 1: a body is carried at most twice the radius of its circle away."""
-    spin, field, asked = Fraction(turn), NumberField(), list[Any]()
-
-    def holds(corner: Any) -> bool:
-        asked.append(corner)
-        return True
-
-    polygon = SimpleNamespace(contains=holds)
-    twist = Twist(field(Fraction(3, 5)), field(Fraction(4, 5)), field(spin))
-    cone: Any = SimpleNamespace(twists=(twist,), inward_normals=(), cell=SimpleNamespace(polygon=polygon))
-    for distance in (Fraction(1, 10), Fraction(9, 10), Fraction(6, 5)):
-        asked.clear()
-        assert _escapes(cone, twist, distance) == (distance * abs(spin) < 2)
-        if not asked:
-            continue
-        tangent, end = (np.array(corner, dtype=float) for corner in asked)
-        assert distance < np.hypot(*end) < distance * 1.001
-        path = solve_ivp(
-            lambda t, c: [0.6 - float(spin) * c[1], 0.8 + float(spin) * c[0]], (0, 3), (0, 0), max_step=0.01, rtol=1e-10
-        ).y.T
-        inside = path[: np.argmax(np.hypot(*path.T) > float(distance))]
-        weights = np.linalg.lstsq(np.stack([tangent, end], axis=1), inside.T, rcond=None)[0]
-        assert np.allclose(np.stack([tangent, end], axis=1) @ weights, inside.T, atol=1e-9)
-        assert weights.min() >= -1e-9
-        assert weights.sum(axis=0).max() <= 1 + 1e-9
 
 
 @pytest.mark.parametrize(("rule", "seed"), keep(1, TO_ONE_SIDE))
