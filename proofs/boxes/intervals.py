@@ -75,9 +75,11 @@ class Intervals:
             return _outward(np.minimum(first, last), np.maximum(first, last))
         if self.low is self.high:
             return other * self
-        products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
-        low = np.minimum(np.minimum(products[0], products[1]), np.minimum(products[2], products[3]))
-        high = np.maximum(np.maximum(products[0], products[1]), np.maximum(products[2], products[3]))
+        low = np.asarray(self.low * other.low)
+        high = low.copy()
+        for product in (self.low * other.high, self.high * other.low, self.high * other.high):
+            np.minimum(low, product, out=low)
+            np.maximum(high, product, out=high)
         return _outward(low, high)
 
     def __rmul__(self, number: float) -> Intervals:
@@ -191,9 +193,8 @@ def _quotient(a: Floats, b: Floats, toward: float) -> Floats:
 
 def _outward(low: Floats, high: Floats) -> Intervals:
     """Ends that are correct to half a unit in the last place, moved outward by more than one."""
-    below, above = np.abs(low), np.abs(high)
-    below *= UNITS
-    above *= UNITS
-    below += TINY
-    above += TINY
-    return Intervals(low - below, high + above)
+    below, above = np.asarray(np.abs(low)), np.asarray(np.abs(high))
+    for doubt in (below, above):  # in place: large arrays are not copied
+        np.multiply(doubt, UNITS, out=doubt)
+        np.add(doubt, TINY, out=doubt)
+    return Intervals(np.subtract(low, below, out=below), np.add(high, above, out=above))
