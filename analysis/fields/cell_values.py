@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
 from nonsmooth.analysis.fields.stated_field import StatedField
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -30,6 +30,7 @@ def rate_values(field: StatedField, xs: Floats, ys: Floats) -> tuple[Floats, Flo
     return first, second
 
 
+@BEYOND_FLOATS
 def _values(polynomial: Polynomial, variables: list[Floats]) -> Floats:
     """A polynomial in any number of variables at many places."""
     total = np.zeros_like(variables[0])

@@ -209,7 +209,7 @@ def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Vector) 
     fields = motion.fields(t, x)
     scale = largest(fields)
     changes = _changes(field, motion, t, x) if scale else np.zeros((2, 2))
-    if largest(changes) <= BEND_SLACK * scale**2 / field.size:
+    if largest(changes) * field.size <= BEND_SLACK * scale**2:
         return None
     (d11, d12), (d21, d22) = changes
     roots = np.roots([d11 - d12 - d21 + d22, d12 + d21 - 2 * d22, d22])
@@ -243,9 +243,14 @@ def _reach(field: FacedField, motion: FaceMotion, x: Vector) -> float:
 
 
 def _doubt(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector) -> float:
-    """What rounding of the state may change the normal speeds of a slide by; ``fields`` are those at the state."""
+    """What rounding of the state may change the normal speeds of a slide by; ``fields`` are those at the state.
+
+    On a domain so small that no float tells how far to look it is infinite.
+    """
     normal = motion.face.keep[0].normal(x)
     move = LOOK_AHEAD * size
+    if not move:
+        return math.inf
     change = motion.fields(t, x + move * normal) - fields
     return OFF_SURFACE * max(size, largest(x)) * largest(change) / move
 

@@ -37,7 +37,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number import Number
@@ -267,8 +267,8 @@ def _turned(wave: Wave, system: SwitchedSystem, angles: Sequence[str], values: M
     sine, cosine = one * 0, one
     for exponents, value in system.argument_of(wave).terms.items():
         turns = value.as_rational()
-        if sum(exponents) != 1 or turns is None or turns.q != 1:
-            raise ExpressionError("required sums of whole multiples of angles")
+        if sum(exponents) != 1 or turns is None or turns.q != 1 or abs(turns) > MAX_DEGREE:
+            raise ExpressionError(f"required sums of whole multiples of angles, none above {MAX_DEGREE}")
         name = system.states[exponents.index(1)]
         own, across = values[f"sin_{name}"], values[f"cos_{name}"] + 1
         own = own if turns > 0 else -own

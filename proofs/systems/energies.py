@@ -14,6 +14,7 @@ These are proposals, read off the right-hand sides at a few points; whoever take
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -22,6 +23,7 @@ from typing import TypeAlias
 from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.systems.lyapunov_rows import BasisFunction, build_formula
+from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
@@ -142,12 +144,13 @@ class Actions:
                     found.append((c * factor * known, BasisFunction(monomial, line)))
         return found
 
-    def formula(self, terms: Sequence[Term]) -> PiecewiseExpression:
-        """The sum as a formula of the states."""
+    def written(self, terms: Sequence[Term]) -> Iterator[PiecewiseExpression]:
+        """The sum as a formula of the states; none where that is too long."""
         total: dict[BasisFunction, fmpq] = {}
         for c, own in terms:
             total[own] = total.get(own, fmpq(0)) + c
-        return build_formula(list(total), list(map(as_fraction, total.values())), self.system.states)
+        with suppress(ExpressionError):
+            yield build_formula(list(total), list(map(as_fraction, total.values())), self.system.states)
 
     @property
     def states(self) -> tuple[Polynomial, ...]:
@@ -248,7 +251,7 @@ def _ends(system: SwitchedSystem, i: int, radius: Number | None) -> list[fmpq]:
 def energy_near(system: SwitchedSystem, radius: Number) -> PiecewiseExpression | None:
     """The energy on a cube of some half-width; None where there is none."""
     known = actions(system, radius)
-    return None if known is None else known.formula(known.energy())
+    return None if known is None else next(known.written(known.energy()), None)
 
 
 def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
@@ -256,7 +259,7 @@ def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
     known = actions(system, None)
     if known is None:
         return
-    yield known.formula(known.energy())
+    yield from known.written(known.energy())
     for surface in system.surfaces(system.displaced(system.states)):
         slopes = {e.index(1): c for e, c in surface.terms.items() if sum(e) == 1}
         for i in slopes if surface.degree == 1 and len(slopes) > 1 else ():
@@ -264,7 +267,7 @@ def energies(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
                 line = known.states[0] * 0
                 for k, slope in slopes.items():
                     line = line + known.states[k] * (slope / slopes[i])
-                yield known.formula(known.energy(i, line))
+                yield from known.written(known.energy(i, line))
 
 
 def falling_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
@@ -272,7 +275,7 @@ def falling_energies(system: SwitchedSystem, radius: Number) -> Iterator[Piecewi
     known = actions(system, radius)
     if known is None:
         return
-    yield known.formula(known.energy())
+    yield from known.written(known.energy())
     for place, other in ((0, 1), (1, 0)):
         if not _is_multiple(system, place, other) or (other, place) not in known.rates:
             continue
@@ -286,7 +289,7 @@ def falling_energies(system: SwitchedSystem, radius: Number) -> Iterator[Piecewi
         for share in SHARES:
             for shape in shapes:
                 crossed = known.product(as_fmpq(share), shape, known.states[place], known.states[other])
-                yield known.formula(energy + crossed)
+                yield from known.written(energy + crossed)
 
 
 def _is_multiple(system: SwitchedSystem, place: int, other: int) -> bool:

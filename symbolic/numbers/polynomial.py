@@ -19,7 +19,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.numbers.coefficients import fmpq_to_float
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, fmpq_to_float
 from nonsmooth.symbolic.numbers.exact_real import ExactRing
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -94,11 +94,13 @@ def _powers(base: Any, terms: Mapping[Exponents, Any], index: int) -> list[Any]:
     return powers
 
 
+@BEYOND_FLOATS
 def float_values(terms: Mapping[Exponents, Any], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """A polynomial at points of shape (m, n), in floats."""
     return sum(_float_terms(terms, points), np.zeros(len(points)))
 
 
+@BEYOND_FLOATS
 def float_values_and_sizes(
     terms: Mapping[Exponents, Any], points: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -109,7 +111,8 @@ def float_values_and_sizes(
 
 def _float_terms(terms: Mapping[Exponents, Any], points: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
     for exponents, coefficient in terms.items():
-        size = fmpq_to_float(coefficient) if isinstance(coefficient, fmpq) else float(coefficient)
+        exact = as_fmpq(coefficient) if isinstance(coefficient, Fraction) else coefficient
+        size = fmpq_to_float(exact) if isinstance(exact, fmpq) else float(exact)
         term = np.full(len(points), size)
         for k, exponent in enumerate(exponents):
             if exponent:
