@@ -145,7 +145,7 @@ class Theorem4Result(ShortRepr):
         return None
 
     def check(self) -> bool:
-        """Whether the stand-alone checker accepts the certificate of what the clauses say.
+        """Whether all clauses are about this scene, and the stand-alone checker accepts a certificate of what they say.
 
         Where there is none (a rule without cells, loads that are not known, nothing decided), or it leaves out some of
         it, all clauses are decided once more: that refuses what was changed since, and repeats an error.
@@ -154,7 +154,8 @@ class Theorem4Result(ShortRepr):
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.verified import UnverifiedError
 
-        if self.verdict is not clause_registry.conclude(self.results)[0]:
+        about = (getattr(result, "scene", self.scene) for result in self.results.values())
+        if self.verdict is not clause_registry.conclude(self.results)[0] or any(one != self.scene for one in about):
             return False
         try:
             stated = stated_words(build_certificate(self))

@@ -21,6 +21,7 @@ from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, Regi
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text
@@ -224,8 +225,8 @@ class Known:
         return self.standing is None or self.standing.is_weak
 
 
-@dataclass(frozen=True)
-class Reach:
+@dataclass(frozen=True, repr=False)
+class Reach(ShortRepr):
     """How far and how fast a proved verdict carries; None for what is not proved.
 
     Attributes:

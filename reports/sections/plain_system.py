@@ -47,6 +47,7 @@ from nonsmooth.reports.output.document import (
 )
 from nonsmooth.reports.output.facts import Record, fact_rows
 from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
+from nonsmooth.reports.output.refusals import LARGEST, LEAST
 from nonsmooth.reports.simulations.paths import follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.formulas.formula_text import tidied
@@ -388,6 +389,12 @@ def _several_fields(subject: SystemSubject) -> str:
     return "" if subject.scene.has_one_field else switches
 
 
+def _no_picture(subject: SystemSubject) -> str:
+    beyond = "the checked square is beyond what floats, which pictures need, hold"
+    is_known = LEAST <= float(subject.scene.check.radius) <= LARGEST
+    return _several_fields(subject) or ("" if is_known else beyond)
+
+
 def _no_leading(subject: SystemSubject) -> str:
     return "" if subject.result.by(Method.LEADING) is not None else "what decides are not the leading terms"
 
@@ -400,7 +407,7 @@ SYSTEM_PARTS = (
     ReportPart("point", point_section),
     ReportPart("lyapunov", lyapunov_section),
     ReportPart("leading-terms", leading_section, _no_leading),
-    ReportPart("portrait", portrait_section, _several_fields),
+    ReportPart("portrait", portrait_section, _no_picture),
     ReportPart("trajectories", paths_section, _several_fields),
 )
 
