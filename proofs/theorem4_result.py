@@ -154,8 +154,9 @@ class Theorem4Result(ShortRepr):
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.verified import UnverifiedError
 
+        own = self.scene, self.scene.recentred()
         about = (getattr(result, "scene", self.scene) for result in self.results.values())
-        if self.verdict is not clause_registry.conclude(self.results)[0] or any(one != self.scene for one in about):
+        if self.verdict is not clause_registry.conclude(self.results)[0] or any(scene not in own for scene in about):
             return False
         try:
             stated = stated_words(build_certificate(self))
