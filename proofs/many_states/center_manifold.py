@@ -500,28 +500,43 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
     """
     try:
         subject, search = started(system, None)
-        if len(fields_seen(stated_cells(system, system.check.radius * SHARES[-1]), subject.stated)) > 1:
-            return None
+        for number, stated, field in smooth_fields(system, subject, search, SHARES):
+            proposals = list(center_functions(field))
+            if not proposals or proposals[0].attracts is not attracts:
+                return None
+            if number == WIDE and not proposals[0].is_whole:
+                return None
+            for proposal in proposals:
+                found = _shown(system, subject, stated, proposal, search)
+                if found is not None:
+                    return found
     except NotShownError:
         return None
-    for number, share in enumerate(SHARES):
-        try:
-            stated = sharpened(stated_cells(system, system.check.radius * share), subject, search)
-            around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
-        except NotShownError:
-            return None
-        if len(around) != 1:
-            continue
-        proposals = list(center_functions(unscaled(around.pop(), stated)))
-        if not proposals or proposals[0].attracts is not attracts:
-            return None
-        if number == WIDE and not proposals[0].is_whole:
-            return None
-        for proposal in proposals:
-            found = _shown(system, subject, stated, proposal, search)
-            if found is not None:
-                return found
     return None
+
+
+def smooth_fields(
+    system: SwitchedSystem, subject: System, search: Search, shares: Sequence[Fraction]
+) -> Iterator[tuple[int, StatedCells, Vector]]:
+    """On cubes on which one field is smooth near the point: the number of the cube, its cells, and the field there.
+
+    Args:
+        system: in two states or more.
+        subject: the same for the checker.
+        search: with what was shown before.
+        shares: of the checked cube, the smallest last.
+
+    Raises:
+        NotShownError: where the checker refuses the cells.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    if len(fields_seen(stated_cells(system, system.check.radius * shares[-1]), subject.stated)) > 1:
+        return
+    for number, share in enumerate(shares):
+        stated = sharpened(stated_cells(system, system.check.radius * share), subject, search)
+        around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
+        if len(around) == 1:
+            yield number, stated, unscaled(around.pop(), stated)
 
 
 def unscaled(field: Sequence[Polynomial], stated: StatedCells) -> Vector:

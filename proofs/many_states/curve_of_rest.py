@@ -27,17 +27,17 @@ import numpy as np
 from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
-from nonsmooth.proofs.kernel.cells import fields_seen, rational, sharpened, started, stated_cells
-from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
+from nonsmooth.proofs.kernel.cells import rational, started
+from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.kernel.written import formula_text, null_basis
 from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
     Split,
+    smooth_fields,
     split_at,
     times,
-    unscaled,
 )
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -79,22 +79,15 @@ def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> Rest
     """
     try:
         subject, search = started(system, None)
-        if len(fields_seen(stated_cells(system, system.check.radius * SHARES[-1]), subject.stated)) > 1:
-            return None
-        for share in SHARES:
-            radius = system.check.radius * share
-            stated = sharpened(stated_cells(system, radius), subject, search)
-            around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
-            if len(around) != 1:
-                continue
-            curve = curve_of_rest(unscaled(around.pop(), stated))
+        for number, _, field in smooth_fields(system, subject, search, SHARES):
+            curve = curve_of_rest(field)
             if curve is None:
                 return None
             if not with_function:
                 return RestingCurve(None, curve.words(system))
             for function in curve.functions():
                 formula = parse_piecewise(formula_text(function, system.states).replace("+ -", "- "), system.states)
-                examined = examine(system, formula, radius)
+                examined = examine(system, formula, system.check.radius * SHARES[number])
                 if examined.decrease is Decrease.WEAK:
                     return RestingCurve(examined, curve.words(system))
     except NotShownError:
