@@ -19,6 +19,7 @@ from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
 from tests.proofs.system_families import families
 from tests.proofs.test_known_systems import KNOWN, build
 from tests.proofs.test_known_systems import system_of as planar
+from tests.proofs.test_second_checker import ONE_STATE
 from tests.thorough import few, keep
 
 # What the checkers of version 1 do not show of a certificate, word for word, and why that is no contradiction.
@@ -64,15 +65,6 @@ FIRST = [
     *("relay, viscous 1", "crossed relays, contracting", "twisting 2, 1", "Coulomb friction", "parabola far away"),
     *("weak focus, cubic growth", "flower"),
 ]
-ONE_STATE = {
-    "-x": "asymptotically stable",
-    "-sign(x)": "asymptotically stable",
-    "-x + x**3": "asymptotically stable",
-    "-relu(x)": "stable",
-    "x**3 - 2*sign(x)*x**2": "asymptotically stable",
-    "Abs(x)": "unstable",
-    "1 + sign(x)/2": "unstable",
-}
 
 
 def why_not(certificate: Any) -> str:
