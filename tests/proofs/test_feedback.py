@@ -373,6 +373,20 @@ def test_four_wheel_rate_in_closed_form(arrays: Arrays) -> None:
     assert 0 <= (3 - np.sqrt(5)) / 4 - float(rate.kappa) < 3e-4
 
 
+@pytest.mark.parametrize("unit", [1, Fraction(1, 10**40), 10**12])
+def test_the_largest_rate_of_a_cone_is_told_apart_exactly(unit: Fraction) -> None:
+    """With inputs along x, along y, and turning: ``a^2 + b^2 >= kappa V`` iff ``kappa <= 1``, closer than floats are."""
+    field = NumberField(1)
+    one, zero = field.rational(1), field.rational(0)
+    cone = ConeRate(
+        ((one * unit, zero), (zero, one / unit)), ((one, zero, zero), (zero, one, zero), (zero, zero, 2 * one))
+    )
+    assert cone.holds(Fraction(1))
+    for digits in range(1, 60):
+        assert cone.holds(1 - Fraction(1, 10**digits))
+        assert not cone.holds(1 + Fraction(1, 10**digits))
+
+
 @thorough  # the small one: test_the_rate_is_certified_and_nearly_the_best
 def test_random_arrays_have_a_rate_iff_the_law_stabilizes(arrays: Arrays) -> None:
     with_rate = without = 0

@@ -41,8 +41,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from math import isqrt
+from operator import add
 from typing import Any, TypeAlias
 
 from flint import arb
@@ -59,7 +60,7 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import (
     rounded_down,
 )
 from nonsmooth.symbolic.mechanics.constraints import Triple
-from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, Lazy, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import around, dot
 from nonsmooth.symbolic.numbers.rounded import plain
@@ -70,7 +71,11 @@ _LARGEST_EXPONENT = 64  # of the weight, in the square of the array's own length
 _FLOAT_RANGE = 10**300
 _FEW_BITS = 8  # correct ones of a size
 
+_LEAST, _MOST = 2.0**-30, 2.0**30  # products of sixteen such floats, as in det S, are far from under- and overflow
+
 Segment: TypeAlias = tuple[Point, Point]
+# c^T P c by its coefficients at s^2, st, t^2, and a^2 + b^2 by those at s^2, st, t^2, s tau, t tau, tau^2
+Form: TypeAlias = tuple[tuple[Any, ...], tuple[Any, ...]]
 
 # ---- the rate ----------------------------------------------------------------------------
 
@@ -90,43 +95,75 @@ class ConeRate:
     lyapunov: ControlLyapunov = SQUARES
 
     @cached_property
-    def _sizes(self) -> tuple[Any, ...]:
-        """``c^T P c`` by its coefficients at ``s^2, st, t^2``."""
-        p, q = self.rays
-        slope_p, slope_q = self.lyapunov.slope(p), self.lyapunov.slope(q)
-        return dot(p, slope_p), dot(p, slope_q), dot(q, slope_q)
+    def _form(self) -> Form:
+        """The form in the numbers of the cone."""
+        slopes = [self.lyapunov.slope(ray) for ray in self.rays]
+        return _form(self.rays, slopes, self.fields)
 
     @cached_property
-    def _gains(self) -> tuple[Any, ...]:
-        """``a^2 + b^2`` by its coefficients at ``s^2, st, t^2, s tau, t tau, tau^2``."""
-        p, q = (self.lyapunov.slope(ray) for ray in self.rays)
-        products = []
-        for x, y, turn in self.fields:
-            a, b = p[0] * x + p[1] * y, q[0] * x + q[1] * y
-            products.append((a * a, a * b, b * b, a * turn, b * turn, turn * turn))
-        first, *others = zip(*products, strict=True)
-        return tuple(sum(column[1:], column[0]) for column in (first, *others))
+    def _form_in_floats(self) -> tuple[Form, float, float] | None:
+        """The form in floats, and bounds of its coefficients without tau; None where floats may under- or overflow."""
+        rays, fields = _floats(self.rays), _floats(self.fields)
+        slopes = _floats([self.lyapunov.slope(ray) for ray in self.rays]) if any(self.lyapunov.shape) else rays
+        sizes = [abs(x) for part in (rays, slopes, fields) for vector in part for x in vector]
+        if not all(_LEAST < size < _MOST or size == 0 for size in sizes):
+            return None
+        longest, steepest = max(sizes[:4]), max(sizes[4:8])
+        gain = sum((abs(x) + abs(y)) ** 2 for x, y, _ in fields) * steepest**2
+        return _form(rays, slopes, fields), gain, 2 * longest * steepest
+
+    def _clear_minors(self, kappa: Any, lightness: Any) -> tuple[float, ...] | None:
+        """The minors in floats, where rounding decides the sign of none."""
+        factor, light = float(kappa), float(lightness)
+        if self._form_in_floats is None or not _LEAST < factor < _MOST or not _LEAST < light < _MOST:
+            return None
+        form, gain, size = self._form_in_floats
+        minors = _minors(form, factor, light)
+        corner, *entries, determinant = minors
+        # Rounding errs by a small part of these sums of absolute terms; m13 m23 is no more than a gain times turns.
+        turns = form[1][5] + factor * light
+        bound = 2 * turns * (gain + factor * size)
+        is_clear = abs(corner) > FLOAT_DOUBT * turns and abs(determinant) > FLOAT_DOUBT * 2 * bound * bound
+        return minors if is_clear and min(map(abs, entries)) > FLOAT_DOUBT * bound else None
 
     def is_positive(self, kappa: Any, lightness: Any) -> bool:
         """Whether ``a^2 + b^2 >= kappa (c^T P c + lightness tau^2)`` on the closed cone, for every tau.
 
-        By the Schur complement with respect to tau, times the corner entry.
+        Numbers that floats tell apart are not multiplied exactly.
         """
-        m11, m12, m22 = (gain - kappa * size for gain, size in zip(self._gains[:3], self._sizes, strict=True))
-        m13, m23, turns = self._gains[3:]
-        corner = turns - kappa * lightness
-        if sign(corner) <= 0:
-            return False
-        s11, s22 = corner * m11 - m13 * m13, corner * m22 - m23 * m23
-        if sign(s11) < 0 or sign(s22) < 0:
-            return False
-        s12 = corner * m12 - m13 * m23
-        return sign(s12) >= 0 or sign(s11 * s22 - s12 * s12) >= 0
+        minors = self._clear_minors(kappa, lightness) or _minors(self._form, kappa, lightness)
+        corner, s11, s22, s12, determinant = map(sign, minors)
+        return corner > 0 and s11 >= 0 and s22 >= 0 and (s12 >= 0 or determinant >= 0)
 
     def holds(self, kappa: Fraction) -> bool:
         """Whether ``a^2 + b^2 >= kappa V`` on the closed cone near the equilibrium, exactly."""
         inner = kappa * (1 + SLACK) if any(self.lyapunov.shape) else kappa
         return self.is_positive(inner, 1 / self.lyapunov.weight)
+
+
+def _floats(vectors: Sequence[Any]) -> list[list[float]]:
+    """Vectors in floats; nan for numbers far from one."""
+    return [[sure_float(entry) for entry in vector] for vector in vectors]
+
+
+def _form(rays: Sequence[Any], slopes: Sequence[Any], fields: Sequence[Any]) -> Form:
+    """Both forms of a cone by its rays, by ``P r`` of these, and by the control fields."""
+    (p, q), (slope_p, slope_q) = rays, slopes
+    products = []
+    for x, y, turn in fields:
+        a, b = slope_p[0] * x + slope_p[1] * y, slope_q[0] * x + slope_q[1] * y
+        products.append((a * a, a * b, b * b, a * turn, b * turn, turn * turn))
+    gains = tuple(reduce(add, column) for column in zip(*products, strict=True))
+    return (dot(p, slope_p), dot(p, slope_q), dot(q, slope_q)), gains
+
+
+def _minors(form: Form, kappa: Any, lightness: Any) -> tuple[Any, ...]:
+    """The entry of M at ``tau^2``, the Schur complement S times it: ``S_11, S_22, S_12``, and ``det S``."""
+    sizes, (*gains, m13, m23, turns) = form
+    m11, m12, m22 = (gain - kappa * size for gain, size in zip(gains, sizes, strict=True))
+    corner = turns - kappa * lightness
+    s11, s22, s12 = corner * m11 - m13 * m13, corner * m22 - m23 * m23, corner * m12 - m13 * m23
+    return corner, s11, s22, s12, s11 * s22 - s12 * s12
 
 
 @dataclass(frozen=True)
