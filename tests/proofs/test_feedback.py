@@ -375,7 +375,7 @@ def test_four_wheel_rate_in_closed_form(arrays: Arrays) -> None:
 
 @pytest.mark.parametrize("unit", [1, Fraction(1, 10**40), 10**12])
 def test_the_largest_rate_of_a_cone_is_told_apart_exactly(unit: Fraction) -> None:
-    """With inputs along x, along y, and turning: ``a^2 + b^2 >= kappa V`` iff ``kappa <= 1``, closer than floats are."""
+    """Inputs along x, along y, and that turn: ``a^2 + b^2 >= kappa V`` iff ``kappa <= 1``, closer than floats are."""
     field = NumberField(1)
     one, zero = field.rational(1), field.rational(0)
     cone = ConeRate(
