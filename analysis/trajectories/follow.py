@@ -41,6 +41,7 @@ Rate: TypeAlias = Callable[[float, Vector], Vector]  # time derivative of the st
 Interpolant: TypeAlias = Callable[[Any], Vector]  # of a time, as a state (n,); of times (m,), as states (n, m)
 
 HALVINGS = 40  # of a step, in search of a moment at which a guard that starts at zero is positive
+LATE = 2.0**-16  # of a step: by how much its dense output may miss an event
 SAMPLED_PARTS = 12  # of an easy step: more than the extrema of a polynomial of the dense output's degree
 RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
 
@@ -58,6 +59,7 @@ class DenseStep:
         easy: whether its error is far below the tolerance: the solution is nearly a polynomial of low degree there, and
             nothing but the size of the step keeps a guard from falling and rising more than once within it.
         work: evaluations of the rate that it took.
+        again: takes the step once more, to a time within it; None where no stepper does, or it would come to the same.
     """
 
     def __init__(
@@ -74,6 +76,7 @@ class DenseStep:
         self._dense = dense
         self._interpolant: Interpolant | None = None
         self.slopes, self.easy, self.work = slopes, easy, work
+        self.again: Callable[[float], DenseStep] | None = None
 
     def __call__(self, times: Any) -> Vector:
         """State at a time within the step, (n,), or states at many, (n, m)."""
@@ -269,6 +272,26 @@ def _dip(value: Callable[[float], float], slack: float, before: tuple[float, flo
     return _fall(value, slack, before, (float(lowest.x), float(lowest.fun)))
 
 
+def _ended(step: DenseStep, guards: Guards, time: float, k: int) -> tuple[DenseStep, float, Vector]:
+    """The step in which a guard falls, as far as that, with the time and the state there.
+
+    Between its ends a long step errs more than at them.  So it is taken once more, to where its dense output has the
+    event; what is left of the guard there is so little that Newton's method needs one step.  Where that does not do, as
+    for guards that hardly move, the dense output is believed.
+    """
+    if step.again is not None and not guards.crossed and step.start < time < step.end:
+        shorter = step.again(time)
+        rate = shorter.slopes[1] if shorter.slopes else np.zeros_like(shorter.last)
+        slope = guards.slope(k, time, shorter.last, rate)
+        later = -guards.one(k, time, shorter.last) / slope if slope else math.inf
+        if abs(later) <= LATE * (time - step.start):
+            state = shorter.last + later * rate
+            if abs(guards.one(k, time + later, state)) <= guards.slacks[k]:
+                shorter.work += step.work
+                return shorter, time + later, state
+    return step, time, step(time)
+
+
 def find_root(value: Callable[[float], float], before: tuple[float, float], after: tuple[float, float]) -> float:
     """When a function that is positive at first falls through zero, down to rounding.
 
@@ -450,9 +473,12 @@ def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[
             following = guards.at(step.end, step.last)
             found = first_event(guards, values, following, step)
             if found is not None:
-                mode.passed(step, found[0])
-                stretch.times.append(found[0])
-                stretch.states.append(step(found[0]))
+                last, time, state = _ended(step, guards, *found)
+                mode.passed(last, time)
+                if dense:
+                    stretch.steps[-1] = last
+                stretch.times.append(time)
+                stretch.states.append(state)
                 return stretch, found[1], None
             values = following
         stretch.times.append(step.end)

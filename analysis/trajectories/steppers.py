@@ -117,6 +117,7 @@ DIFFERENCE = 1e-8  # step of the differences, relative to the states: half the d
 # with each state, and finds but rounding once one of them is zero and others are not.
 JACOBIAN_STEP = 1e-11
 
+Start: TypeAlias = tuple[float, Vector, Vector]  # of a step: the time, the state and the rate there
 # A step that may be too long: the state at its end, the rate there, the error of the state in tolerances, and what
 # makes its dense output.
 Trial: TypeAlias = tuple[Vector, Vector, float, Callable[[], Interpolant]]
@@ -229,6 +230,7 @@ class Dop853:
         Raises:
             TrajectoryError: where that is shorter than ten units in the last place of the time.
         """
+        start = self.t, self.y, self.slope
         shortest = 10 * (math.nextafter(self.t, math.inf) - self.t)
         length, most, trials = max(self.following, shortest), MOST_GROWTH, 0
         while True:
@@ -236,30 +238,36 @@ class Dop853:
                 raise TrajectoryError(f"the integrator stopped at t = {self.t:.6g}: {self._method.TOO_SMALL_STEP}")
             end, trials = min(self.t + length, self._until), trials + 1
             h = end - self.t
-            last, slope, error, between = self._trial(end, h)
+            last, slope, error, between = self._trial(start, end)
             growth = SAFETY * max(error, self._rounded) ** -0.125
             if error < 1:
                 break
             length, most = h * max(LEAST_GROWTH, growth), 1.0
         step = DenseStep((self.t, self.y), (end, last), between, slopes=(self.slope, slope))
+        step.again = partial(self._as_far_as, start)
         self.step_size, self.following = h, h * min(most, growth)
         step.easy, step.work = trials == 1 and error <= EASY, STAGES * trials
         self.t, self.y, self.slope = end, last, slope
         return step
 
-    def _trial(self, end: float, h: float) -> Trial:
-        """What a step of length h, to a time, comes to."""
-        method, (rtol, atol), y, (stages, tableau) = self._method, self._tolerances, self.y, self._prepared
-        stages[0] = self.slope
+    def _as_far_as(self, start: Start, end: float) -> DenseStep:
+        """A step that was taken, once more, to a time within it."""
+        last, slope, _, between = self._trial(start, end)
+        return DenseStep(start[:2], (end, last), between, slopes=(start[2], slope), work=STAGES)
+
+    def _trial(self, start: Start, end: float) -> Trial:
+        """What a step to a time comes to."""
+        method, (rtol, atol), (stages, tableau) = self._method, self._tolerances, self._prepared
+        (t, y, stages[0]), h = start, end - start[0]
         for k, before, row, share in tableau:
-            stages[k] = self._rate(self.t + share * h, y + before.dot(row) * h)
+            stages[k] = self._rate(t + share * h, y + before.dot(row) * h)
         last = y + h * stages[:STAGES].T.dot(method.B)
         stages[STAGES] = self._rate(end, last)
         scale = atol + np.maximum(np.abs(y), np.abs(last)) * rtol
         third, fifth = (stages.T.dot(weights) / scale for weights in (method.E3, method.E5))
         of_third, of_fifth = (math.sqrt(error.dot(error)) ** 2 for error in (third, fifth))
         kept = stages.copy()
-        between = partial(_dop853_between, self._rate, self.t, y, h, last, kept)
+        between = partial(_dop853_between, self._rate, t, y, h, last, kept)
         return last, kept[STAGES], _error(h, of_third, of_fifth, len(y)), between
 
     @cached_property
@@ -282,10 +290,10 @@ class ScalarDop853(Dop853):
         super().__init__(rate, t, y, *others, **named)
         self._rates, self._code = rate.rates, written_out(len(y))
 
-    def _trial(self, end: float, h: float) -> Trial:
-        x = self.y.tolist()
-        last, stages, third, fifth = self._code.trial(self._rates, h, *self._tolerances, *x, *self.slope.tolist())
-        between = partial(self._between, self.t, h, x, stages, last)
+    def _trial(self, start: Start, end: float) -> Trial:
+        t, x, h = start[0], start[1].tolist(), end - start[0]
+        last, stages, third, fifth = self._code.trial(self._rates, h, *self._tolerances, *x, *start[2].tolist())
+        between = partial(self._between, t, h, x, stages, last)
         return np.array(last), np.array(stages[STAGES]), _error(h, third, fifth, len(x)), between
 
     def _between(self, t: float, h: float, x: Sequence[float], stages: Sequence[Numbers], last: Numbers) -> Interpolant:
