@@ -200,7 +200,10 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
     after = None if holds else _driven_out(array, accuracy, kept)
     if after is not None:
         return Nearness(out_after=after)
-    is_out = _is_thrown_out(asked, array) if holds else _is_driven_to_one_side(array, accuracy)
+    if holds:
+        is_out = _is_thrown_out(asked, array)
+    else:
+        is_out = _is_driven_to_one_side(array, accuracy) or _is_followed_out(array, accuracy)
     return Nearness(thrown_out_from=Fraction(0) if is_out and kept.keeps(accuracy, None) else None)
 
 
@@ -285,6 +288,15 @@ def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
 
     before = array.field.rounded_signs
     is_out = isinstance(rule_of(array), CellRule) and is_driven_out_on_one_side(array, accuracy)
+    return is_out and array.field.rounded_signs == before
+
+
+def _is_followed_out(array: Scene, accuracy: Fraction) -> bool:
+    """Whether the body that starts at the point leaves the disc, for every member; of cells alone."""
+    from nonsmooth.proofs.robust.followed_body import is_carried_out
+
+    before = array.field.rounded_signs
+    is_out = isinstance(rule_of(array), CellRule) and is_carried_out(array, accuracy)
     return is_out and array.field.rounded_signs == before
 
 
