@@ -190,21 +190,26 @@ def _why_not(scene: Scene, accuracy: Fraction, kept: ContactSet) -> str:
 
 def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
     """On a centred array of the wheels that carry."""
-    accuracy, holds = asked.scene.accuracy, asked.equilibrium is Equilibrium.HOLDS
-    rests = holds and asked.translation is Translation.STABLE
-    ends = decide_ends(array, accuracy, rests=rests, kept=kept)
+    accuracy, equilibrium = asked.scene.accuracy, asked.equilibrium
+    rests = equilibrium is Equilibrium.HOLDS and asked.translation is Translation.STABLE
+    moves = equilibrium is Equilibrium.FAILS and asked.place is None
+    leaving = _leaving(array, accuracy, kept) if moves else None
+    ends = decide_ends(array, accuracy, rests=rests, kept=kept, finely=leaving is None)
     if asked.place is not None:
         return _beside_a_rest(asked.place, array, accuracy, ends, kept)
-    if ends is not None or rests or asked.equilibrium is Equilibrium.UNDECIDED:
-        return Nearness(ends)
-    after = None if holds else _driven_out(array, accuracy, kept)
+    if ends is not None or rests or leaving is not None or equilibrium is not Equilibrium.HOLDS:
+        return Nearness(ends) if ends is not None or leaving is None else leaving
+    is_out = _is_thrown_out(asked, array) and kept.keeps(accuracy, None)
+    return Nearness(thrown_out_from=Fraction(0) if is_out else None)
+
+
+def _leaving(array: Scene, accuracy: Fraction, kept: ContactSet) -> Nearness | None:
+    """How bodies leave the disc of the accuracy, all of them or that from the point, which is no equilibrium."""
+    after = _driven_out(array, accuracy, kept)
     if after is not None:
         return Nearness(out_after=after)
-    if holds:
-        is_out = _is_thrown_out(asked, array)
-    else:
-        is_out = _is_driven_to_one_side(array, accuracy) or _is_followed_out(array, accuracy)
-    return Nearness(thrown_out_from=Fraction(0) if is_out and kept.keeps(accuracy, None) else None)
+    is_out = kept.keeps(accuracy, None) and _is_driven_away(array, accuracy)
+    return Nearness(thrown_out_from=Fraction(0)) if is_out else None
 
 
 def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction | None:
@@ -231,9 +236,9 @@ def _under_a_load(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
     for share in LOAD_SHARES:
         rows = [(a + share * (load - a), b, c) for (a, b, c), load in zip(forms, asked.load, strict=True)]
         loaded = replace(array, contact=replace(array.contact, loads=LoadTable(tuple(rows))))
-        out_after = _driven_out(loaded, accuracy, kept)
-        if out_after is not None:
-            return Nearness(out_after=out_after, is_of_one_load=True)
+        leaving = _leaving(loaded, accuracy, kept)
+        if leaving is not None:
+            return replace(leaving, is_of_one_load=True)
         may_be_thrown = asked.translation is Translation.UNSTABLE and kept.keeps(accuracy, None)
         if may_be_thrown and is_carried_away(loaded, accuracy, Fraction(0)):
             return Nearness(thrown_out_from=Fraction(0), is_of_one_load=True)
@@ -291,13 +296,16 @@ def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
     return is_out and array.field.rounded_signs == before
 
 
-def _is_followed_out(array: Scene, accuracy: Fraction) -> bool:
-    """Whether the body that starts at the point leaves the disc, for every member; of cells alone."""
+def _is_driven_away(array: Scene, accuracy: Fraction) -> bool:
+    """Whether the body from the point, or all on one side of a line through it, leave the disc, for every member."""
+    from nonsmooth.proofs.robust.drift import leaves_by_funnel
     from nonsmooth.proofs.robust.followed_body import is_carried_out
 
+    if not isinstance(rule_of(array), CellRule):
+        return leaves_by_funnel(array, accuracy)
     before = array.field.rounded_signs
-    is_out = isinstance(rule_of(array), CellRule) and is_carried_out(array, accuracy)
-    return is_out and array.field.rounded_signs == before
+    is_out = is_carried_out(array, accuracy)
+    return (is_out and array.field.rounded_signs == before) or _is_driven_to_one_side(array, accuracy)
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:

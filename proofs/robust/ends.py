@@ -93,6 +93,7 @@ def decide_ends(
     *,
     rests: bool = False,
     kept: ContactSet | None = None,
+    finely: bool = True,
 ) -> Ends | None:
     """Where bodies end that start near the point of a centred scene; None where that is not shown.
 
@@ -102,6 +103,7 @@ def decide_ends(
         box: tolerances, followed under rule ``nearest``.
         rests: whether a body at the point is known to stay there, so that no other place is looked for.
         kept: how far a body with an outline may move and turn on the same wheels.
+        finely: whether rings that are not shown are looked at in the finest pieces, which takes longest.
     """
     if len(scene.wheels) > MOST_WHEELS:
         return None
@@ -119,7 +121,7 @@ def decide_ends(
                 break
             if found is _Open.RINGS and not isinstance(shape, Distance):
                 ellipses.append((centre, shape))
-    return away or _in_smaller_pieces(scene, ellipses, accuracy, box, keeps)
+    return away or (_in_smaller_pieces(scene, ellipses, accuracy, box, keeps) if finely else None)
 
 
 def _in_smaller_pieces(

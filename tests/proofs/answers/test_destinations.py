@@ -29,7 +29,13 @@ from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
 from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, destinations_of
-from nonsmooth.proofs.robust.drift import _directions, driven_out, is_driven_out_on_one_side, largest_spin
+from nonsmooth.proofs.robust.drift import (
+    _directions,
+    driven_out,
+    is_driven_out_on_one_side,
+    largest_spin,
+    leaves_by_funnel,
+)
 from nonsmooth.proofs.robust.ends import decide_ends
 from nonsmooth.proofs.robust.followed_body import is_carried_out
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
@@ -364,21 +370,26 @@ def test_a_body_that_is_carried_out_from_as_near_as_one_likes_leaves(rule: str, 
     assert max(SmallSteps(table).end(start, 5.0, accuracy)[1] for start in starts) >= accuracy
 
 
-FOLLOWED = [("nearest", 2, 9.0), ("box", 14, 25.0), ("nearest", 1, 60.0), ("nearest", 10, 25.0), ("box", 23, 60.0)]
+FOLLOWED = [
+    *(("nearest", 2, 9.0), ("box", 14, 25.0), ("ellipse", 1, 9.0), ("roller", 1, 9.0)),
+    *(("nearest", 1, 60.0), ("nearest", 10, 25.0), ("box", 23, 60.0)),
+]
 
 
-@pytest.mark.parametrize(("rule", "seed", "off"), keep(2, FOLLOWED))
+@pytest.mark.parametrize(("rule", "seed", "off"), keep(4, FOLLOWED))
 def test_a_body_from_the_point_is_followed_to_where_it_is_too_far_away(
     rule: str, seed: int, off: float, tmp_path: Path
 ) -> None:
-    """It crosses cells and slides between them; not all places of the disc drive it along one direction."""
+    """It crosses cells and slides between them, or passes a funnel; no one direction is that of all."""
     table = MeasuredTable.random(seed, rule, off=off)
     scene = scene_of(tmp_path, table.toml)
-    assert driven_out(scene.recentred(), scene.accuracy) is None
+    centred, is_out = scene.recentred(), is_carried_out if rule in {"nearest", "box"} else leaves_by_funnel
+    assert driven_out(centred, scene.accuracy) is None
     assert position_of(scene).verdict is Position.LEAVES
     _, farthest = SmallSteps(table).end(np.zeros(2), 8.0, float(scene.accuracy))
     assert farthest > scene.accuracy
-    assert not is_carried_out(scene.recentred(), Fraction(farthest * 1.01))
+    assert is_out(centred, scene.accuracy)
+    assert not is_out(centred, Fraction(farthest * 1.01))
 
 
 @pytest.mark.parametrize(("rule", "seed"), keep(1, TO_ONE_SIDE))
