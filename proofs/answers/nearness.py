@@ -192,8 +192,8 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
     """On a centred array of the wheels that carry."""
     accuracy, equilibrium = asked.scene.accuracy, asked.equilibrium
     rests = equilibrium is Equilibrium.HOLDS and asked.translation is Translation.STABLE
-    moves = equilibrium is Equilibrium.FAILS and asked.place is None
-    leaving = _leaving(array, accuracy, kept) if moves else None
+    may_move = equilibrium is not Equilibrium.HOLDS and asked.place is None
+    leaving = _leaving(array, accuracy, kept) if may_move else None
     ends = decide_ends(array, accuracy, rests=rests, kept=kept, finely=leaving is None)
     if asked.place is not None:
         return _beside_a_rest(asked.place, array, accuracy, ends, kept)
@@ -204,7 +204,7 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
 
 
 def _leaving(array: Scene, accuracy: Fraction, kept: ContactSet) -> Nearness | None:
-    """How bodies leave the disc of the accuracy, all of them or that from the point, which is no equilibrium."""
+    """How bodies leave the disc of the accuracy, all of them or that from the point; then this is no equilibrium."""
     after = _driven_out(array, accuracy, kept)
     if after is not None:
         return Nearness(out_after=after)
@@ -298,8 +298,8 @@ def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
 
 def _is_driven_away(array: Scene, accuracy: Fraction) -> bool:
     """Whether the body from the point, or all on one side of a line through it, leave the disc, for every member."""
-    from nonsmooth.proofs.robust.drift import leaves_by_funnel
     from nonsmooth.proofs.robust.followed_body import is_carried_out
+    from nonsmooth.proofs.robust.funnel import leaves_by_funnel
 
     if not isinstance(rule_of(array), CellRule):
         return leaves_by_funnel(array, accuracy)

@@ -145,6 +145,12 @@ class BalancedForces:
         """About the twists ``(v, length omega)`` at which D is least, (m, 3)."""
         return self.against(places, np.zeros((len(places), 3))).twists
 
+    def velocities(self, places: Floats) -> Floats:
+        """About the velocities ``v + omega J c`` of the centre of mass at places, (m, 2)."""
+        x, y, spin = self.minimizers(places).T
+        omega = spin / self.length
+        return np.stack([x - omega * places[:, 1], y + omega * places[:, 0]], axis=1)
+
     def against(self, places: Floats, pulls: Floats, start: Floats | None = None) -> Balanced:
         """About where ``D - G . xi`` is least.
 

@@ -39,12 +39,6 @@ Motion: TypeAlias = tuple[arb, arb, arb]  # (v_x, v_y, omega)
 DIRECTIONS = 64  # that are tried
 PARTS = 8  # of each side of the square about the disc
 SHARES = (0.25, 0.6, 0.1)  # of the friction of all wheels, by which bodies are pulled
-STRENGTHS = (0.1, 0.03, 0.01, 0.003, 0.001, 0.0003)  # the same, of bodies in a funnel
-QUADRANGLES = 16  # of a funnel, on the length of the accuracy
-FAR = 1.125  # accuracies, as far as a funnel goes
-SLOPES = (0.125, 0.03, 0.5)  # of the sides of a funnel, tried in turn
-LONGEST = 8  # accuracies, the longest path of one
-STILL = 2.0**-20  # of the fastest wheel: a body so slow is at rest
 
 
 def driven_out(scene: Scene, accuracy: Fraction) -> Fraction | None:
@@ -64,12 +58,12 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
         with ctx.workprec(PRECISION):
             found = _cell_motions(scene, radius)
             return None if found is None else max(-rational_below(-abs(motion[2])) for _, motion in found)
-    forces = _forces(scene)
+    forces = known_forces(scene)
     if forces is None:
         return None
     corners = _squares(float(radius))
     zero, one = (Intervals.of(np.full(corners.shape[:2], entry)) for entry in (0.0, 1.0))
-    most = _largest(forces, corners, [(zero, zero, turn) for turn in (one, -one)])
+    most = max(float(largest_powers(forces, corners, (zero, zero, turn)).max()) for turn in (one, -one))
     return Fraction(most) / Fraction(forces.length) if math.isfinite(most) else None
 
 
@@ -192,7 +186,8 @@ def _direction(velocities: Floats) -> tuple[float, float] | None:
 # ---- rules with loads ----------------------------------------------------------------------------
 
 
-def _forces(scene: Scene) -> BalancedForces | None:
+def known_forces(scene: Scene) -> BalancedForces | None:
+    """The forces on an array; None where it has no friction along or across a rim."""
     try:
         return BalancedForces(scene)
     except ArithmeticError:
@@ -201,138 +196,47 @@ def _forces(scene: Scene) -> BalancedForces | None:
 
 def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
     """Delta by forces that balance a pull back, ``G . xi = -lambda m . c'``."""
-    forces = _forces(scene)
+    forces = known_forces(scene)
     if forces is None:
         return None
     corners = _squares(float(accuracy))
-    places = corners.reshape(-1, 2)
-    twists = forces.minimizers(places)
-    omega = twists[:, 2:] / forces.length
-    turned = np.stack([-places[:, 1], places[:, 0]], axis=1)
-    direction = _direction(twists[:, :2] + omega * turned)
+    direction = _direction(forces.velocities(corners.reshape(-1, 2)))
     if direction is None:
         return None
     a, b = (Intervals.of(np.full(corners.shape[:2], -entry)) for entry in direction)
     x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
     back = a, b, (b * x - a * y) * Intervals.of(np.array(1 / forces.length)).widened
-    most = _largest(forces, corners, [back])
+    most = float(largest_powers(forces, corners, back).max())
     return Fraction(-most) if math.isfinite(most) else None
 
 
-# ---- the body that starts at the point -----------------------------------------------------------
-#
-# It may leave though other bodies of the disc do not, or though a wheel lifts elsewhere in the disc.
-
-
-def leaves_by_funnel(scene: Scene, accuracy: Fraction) -> bool:
-    """Whether the body that starts at the point leaves the disc of that radius, inside a funnel.
-
-    A funnel is a chain of quadrangles about a path, each with a gate in common with the next one; the first begins in
-    the point.  On both other sides let all velocities lead inward, and in all of a quadrangle through the gate to the
-    next one, ``m . c' > 0`` for its normal m.  Then a body leaves each by that gate, after a time, and does not come
-    back through it.
-
-    Args:
-        scene: centred, without an outline, under a rule without cells, with known loads.
-        accuracy: the radius.
-    """
-    forces = _forces(scene)
-    path = None if forces is None else _path_outward(forces, float(accuracy))
-    if forces is None or path is None:
-        return False
-    ahead = np.diff(path, axis=0, append=2 * path[-1:] - path[-2:-1])
-    normals = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.hypot(*ahead.T)[:, None]
-    widths = np.linspace(0.0, FAR * float(accuracy), len(path))[:, None] * normals
-    for slope in SLOPES:
-        left, right = path + slope * widths, path - slope * widths
-        if _is_beyond(path[-1], (left[-1], right[-1]), accuracy) and _is_passed(forces, left, right):
-            return True
-    return False
-
-
-def _path_outward(forces: BalancedForces, radius: float) -> Floats | None:
-    """Places of a path from the origin to beyond a radius, at even distances, in floats; None where it stays within."""
-    step, places = radius / QUADRANGLES, [np.zeros(2)]
-    while np.hypot(*places[-1]) < FAR * radius:
-        middle = places[-1]
-        for share in (step / 2, step):
-            x, y, omega = forces.minimizers(middle[None])[0] * (1, 1, 1 / forces.length)
-            velocity = np.array([x - omega * middle[1], y + omega * middle[0]])
-            speed = float(np.hypot(*velocity))
-            if not STILL * forces.fastest < speed < math.inf or len(places) > LONGEST * QUADRANGLES:
-                return None
-            middle = places[-1] + share * velocity / speed
-        places.append(middle)
-    return np.array(places)
-
-
-def _is_beyond(towards: Floats, gate: Iterable[Floats], radius: Fraction) -> bool:
-    """Whether a gate is farther from the origin than a radius, exactly."""
-    a, b = map(Fraction, towards.tolist())
-    heights = (a * Fraction(x) + b * Fraction(y) for x, y in map(np.ndarray.tolist, gate))
-    return all(height > 0 and height**2 > radius**2 * (a**2 + b**2) for height in heights)
-
-
-def _is_passed(forces: BalancedForces, left: Floats, right: Floats) -> bool:
-    """Whether bodies from the first points of two lines pass all quadrangles between these."""
-    to_right, to_left = (np.stack([line[:-1], line[1:], line[1:], line[:-1]], axis=1) for line in (right, left))
-    between = np.stack([right[:-1], right[1:], left[1:], left[:-1]], axis=1)
-    return (
-        _are_convex(between)
-        and _leads_left(forces, to_right, right[:-1], right[1:])
-        and _leads_left(forces, to_left, left[1:], left[:-1])
-        and _leads_left(forces, between, left[1:], right[1:])
-    )
-
-
-def _are_convex(corners: Floats) -> bool:
-    """Whether quadrangles, the first of which is a triangle, are convex and counterclockwise, beyond rounding."""
-    along = np.roll(corners, -1, axis=1) - corners
-    after = np.roll(along, -1, axis=1)
-    turns = along[..., 0] * after[..., 1] - along[..., 1] * after[..., 0]
-    clear = turns > 2.0**-30 * np.linalg.norm(along, axis=2) * np.linalg.norm(after, axis=2)
-    return bool(clear[:, :2].all() and clear[1:].all())
-
-
-def _leads_left(forces: BalancedForces, corners: Floats, starts: Floats, ends: Floats) -> bool:
-    """Whether on each quadrangle all velocities lead to the left of a vector, that from a start to an end.
+def largest_powers(
+    forces: BalancedForces, corners: Floats, covector: Triple, shares: Sequence[float] = SHARES
+) -> Floats:
+    """Upper bounds of ``g . xi`` for all motions over quadrangles, (pieces,), by pulls of some strengths.
 
     Args:
         forces: of the array.
-        corners: of the quadrangles (pieces, 4, 2), which may be segments.
-        starts: of the vectors (pieces, 2).
-        ends: of the vectors (pieces, 2).
+        corners: of the quadrangles (pieces, 4, 2).
+        covector: g about one, affine in the place on each, at the corners.
+        shares: of the friction of all wheels, by which bodies are pulled.
     """
-    unit = Intervals.of(1 / np.hypot(*(ends - starts).T)[:, None] * np.ones(4))  # any positive factor does
-    along_x, along_y = (unit * (Intervals.of(ends[:, k, None]) - Intervals.of(starts[:, k, None])) for k in range(2))
-    x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
-    moment = (-along_x * x - along_y * y) * Intervals.of(np.array(1 / forces.length)).widened
-    return _largest(forces, corners, [(along_y, -along_x, moment)], STRENGTHS) < 0
-
-
-def _largest(
-    forces: BalancedForces, corners: Floats, covectors: Sequence[Triple], shares: Sequence[float] = SHARES
-) -> float:
-    """An upper bound of ``g . xi`` for all motions over squares and all covectors g, affine in the place, about one."""
     free = forces.minimizers(corners.mean(axis=1))
     total = float(forces.float_loads(np.zeros((1, 2))).sum() * forces.largest_friction.max())
-    most = []
-    for covector in covectors:
-        # neighbours share their corners, and forces there where they are pulled alike
-        asked = np.column_stack([corners.reshape(-1, 2), *(entry.middle.reshape(-1) for entry in covector)])
-        places, first, number = np.unique(asked, axis=0, return_index=True, return_inverse=True)
-        beside, number = np.repeat(free, 4, axis=0)[first], number.reshape(-1)
-        best = np.full(len(corners), np.inf)
-        for share in shares:
-            strength = Intervals.of(np.array(share * total))
-            pulls = strength * covector[0], strength * covector[1], strength * covector[2]
-            middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-            along, across = forces.against(places[:, :2], middle[first], beside).forces
-            shown = forces.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
-            shown = shown + 2.0**-40 * np.abs(shown)
-            best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
-        most.append(float(best.max()))
-    return max(most)
+    # neighbours share their corners, and forces there where they are pulled alike
+    asked = np.column_stack([corners.reshape(-1, 2), *(entry.middle.reshape(-1) for entry in covector)])
+    places, first, number = np.unique(asked, axis=0, return_index=True, return_inverse=True)
+    beside, number = np.repeat(free, 4, axis=0)[first], number.reshape(-1)
+    best = np.full(len(corners), np.inf)
+    for share in shares:
+        strength = Intervals.of(np.array(share * total))
+        pulls = strength * covector[0], strength * covector[1], strength * covector[2]
+        middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
+        along, across = forces.against(places[:, :2], middle[first], beside).forces
+        shown = forces.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
+        shown = shown + 2.0**-40 * np.abs(shown)
+        best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
+    return best
 
 
 def _squares(half: float) -> Floats:

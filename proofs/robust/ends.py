@@ -107,7 +107,7 @@ def decide_ends(
     """
     if len(scene.wheels) > MOST_WHEELS:
         return None
-    velocity, away = _velocity(scene), None
+    velocity, away = velocity_of(scene), None
     if velocity is None:
         return None
     keeps, ellipses = kept or ContactSet(()), []
@@ -151,12 +151,12 @@ def _shapes(scene: Scene, velocity: Velocity, centre: Place, accuracy: Fraction)
         yield Distance()
         return
     place = np.array([float(entry) for entry in centre])
-    _, slope = _field_beside(velocity, place, DIFFERENCE * float(scene.check.radius))
+    _, slope = field_beside(velocity, place, DIFFERENCE * float(scene.check.radius))
     if not np.isfinite(slope).all():
         yield Distance()
         return
     yield from shapes_about(slope)
-    _, coarse = _field_beside(velocity, place, COARSE * float(accuracy))
+    _, coarse = field_beside(velocity, place, COARSE * float(accuracy))
     if np.isfinite(coarse).all() and np.linalg.norm(slope - coarse) > np.linalg.norm(coarse):
         yield from (shape for shape in shapes_about(coarse) if not isinstance(shape, Distance))
 
@@ -309,7 +309,7 @@ def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> It
     yield np.zeros(2)
 
 
-def _velocity(scene: Scene) -> Velocity | None:
+def velocity_of(scene: Scene) -> Velocity | None:
     """Of the centre of mass at a place, in floats."""
     if scene.contact.rule == "nearest":
         return _nearest_velocity(scene)
@@ -319,10 +319,7 @@ def _velocity(scene: Scene) -> Velocity | None:
         return None
 
     def velocity(places: Floats) -> Floats:
-        several = np.atleast_2d(places)
-        x, y, spin = forces.minimizers(several).T
-        omega = spin / forces.length
-        found = np.stack([x - omega * several[:, 1], y + omega * several[:, 0]], axis=1)
+        found = forces.velocities(np.atleast_2d(places))
         return found if places.ndim > 1 else found[0]
 
     return velocity
@@ -354,7 +351,7 @@ def _nearest_velocity(scene: Scene) -> Velocity:
     return velocity
 
 
-def _field_beside(velocity: Velocity, place: Floats, step: float) -> tuple[Floats, Floats]:
+def field_beside(velocity: Velocity, place: Floats, step: float) -> tuple[Floats, Floats]:
     """The velocity at a place and its derivative, by differences."""
     around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     here, east, west, north, south = velocity(around)
@@ -365,7 +362,7 @@ def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats |
     """Where a path from the point ends, by implicit steps in time that become longer; None where they lead away."""
     place, duration = np.zeros(2), 0.0
     for _ in range(DRIFT_STEPS // 2):
-        here, slope = _field_beside(velocity, place, DIFFERENCE * most)
+        here, slope = field_beside(velocity, place, DIFFERENCE * most)
         speed = float(np.hypot(*here))
         if not np.isfinite(slope).all() or not np.isfinite(speed):
             return None
@@ -391,7 +388,7 @@ def _zero(velocity: Velocity, size: float, most: float) -> Floats | None:
     """By Newton's method from the point, with differences; None where it leaves the checked square."""
     place = np.zeros(2)
     for _ in range(NEWTON_STEPS):
-        here, slope = _field_beside(velocity, place, DIFFERENCE * most)
+        here, slope = field_beside(velocity, place, DIFFERENCE * most)
         try:
             move = -np.linalg.solve(slope, here)
         except np.linalg.LinAlgError:

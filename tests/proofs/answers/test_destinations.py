@@ -34,10 +34,10 @@ from nonsmooth.proofs.robust.drift import (
     driven_out,
     is_driven_out_on_one_side,
     largest_spin,
-    leaves_by_funnel,
 )
 from nonsmooth.proofs.robust.ends import decide_ends
 from nonsmooth.proofs.robust.followed_body import is_carried_out
+from nonsmooth.proofs.robust.funnel import leaves_by_funnel
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run

@@ -24,7 +24,7 @@ from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust import touching_rings
-from nonsmooth.proofs.robust.ends import COARSE, _field_beside, _velocity
+from nonsmooth.proofs.robust.ends import COARSE, field_beside, velocity_of
 from nonsmooth.proofs.robust.level_sets import (
     Distance,
     LevelFunction,
@@ -508,9 +508,9 @@ def test_rings_fall_in_small_pieces_where_twists_turn_round_over_an_edge(
 ) -> None:
     table = MeasuredTable.symmetric(19, "roller")
     scene = measured(tmp_path, table)
-    accuracy, forces, velocity = float(scene.accuracy), BalancedForces(scene), _velocity(scene)
+    accuracy, forces, velocity = float(scene.accuracy), BalancedForces(scene), velocity_of(scene)
     assert velocity is not None
-    _, coarse = _field_beside(velocity, np.zeros(2), COARSE * accuracy)
+    _, coarse = field_beside(velocity, np.zeros(2), COARSE * accuracy)
     shape = list(shapes_about(coarse))[1]
     outer = accuracy * 0.9
     levels = short_levels(np.geomspace(outer, 0.8 * outer, FINEST[0] + 1))[:2]

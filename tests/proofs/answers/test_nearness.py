@@ -21,7 +21,7 @@ from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.drift import driven_out
-from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _field_beside, _shapes, _velocity, decide_ends
+from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _shapes, decide_ends, field_beside, velocity_of
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_away
 from nonsmooth.proofs.robust.touching_rings import FINER, TouchingRings, ring_rates, rings_about
@@ -275,10 +275,10 @@ def test_rings_over_a_length_that_matters_are_tried_at_edges_of_the_field(
     seed: int, rule: str, more: bool, tmp_path: Path
 ) -> None:
     scene = measured(tmp_path, MeasuredTable.symmetric(seed, rule)).recentred()
-    velocity = _velocity(scene)
+    velocity = velocity_of(scene)
     assert velocity is not None
     shapes = list(_shapes(scene, velocity, (Fraction(0), Fraction(0)), scene.accuracy))
-    _, slope = _field_beside(velocity, np.zeros(2), DIFFERENCE * float(scene.check.radius))
+    _, slope = field_beside(velocity, np.zeros(2), DIFFERENCE * float(scene.check.radius))
     assert (len(shapes) > len(list(shapes_about(slope)))) == more
 
 
