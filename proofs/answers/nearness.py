@@ -259,7 +259,7 @@ def _home_disc(
     if kept.margin is not None:
         return None
     near = None if ends is None else ends.ends_within
-    disc = attracting_disc(scene, rest, [*([] if near is None else [near]), *(share * accuracy for share in DISCS)])
+    disc = attracting_disc(rest, [*([] if near is None else [near]), *(share * accuracy for share in DISCS)])
     if disc is None:
         return None
     there = 2 * rest.distance
