@@ -289,11 +289,11 @@ def _ratio_text(ratio: float | None) -> str:
 
 
 def _twist_cells(motion: Record) -> tuple[str, ...]:
-    """``v_x, v_y, omega`` and the instant centre; of several twists their number and rates."""
+    """``v_x, v_y, omega`` and the instant centre; of several twists and their mixtures the range of each."""
     twists = motion["twists"]
     if len(twists) > 1:
-        low, high = (_cell(of(twist[2] for twist in twists)) for of in (min, max))
-        return f"{len(twists)} and", "mixtures", low if low == high else f"{low} to {high}", "-"
+        ends = [(_cell(min(entries)), _cell(max(entries))) for entries in zip(*twists, strict=True)]
+        return *(low if low == high else f"{low} to {high}" for low, high in ends), "-"
     icr = "-" if motion["icr"] is None else "({}, {})".format(*map(_cell, motion["icr"]))
     return *map(_cell, twists[0]), icr
 
