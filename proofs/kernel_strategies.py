@@ -318,7 +318,7 @@ def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFuncti
 
 # ---- linear systems that attract -----------------------------------------------------------------
 #
-# Linear systems that attract: a quadratic V with short coefficients, which falls nearly as fast as solutions do.
+# A quadratic V with short coefficients, which falls nearly as fast as solutions do.
 #
 # Let all eigenvalues of A have real parts of at most -s, s > 0, one of them -s.  Of ``x' = A x`` no V has
 # ``V' <= -kappa V`` with ``kappa > 2 s``, and for each ``mu`` in ``[0, s)`` one P with

@@ -151,7 +151,7 @@ def sample_smooth_derivative(scene: Scene, samples: int) -> SampledDerivative:
 
 # ---- the velocity field of a rule without cells at the points of a grid --------------------------
 #
-# The velocity field of a rule without cells at the points of a grid, in floats: sampled, and said to be.
+# In floats: sampled, and said to be.
 #
 # ``c' = v + omega J c`` by the minimizer of D at each point, each with the forces that prove it; where a minimizer is
 # not unique or not proved the point has no velocity.
@@ -229,7 +229,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
 
 # ---- feedback under the rules ``box`` and ``ellipse`` --------------------------------------------
 #
-# Feedback under the rules ``box`` and ``ellipse``, sampled: two laws, their worst rate of ``V = |c|^2 + theta^2``.
+# Sampled: two laws, their worst rate of ``V = |c|^2 + theta^2``.
 #
 # The array is given with the length l of ``V = |c|^2 + l^2 theta^2`` for its unit.
 #

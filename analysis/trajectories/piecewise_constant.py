@@ -32,7 +32,7 @@ from nonsmooth.symbolic.numbers.plane import cross, dot, minus
 
 # ---- where a path can go from a point on an edge or at a corner ----------------------------------
 #
-# Where a path can go from a point on an edge or at a corner: every Filippov continuation of a constant field.
+# Every Filippov continuation of a constant field.
 #
 # Near a point only the cells whose closure holds it matter: a fan of cones separated by rays.  The continuations are
 #

@@ -180,7 +180,7 @@ def _negative(stated: Lyapunov) -> tuple[Fraction, ...] | None:
 
 # ---- stability by energies with sines and cosines ------------------------------------------------
 #
-# Stability by energies with sines and cosines: the system on circles (:mod:`nonsmooth.proofs.checker.circles`).
+# The system on circles (:mod:`nonsmooth.proofs.checker.circles`).
 #
 # In the coordinates ``sin x`` and ``cos x - 1`` of its angles a system with sines is one with polynomials, in more
 # states.  Energies are searched there as in any such system (:mod:`.weak_functions`); the checker shows what is found.

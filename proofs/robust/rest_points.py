@@ -49,7 +49,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
 #
-# The twist all over a small polygon, enclosed to first order: an affine function of the place, and a small rest.
+# Enclosed to first order: an affine function of the place, and a small rest.
 #
 # Where D bends in every direction its gradient G in the twist has one zero ``xi(c)``.  With a twist ``xi_0`` near it at
 # the middle m of a polygon, loads that are affine in c, and Y about the inverse of the Hessian of D ::

@@ -32,7 +32,7 @@ from nonsmooth.reports.workbench.worker import CANCELLED, encoded, serve_page
 
 # ---- what every request must satisfy before anything is done -------------------------------------
 #
-# What every request must satisfy before anything is done: own host and origin, a token, a body of moderate size.
+# Own host and origin, a token, a body of moderate size.
 
 
 MAX_BODY = 1 << 20  # bytes

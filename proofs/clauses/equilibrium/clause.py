@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # ---- on cells ------------------------------------------------------------------------------------
 #
-# On cells: 0 in F(c*), by convex weights, or refuted by a direction in which every velocity points.
+# 0 in F(c*), by convex weights, or refuted by a direction in which every velocity points.
 #
 # At the equilibrium (the origin of the centred scene) the pose rate of a twist is its velocity v, so the question
 # is whether the origin lies in the convex hull of finitely many plane vectors: an exact linear program.
