@@ -38,7 +38,7 @@ from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, spring_forms
 from nonsmooth.symbolic.mechanics.rule import MIXED
-from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import cross, dot
@@ -330,7 +330,7 @@ def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
     from nonsmooth.proofs import clause_registry
     from nonsmooth.proofs.clauses.workspace import Workspace
 
-    backward = replace(scene, wheels=tuple(_reversed(wheel) for wheel in scene.wheels))
+    backward = replace(scene, wheels=tuple(replace(wheel, given_speed=-wheel.speed) for wheel in scene.wheels))
     work = Workspace(backward, sample=False)
     try:
         for clause in clause_registry.CLAUSES:
@@ -342,7 +342,3 @@ def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
     home = getattr(found, "home_radius", None)
     attracts = found.verdict is Translation.ASYMPTOTICALLY_STABLE
     return bool(attracts and home is not None and home >= accuracy)
-
-
-def _reversed(wheel: Wheel) -> Wheel:
-    return replace(wheel, given_speed=-wheel.speed)
