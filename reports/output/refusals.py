@@ -121,4 +121,5 @@ def _numbers_of(scene: Scene) -> Iterator[tuple[str, Number]]:
             yield f"{own if name in wheel.named else 'friction'}.{name}", value
         yield from ((f"{own}.position", entry) for entry in wheel.position)
         yield f"{own}.speed", wheel.speed
+    yield from (("check.equilibrium", entry) for entry in scene.check.equilibrium)
     yield "check.radius", scene.check.radius
