@@ -208,7 +208,7 @@ def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Vector) 
     """
     fields = motion.fields(t, x)
     scale = largest(fields)
-    changes = _changes(field, motion, t, x) if scale else np.zeros((2, 2))
+    changes = _changes(field, motion, t, x) if any(map(length, fields)) else np.zeros((2, 2))
     if largest(changes) * field.size <= BEND_SLACK * scale**2:
         return None
     (d11, d12), (d21, d22) = changes

@@ -8,20 +8,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.output.files import FILMS
-from nonsmooth.reports.output.refusals import OptionError, RefusedError, bad_input
+from nonsmooth.reports.output.refusals import OptionError, RefusedError, bad_input, require_resolved
 from nonsmooth.reports.output.study_options import PathMethod
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
-from nonsmooth.symbolic.numbers.number_text import decimal_text
 
 if TYPE_CHECKING:
     from nonsmooth.reports.studies.result import Result
     from nonsmooth.symbolic.mechanics.scene import Scene
     from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-RESOLUTION = 1e-9  # of the coordinates of the checked point: a smaller square is too far away for floats
 OF_LOOPS = ("feedback", "law", "gain")
 OF_BODIES = ("mass", "inertia", "compare_masses")
 OF_TABLES = ("seed", "certified")
@@ -148,7 +145,7 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
     options = options.read_for(scene)
-    _require_resolved(scene)
+    require_resolved(scene)
     if options.tables is not None:
         from nonsmooth.reports.simulations.sampled_tables import draw_tables
 
@@ -175,18 +172,6 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
         error = refused.__cause__
         outside = "" if error is None or isinstance(error, RefusalError) else _outside(scene, options, start)
         raise (OptionError(outside) if outside else refused) from error
-
-
-def _require_resolved(scene: Scene) -> None:
-    """Refuse squares so far away that floats, in the coordinates of the scene, do not tell places in them apart.
-
-    Raises:
-        SceneError: of such a square.
-    """
-    far, radius = max(abs(float(x)) for x in scene.check.equilibrium), scene.check.radius
-    if far * RESOLUTION > float(radius):
-        expected = f"for paths, {RESOLUTION:g} of the coordinates of the point or more"
-        raise SceneError(scene.origin, "check.radius", expected, StatedFact(decimal_text(radius, 6)))
 
 
 def _map(scene: Scene, options: SimulateOptions) -> Result:
