@@ -4,10 +4,9 @@ The statement names the wheels and the clauses that are decided.  The evidence o
 of the cells, with the wheels that act in each and the twists; and for each clause what shows its verdict: weights and
 multipliers of the drift, or a separating direction; the squared radius of the disc on which V* keeps its sign, with
 barriers; signs of translations along the nearest rims, three imposed twists, or the normal of a plane of twists for the
-feedback; and what shows the numbers of the answers (:mod:`nonsmooth.proofs.certificate`).  Of a scene with
-tolerances the certificate states the disc in which bodies end for every array, where rule ``nearest`` shows one.  All
-else (reasons, the witness where no certificate for feedback was found) lies under ``notes``, which the checker does not
-read.
+feedback; and what shows the numbers of the answers.  Of a scene with tolerances the certificate states the disc in
+which bodies end for every array, where rule ``nearest`` shows one.  All else (reasons, the witness where no certificate
+for feedback was found) lies under ``notes``, which the checker does not read.
 
 Every cell lists all corners of the partition that lie on its sides, and the checked point where it lies on them.  So
 the sides of neighbours are the same pairs of points, once in each sense: that shows that the cells tile.  Cells that
@@ -63,7 +62,7 @@ from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 # ---- bounds that certificates of arrays state beside the verdicts --------------------------------
 #
-# Bounds that certificates of arrays state beside the verdicts: of the rotation, the way home, the rate of feedback.
+# Of the rotation, the way home, the rate of feedback.
 #
 # All are short rational numbers on the safe side of what is printed, or those numbers themselves; the checker confirms
 # them by multiplying out (:mod:`nonsmooth.proofs.checker.regions`, :mod:`nonsmooth.proofs.checker.feedback`).

@@ -56,7 +56,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- where inequalities of a claim are least -----------------------------------------------------
 #
-# Where inequalities of a claim are least, in floats: what samples propose for levels, rates and gains.
+# In floats: what samples propose for levels, rates and gains.
 #
 # Samples are random points of the cube, or points on rays, where the guards of an inequality hold; the search goes on
 # closer and closer to the best of them.  Nothing here is proved.

@@ -8,7 +8,6 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, combinations_with_replacement
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -36,7 +35,7 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 if TYPE_CHECKING:
@@ -63,7 +62,7 @@ def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) ->
         return None
     from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 
-    shown = show_by_center_manifold(_rational(point.system), attracts=attracts)
+    shown = show_by_center_manifold(with_known_numbers(point.system), attracts=attracts)
     if shown is None:
         return None
     proposal = shown.proposal
@@ -105,7 +104,7 @@ def decide_by_stated_quotient(point: CheckedPoint, known: Known) -> Finding | No
 
 
 def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
-    found = find_quotient(_rational(point.system), stated=stated)
+    found = find_quotient(with_known_numbers(point.system), stated=stated)
     return None if found is None else _of_entry(point, found[0])
 
 
@@ -113,7 +112,7 @@ def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
     from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
 
-    found = find_weighted_function(_rational(point.system)) if known.attraction_is_open else None
+    found = find_weighted_function(with_known_numbers(point.system)) if known.attraction_is_open else None
     return None if found is None else _of_entry(point, found[0])
 
 
@@ -157,7 +156,7 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
 
     A positive V that does not increase is found with it, unless one is known.
     """
-    system, standing = _rational(point.system), known.standing
+    system, standing = with_known_numbers(point.system), known.standing
     if system.only_encloses or not known.attraction_is_open:
         return None
     from nonsmooth.proofs.many_states.curve_of_rest import beside_curve_of_rest
@@ -175,7 +174,7 @@ def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 
-    found = find_kept_function(_rational(point.system)) if known.standing is None else None
+    found = find_kept_function(with_known_numbers(point.system)) if known.standing is None else None
     return None if found is None else conclude_function(known, found)
 
 
@@ -188,7 +187,7 @@ def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
 
 def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
     """One solution that leaves, of a mixture of right-hand sides inside a cell or along a face."""
-    system = _rational(point.system)
+    system = with_known_numbers(point.system)
     if known.standing is not None or system.only_encloses:  # a solution of an enclosure may be none of the system
         return None
     from nonsmooth.proofs.kernel.escapes import show_escape_of
@@ -204,7 +203,7 @@ def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
 
 def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     """A switching law among several right-hand sides under which the point is unstable."""
-    system = _rational(point.system)
+    system = with_known_numbers(point.system)
     if known.standing is not None or system.only_encloses or not system.others:
         return None
     from nonsmooth.proofs.choices import choice_words, show_choice_of
@@ -272,7 +271,7 @@ def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None
     """A V that does not rise and is negative near the point, with further functions."""
     from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 
-    found = find_weak_growth(_rational(point.system)) if known.standing is None else None
+    found = find_weak_growth(with_known_numbers(point.system)) if known.standing is None else None
     if found is None:
         return None
     (entry, _), text, radius = found
@@ -298,13 +297,6 @@ def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
     return Finding(Method.CIRCLES, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
 
 
-def _rational(system: SwitchedSystem) -> SwitchedSystem:
-    """The system in rational numbers, or one that encloses it, where there is one."""
-    with suppress(NoEnclosureError):
-        return enclose_numbers(system)
-    return system
-
-
 def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFunction:
     """A V with its conditions as results in two states hold it: with its polynomials on the cells of the square."""
     if len(point.system.states) != len(PLANE):
@@ -318,7 +310,7 @@ def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFuncti
 
 # ---- linear systems that attract -----------------------------------------------------------------
 #
-# Linear systems that attract: a quadratic V with short coefficients, which falls nearly as fast as solutions do.
+# A quadratic V with short coefficients, which falls nearly as fast as solutions do.
 #
 # Let all eigenvalues of A have real parts of at most -s, s > 0, one of them -s.  Of ``x' = A x`` no V has
 # ``V' <= -kappa V`` with ``kappa > 2 s``, and for each ``mu`` in ``[0, s)`` one P with

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Region
-from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
+from nonsmooth.analysis.cells.switched_cells import FieldCell, lyapunov_cells
 from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.systems.decay_rate import SublevelRegion
@@ -110,13 +110,9 @@ def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRe
     return None if region is None else LargerRegion(formula, region)
 
 
-def _judged(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[LyapunovCell, ...]:
-    return searched_cells(system, formula, system.check.radius)
-
-
 def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -> float:
     """How much of the square is below the level, as points on rays show it."""
-    potential = _judged(system, found.formula)[0].potential
+    potential = searched_cells(system, found.formula, system.check.radius)[0].potential
     places = _Outline(outline.units, outline.border, outline.border).inside
     below = values_at(potential, places) < float(found.region.level)
     return float((below * (places**2).sum(axis=1) ** 0.5).sum())

@@ -17,7 +17,6 @@ place.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
@@ -49,7 +48,7 @@ from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
 
 BITS = 128
@@ -268,7 +267,7 @@ def audited_cells(
 def _by_squares(system: SwitchedSystem, formula: PiecewiseExpression) -> ExaminedFunction | None:
     """V shown by sums of squares, which are few at high degrees, where subdivision gives up; None where it is not."""
     try:
-        found = many.examine(_with_known_numbers(system), formula, system.check.radius, effort=Effort.ALONE)
+        found = many.examine(with_known_numbers(system), formula, system.check.radius, effort=Effort.ALONE)
     except (BeyondReachError, ExpressionError):
         return None
     return found if found.decrease in many.PROVES else None
@@ -316,18 +315,11 @@ def _named(witness: Refutation | None) -> Refutation | None:
 # ---- in three states and more ----------------------------------------------------------------------
 
 
-def _with_known_numbers(system: SwitchedSystem) -> SwitchedSystem:
-    """The same system between rational bounds of its irrational numbers, where there are such bounds."""
-    with suppress(NoEnclosureError):
-        return enclose_numbers(system)
-    return system
-
-
 def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
     require_stated(scene)
     require_denominators(scene)
     formula, radius = _formula(scene, lyapunov), scene.check.radius
-    scene = _with_known_numbers(scene)
+    scene = with_known_numbers(scene)
     try:
         function = many.examine(scene, formula, radius)
     except BeyondReachError as error:

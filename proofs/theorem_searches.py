@@ -138,7 +138,7 @@ def show_verdict(system: SwitchedSystem, verdict: str, search: Search | None = N
 
 # ---- certificates of systems in one state --------------------------------------------------------
 #
-# Certificates of systems in one state: a function V of the displacement, on the intervals between switchings.
+# A function V of the displacement, on the intervals between switchings.
 #
 # The point attracts with ``V = (x/a)^2`` left and ``(x/b)^2`` right of it, below the level 1 on ``(-a, b)``; it is
 # stable with ``V = x^2``; a solution leaves it where V falls and is negative, or along one field that leads away.  The

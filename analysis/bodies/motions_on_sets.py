@@ -19,7 +19,7 @@ from nonsmooth.symbolic.mechanics.springs import EqualSprings
 
 # ---- the contacts under many poses of one body at once -------------------------------------------
 #
-# The contacts under many poses of one body at once, in floats: which wheels are near, their loads, who tips.
+# In floats: which wheels are near, their loads, who tips.
 #
 # Each pose keeps a list of wheels near enough to come under the outline soon; one row of every array is one pose.
 # Loads are those of springs.  The centre of mass lies strictly inside the hull of the carrying wheels

@@ -305,7 +305,7 @@ def path_minimizer(model: ContactModel) -> WarmMinimizer:
 
 # ---- what a body does on one set of wheels at one centre of mass ---------------------------------
 #
-# What a body does on one set of wheels at one centre of mass, in floats: a guess for ball arithmetic to prove.
+# In floats: a guess for ball arithmetic to prove.
 
 
 STICKS, STICKS_BESIDE_ROLLERS = 1e-4, 1e-2  # slip, of the fastest wheel's speed, below which a wheel may stick

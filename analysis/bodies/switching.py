@@ -23,7 +23,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 
 # ---- products of weights that mix the motions of all subsets of some wheels ----------------------
 #
-# Products of weights that mix the motions of all subsets of some wheels, as where several lie under the edge.
+# As where several lie under the edge.
 
 
 STEPS = 40  # of Newton's method for the weights

@@ -203,10 +203,11 @@ def _opposition(a: Twist, b: Twist, point: Point) -> Any:
 
 
 def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> Iterator[RestPlace]:
-    """Parts of a side with parallel velocities on which these oppose each other.
+    """Parts of a side with parallel velocities on which these oppose each other, and a point where both vanish at once.
 
-    Both velocities lie along one line there, so each changes sign at most once along the side: the zeros of the
-    two split the side into pieces of constant sign.
+    Velocities that differ lie along one line there, so each changes sign at most once along the side: the zeros of the
+    two split the side into pieces of constant sign.  Where both change it together, as where one twist turns on both
+    sides about a point between them, no piece beside the zero is of equilibria, and it is one.
     """
     breaks: list[Any] = []
     for twist in (a, b):
@@ -218,14 +219,17 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
                 breaks.append(t)
     zero = side.start[0] - side.start[0]
     marks = sorted([zero, zero + 1, *breaks])
+    opposed = False
     for lower, upper in pairwise(marks):
         middle = between(side.start, side.end, (lower + upper) / 2)
         if sign(upper - lower) > 0 and sign(dot(a.pose_rate(middle), b.pose_rate(middle))) <= 0:
-            yield RestPlace(
-                EquilibriumPlace.SEGMENT,
-                (between(side.start, side.end, lower), between(side.start, side.end, upper)),
-                cells,
-            )
+            opposed = True
+            ends = between(side.start, side.end, lower), between(side.start, side.end, upper)
+            yield RestPlace(EquilibriumPlace.SEGMENT, ends, cells)
+    if breaks and not opposed:
+        point = between(side.start, side.end, breaks[0])
+        if not any(a.pose_rate(point)):
+            yield RestPlace(EquilibriumPlace.SIDE, (point,), cells)
 
 
 def _covers(known: RestPlace, point: Point) -> bool:

@@ -126,7 +126,7 @@ def line_of(surface: Polynomial) -> Triple:
     return a, b, c
 
 
-def cone_region(start: Point, end: Point, apex: Point | None = None) -> Region:
+def cone_region(start: Point, end: Point) -> Region:
     """The cone counterclockwise from one ray to another, of less than a half turn.
 
     Raises:
@@ -135,8 +135,7 @@ def cone_region(start: Point, end: Point, apex: Point | None = None) -> Region:
     if sign(cross(start, end)) <= 0:
         raise ValueError("required a cone of angle between zero and a half turn")
     zero = start[0] - start[0]
-    x, y = apex or (zero, zero)
-    return Region(((x, y, zero + 1), (*start, zero), (*end, zero)))
+    return Region(((zero, zero, zero + 1), (*start, zero), (*end, zero)))
 
 
 def polygon_region(polygon: Polygon) -> Region:

@@ -43,7 +43,7 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 
 # ---- normal forces along a path ------------------------------------------------------------------
 #
-# Normal forces along a path: loads and their slope at one centre of mass, and where the loads end.
+# Loads and their slope at one centre of mass, and where the loads end.
 #
 # Loads are affine in c as long as the same wheels carry load, so an integrator needs one small table per set of loaded
 # wheels: that of the last point serves while its loads are >= 0 and the springs that it leaves out are free; where it

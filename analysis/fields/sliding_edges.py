@@ -73,10 +73,10 @@ def _stretches(along: Point, left: Velocities, right: Velocities) -> Iterator[tu
         away = _where_positive([-sense * l for l, _ in speeds]), _where_positive([sense * r for _, r in speeds])  # noqa: E741
         first, last = max(a for a, _ in away), min(b for _, b in away)
         if first < last:
-            yield EdgeKind.REPELLING if sense < 0 else _attracting(along, left, right), first, last
+            yield EdgeKind.REPELLING if sense < 0 else _attracting(left, right), first, last
 
 
-def _attracting(along: Point, left: Velocities, right: Velocities) -> EdgeKind:
+def _attracting(left: Velocities, right: Velocities) -> EdgeKind:
     """A slide rests all along where its radial speed vanishes at both ends: there the two velocities are parallel.
 
     That speed is ``A`` of :mod:`nonsmooth.analysis.cells.moves`, by Lagrange's identity ``|along|^2 (l x r)``.

@@ -14,8 +14,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, PlaneField, sign_on
-from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import no_sign, parse_piecewise
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
@@ -107,9 +106,5 @@ def _rates(system: SwitchedSystem, region: Region, named: dict[str, Polynomial])
 def _waves(system: SwitchedSystem) -> tuple[PlaneWave, ...]:
     named = dict(zip(system.states, system.displaced(PLANE), strict=True))
     arguments = (parse_piecewise(wave.argument, system.states) for wave in system.names)
-    found = [argument.polynomial(named, _no_sign) for argument in arguments]
+    found = [argument.polynomial(named, no_sign) for argument in arguments]
     return tuple(PlaneWave(wave.kind, argument) for wave, argument in zip(system.names, found, strict=True))
-
-
-def _no_sign(expression: Polynomial) -> int:
-    raise ExpressionError(f"required no switching, received {expression}")

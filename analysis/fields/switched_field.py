@@ -172,7 +172,7 @@ class SwitchedField(FacedField, Protocol):
 
 # ---- tangent cones of sign patterns --------------------------------------------------------------
 #
-# Tangent cones of sign patterns: on which sides of the surfaces through a state there are states.
+# On which sides of the surfaces through a state there are states.
 
 
 # Relative to unit gradients: an open cone narrower than this is not told from an empty one.

@@ -12,7 +12,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
-from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
+from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, names, weighted
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
@@ -139,13 +139,10 @@ def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantF
         rates = [component.constant_value for component in cell.velocities[0]]
         if cell.region.guards or any(rate is None for rate in rates):
             return None
-        pieces.append((_half_planes(cell), (*rates, system.field.zero)))
+        sides = [HalfPlane((-a, -b), c) for a, b, c in cell.region.sides]
+        pieces.append((sides, (*rates, system.field.zero)))
     zero = system.field.zero
     return piecewise_constant(square((zero, zero), system.check.radius), pieces, exact=exact)
-
-
-def _half_planes(cell: FieldCell) -> list[HalfPlane]:
-    return [HalfPlane((-a, -b), c) for a, b, c in cell.region.sides]
 
 
 def _surface(polynomial: Polynomial) -> Surface:

@@ -27,7 +27,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 
 # ---- friction forces that balance exactly and stay inside their limits ---------------------------
 #
-# Friction forces that balance exactly and stay inside their limits: what makes a dual value a proof.
+# What makes a dual value a proof.
 #
 # A solver's multipliers balance only to its tolerance.  The repair moves them by the least change, measured in units of
 # the room that each force has left (a force at its limit may turn but not grow), so that ``sum_k f_k a_k = 0`` to
@@ -198,7 +198,7 @@ class Minimum:
 
 # ---- which answers of a minimizer are proved to be the motion ------------------------------------
 #
-# Which answers of a minimizer are proved to be the motion, and how to say in words that some are not.
+# And how to say in words that some are not.
 #
 # A float minimizer proves its answer by forces (:meth:`nonsmooth.analysis.minimizers.minimum.Minima.check`).  That the
 # answer is the motion takes more: the loaded rows with friction must be of rank three, else D is constant along a

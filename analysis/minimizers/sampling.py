@@ -55,15 +55,9 @@ class SampledDerivative:
     not_certified: str = ""
 
 
-def sample_upper_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
-    """Evaluate ``2 c . v`` under rule ``nearest`` at random points of the checked square (centred scene)."""
-    points = _random_points(scene, samples, seed)
-    return _largest_rates(points, _rates(points, literal_twists(scene, points)))
-
-
-def _random_points(scene: Scene, samples: int, seed: int) -> NDArray[np.float64]:
+def _random_points(scene: Scene, samples: int) -> NDArray[np.float64]:
     radius = float(scene.check.radius)
-    return np.random.default_rng(seed).uniform(-radius, radius, size=(samples, 2))
+    return np.random.default_rng(0).uniform(-radius, radius, size=(samples, 2))
 
 
 def _rates(points: NDArray[np.float64], twists: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -134,7 +128,7 @@ def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
     return [(normal, speed) for friction, normal, speed in ordered if friction]
 
 
-def sample_smooth_derivative(scene: Scene, samples: int, seed: int = 0) -> SampledDerivative:
+def sample_smooth_derivative(scene: Scene, samples: int) -> SampledDerivative:
     """Evaluate V* under the scene's rule without cells at random points of the checked square (centred scene).
 
     Where the minimizer is not unique V* is the largest rate over all of them.  Points at which the motion is not
@@ -146,7 +140,7 @@ def sample_smooth_derivative(scene: Scene, samples: int, seed: int = 0) -> Sampl
     free = free_motions(scene)
     if free:
         return SampledDerivative(0, None, None, None, free)
-    points = _random_points(scene, samples, seed)
+    points = _random_points(scene, samples)
     minima = minima_under(smooth_rule_of(scene), scene, points)
     rates = _rates(points, minima.twists)
     for k, face in minima.faces.items():
@@ -157,7 +151,7 @@ def sample_smooth_derivative(scene: Scene, samples: int, seed: int = 0) -> Sampl
 
 # ---- the velocity field of a rule without cells at the points of a grid --------------------------
 #
-# The velocity field of a rule without cells at the points of a grid, in floats: sampled, and said to be.
+# In floats: sampled, and said to be.
 #
 # ``c' = v + omega J c`` by the minimizer of D at each point, each with the forces that prove it; where a minimizer is
 # not unique or not proved the point has no velocity.
@@ -235,7 +229,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
 
 # ---- feedback under the rules ``box`` and ``ellipse`` --------------------------------------------
 #
-# Feedback under the rules ``box`` and ``ellipse``, sampled: two laws, their worst rate of ``V = |c|^2 + theta^2``.
+# Sampled: two laws, their worst rate of ``V = |c|^2 + theta^2``.
 #
 # The array is given with the length l of ``V = |c|^2 + l^2 theta^2`` for its unit.
 #
@@ -305,10 +299,10 @@ class LoopSample:
 
 
 def sample_closed_loop(
-    model: ContactModel, functional: Functional, law: SampledLaw, radius: float, samples: int, seed: int = 0
+    model: ContactModel, functional: Functional, law: SampledLaw, radius: float, samples: int
 ) -> LoopSample:
     """Largest ``V'/V`` over random states with ``|c|, |theta| <= radius``, refined by random search."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     states = _random_states(rng, samples, radius)
     rates = relative_rates(model, functional, law, states)
     for k in range(SEARCH_ROUNDS):

@@ -31,7 +31,7 @@ from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 
 # ---- regimes of friction -------------------------------------------------------------------------
 #
-# Regimes of friction: which contacts stick or nearly do, and the unknowns that Newton's method has for them.
+# Which contacts stick or nearly do, and the unknowns that Newton's method has for them.
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ def changed(regime: Regime, unknowns: Floats, wrong: NDArray[np.bool_]) -> tuple
 
 # ---- forces of contacts that stick ---------------------------------------------------------------
 #
-# Forces of contacts that stick, where balance leaves a choice: the largest of them as small as possible.
+# Where balance leaves a choice: the largest of them as small as possible.
 #
 # Two contacts: a parabola each along a line.  More: Lawson's algorithm (1961).  Minimize ``sum_k weight_k |f_k|^2``
 # subject to balance, multiply each weight by ``|f_k|``, and again: the largest force falls towards the least possible,
@@ -355,7 +355,7 @@ def _solved(matrix: Floats, right: Floats, regime: Regime) -> Floats | None:
 
 # ---- the minimizer of D where strips cut some friction ellipses ----------------------------------
 #
-# The minimizer of D where strips cut some friction ellipses, one after the other along a path: Newton steps.
+# One after the other along a path: Newton steps.
 #
 # With ``X = mu_R r`` and ``Y = mu_S s`` a contact is on one of four pieces
 # (:mod:`nonsmooth.symbolic.mechanics.friction_set`)::

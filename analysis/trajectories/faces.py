@@ -37,7 +37,7 @@ from nonsmooth.analysis.fields.switched_field import (
 
 # ---- the motion on a face of a smooth switched field ---------------------------------------------
 #
-# The motion on a face of a smooth switched field: ``sum l_k f_k``, tangent to the surfaces held.
+# ``sum l_k f_k``, tangent to the surfaces held.
 #
 # One surface between two fields fixes the weights l (Utkin's equivalent control); where they are not unique the motion
 # of least norm is taken.
@@ -163,7 +163,7 @@ def largest(fields: Vector) -> float:
 
 # ---- where both normal speeds of a slide vanish at once ------------------------------------------
 #
-# Where both normal speeds of a slide vanish at once (a two-fold), so that they leave its weights open.
+# A two-fold, so that they leave its weights open.
 #
 # A solution that keeps to the surface there has speeds ``N_k = D_k t``, and weights that make them cancel: ``l_1 D_1 +
 # l_2 D_2 = 0`` with ``D_k = l_1 D_k1 + l_2 D_k2``, the derivative of N_k along its own velocity (D_kj: along the field
@@ -208,7 +208,7 @@ def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Vector) 
     """
     fields = motion.fields(t, x)
     scale = largest(fields)
-    changes = _changes(field, motion, t, x) if scale else np.zeros((2, 2))
+    changes = _changes(field, motion, t, x) if any(map(length, fields)) else np.zeros((2, 2))
     if largest(changes) * field.size <= BEND_SLACK * scale**2:
         return None
     (d11, d12), (d21, d22) = changes

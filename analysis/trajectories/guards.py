@@ -33,7 +33,7 @@ from nonsmooth.symbolic.numbers.plane import around
 
 # ---- paths that circle a corner ever faster and nearer without end -------------------------------
 #
-# Paths that circle a corner ever faster and nearer without end: their mean motion, at the corner.
+# Their mean motion, at the corner.
 #
 # Around a corner with velocities that do not vanish there a full turn from distance s takes a time proportional to s,
 # and returns at ``gain s``.  With a gain below one the turns sum to a limit

@@ -32,7 +32,7 @@ from nonsmooth.symbolic.numbers.plane import cross, dot, minus
 
 # ---- where a path can go from a point on an edge or at a corner ----------------------------------
 #
-# Where a path can go from a point on an edge or at a corner: every Filippov continuation of a constant field.
+# Every Filippov continuation of a constant field.
 #
 # Near a point only the cells whose closure holds it matter: a fan of cones separated by rays.  The continuations are
 #
@@ -430,7 +430,7 @@ def sample_times(motion: Motion, span: Any | None) -> tuple[Any, ...]:
     if isinstance(motion, Slide) and span is None:
         return _approach(motion)
     if span is None:
-        return (_zero(motion),)
+        return (motion.theta * 0,)
     zero = span * 0
     if isinstance(motion, Free) and motion.flow.turn:
         return _even(span, max(1, math.ceil(abs(motion.flow.turn) * span / ARC_STEP)))
@@ -451,10 +451,6 @@ def _approach(slide: Slide) -> tuple[float, ...]:
     if slide.stop is None:
         return (0.0,)
     return tuple(slide.time_to(slide.stop * (1 - 2.0**-k)) for k in range(SLIDE_SAMPLES))
-
-
-def _zero(motion: Motion) -> Any:
-    return motion.theta * 0
 
 
 # ---- closed orbits -------------------------------------------------------------------------------

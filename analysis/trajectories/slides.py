@@ -24,7 +24,7 @@ from nonsmooth.symbolic.numbers.plane import dot, minus
 
 # ---- the edges and cells that meet at a point of an edge or at a corner --------------------------
 #
-# The edges and cells that meet at a point of an edge or at a corner, and the signs by which paths decide there.
+# And the signs by which paths decide there.
 #
 # What motions do around the point is that of :mod:`nonsmooth.analysis.cells.moves`; here is added what a path must know
 # besides: which edge a ray is, how far it reaches, and where the domain ends.

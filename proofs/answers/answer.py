@@ -163,7 +163,7 @@ def require_dynamics(scene: Scene, key: str) -> None:
 
 # ---- numbers of an answer as a reader of a data sheet wants them ---------------------------------
 #
-# Numbers of an answer as a reader of a data sheet wants them: four digits, rounded to the safe side.
+# Four digits, rounded to the safe side.
 
 
 DIGITS = 4

@@ -259,10 +259,10 @@ class ArrayBasin:
         unit = f" {length}" if length else ""
         ends = "comes home" if self.within is None else f"ends within {float_text(self.within)}{unit} of the point"
         size = f"{float_text(self.area)}{unit}{2 if unit else ''}"
-        region = f"from anywhere in a region of {size} a body {ends} ({len(self.triangles.simplices)} triangles)"
+        region = f"from anywhere in a region of area {size} a body {ends} ({len(self.triangles.simplices)} triangles)"
         square = f"the square of half-width {float_text(self.half)}{unit}, the largest on the wheels"
-        share = f"{percent_text(self.triangles.share)} of the sampled starts in {square}, that do"
-        return f"{region}: {share} ({certified} of {coming})"
+        share = f"{percent_text(self.triangles.share)} of those that do ({certified} of {coming})"
+        return f"{region}; of the starts sampled in {square}, it holds {share}"
 
     def record(self, unit: str) -> dict[str, object]:
         """As JSON, with the area, where bodies end, and the square of which starts are sampled."""

@@ -140,7 +140,7 @@ def _why_undecided(results: Results) -> str:
 
 # ---- at which headings does a body with an outline rest ------------------------------------------
 #
-# At which headings does a body with an outline rest, about the checked point, and which of them attract?.
+# About the checked point, and which of them attract?
 #
 # A list for people of what :mod:`nonsmooth.proofs.headings` proves, and of what is only sampled.
 

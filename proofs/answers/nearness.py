@@ -38,7 +38,7 @@ from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, spring_forms
 from nonsmooth.symbolic.mechanics.rule import MIXED
-from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import cross, dot
@@ -267,7 +267,7 @@ def _home_disc(
     if kept.margin is not None:
         return None
     near = None if ends is None else ends.ends_within
-    disc = attracting_disc(scene, rest, [*([] if near is None else [near]), *(share * accuracy for share in DISCS)])
+    disc = attracting_disc(rest, [*([] if near is None else [near]), *(share * accuracy for share in DISCS)])
     if disc is None:
         return None
     there = 2 * rest.distance
@@ -350,7 +350,7 @@ def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
     from nonsmooth.proofs import clause_registry
     from nonsmooth.proofs.clauses.workspace import Workspace
 
-    backward = replace(scene, wheels=tuple(_reversed(wheel) for wheel in scene.wheels))
+    backward = replace(scene, wheels=tuple(replace(wheel, given_speed=-wheel.speed) for wheel in scene.wheels))
     work = Workspace(backward, sample=False)
     try:
         for clause in clause_registry.CLAUSES:
@@ -362,7 +362,3 @@ def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
     home = getattr(found, "home_radius", None)
     attracts = found.verdict is Translation.ASYMPTOTICALLY_STABLE
     return bool(attracts and home is not None and home >= accuracy)
-
-
-def _reversed(wheel: Wheel) -> Wheel:
-    return replace(wheel, given_speed=-wheel.speed)

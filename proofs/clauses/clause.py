@@ -102,7 +102,8 @@ class Clause(ABC, Generic[Result]):
         result = self.decide(work)
         if field.rounded_signs == before:
             return result
-        open_result = self.undecided(result, work.rounded_parts_reason())
+        work.distrust_parts()
+        open_result = self.undecided(result, work.rounding_reason)
         if open_result is not result:
             work.by_rounding.add(self.name)
         return open_result

@@ -100,12 +100,13 @@ class Workspace:
         """The contact rule."""
         return rule_of(self.scene)
 
-    def rounded_parts_reason(self) -> str:
-        """Why a clause claims nothing that rounded numbers alone decided: of the angles of the array, or of its place.
-
-        What was built on the way may rest on rounding too, so from now on it counts again for whoever uses it.
-        """
+    def distrust_parts(self) -> None:
+        """What was built so far may rest on rounding: from now on that counts again for whoever uses it."""
         self._rounded_parts |= self._parts.keys()
+
+    @property
+    def rounding_reason(self) -> str:
+        """Why a clause claims nothing that rounded numbers alone decided: of the angles, or of the place."""
         return PLACE_DECIDES if isinstance(self.given.check.equilibrium[0], Rounded) else ROUNDING_DECIDES
 
     def _part(self, name: str, build: Callable[[], Part]) -> Part:

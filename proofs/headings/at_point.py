@@ -265,7 +265,7 @@ def _shortest(rates: list[arb_mat]) -> arb_mat:
 
 # ---- equilibrium headings of a body with an outline ----------------------------------------------
 #
-# Equilibrium headings of a body with an outline: where it rests for a range of headings, and where for one.
+# Where it rests for a range of headings, and where for one.
 #
 # At the checked point every range of headings is decided or named as undecided, under every contact rule.  Under a rule
 # without cells rest is also looked for around that point, in floats; on one set of wheels what is found is decided

@@ -95,7 +95,7 @@ def _solve(columns: Sequence[Column], target: Column, prices: Sequence[Number]) 
 
     Rows with a negative target are negated first, and one artificial column per row starts phase one.
     """
-    one = _one_like(columns, target)
+    one = target[0].field.one
     is_long = len(one.field.radicands) > FEW_ROOTS or len(columns) > FEW_COLUMNS
     if is_long and len(columns) >= len(target):  # fewer are no basis, and to load the solver takes longer than all else
         proposed = _verified_proposal(columns, target, prices)
@@ -247,10 +247,6 @@ def _sum(values: object, start: Number | None = None) -> Number:
     if total is None:
         raise ValueError("required at least one summand")
     return total
-
-
-def _one_like(columns: Sequence[Column], target: Column) -> Number:
-    return target[0].field.one
 
 
 # ---- linear programs in floats: they propose, and exact arithmetic decides -----------------------

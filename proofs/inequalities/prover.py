@@ -66,7 +66,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms, float_value
 
 # ---- forms on simplicial cones that are decided completely ---------------------------------------
 #
-# Forms on simplicial cones that are decided completely: of two generators by real roots, quadratic ones by minors.
+# Of two generators by real roots, quadratic ones by minors.
 #
 # *Two generators.* On ``g_1 + t g_2``, ``0 < t < oo``, the form is a polynomial in t.  It can change sign or vanish
 # only at its roots, so one rational point between neighbouring roots shows the sign there.

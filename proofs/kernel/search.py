@@ -294,7 +294,7 @@ def _nearer(surface: Polynomial, points: Floats) -> Floats:
 
 # ---- the claims about a function V of a plain system ---------------------------------------------
 #
-# The claims about a function V of a plain system, or about all functions of a basis, as the checker derives them.
+# Or about all functions of a basis, as the checker derives them.
 
 
 class Collected(Proofs):

@@ -47,7 +47,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- proposals for a V that is positive and falls in the whole space -----------------------------
 #
-# Proposals for a V that is positive and falls in the whole space: polynomials, and logarithms, by sums of squares.
+# Polynomials, and logarithms, by sums of squares.
 #
 # With fields f that are polynomials, of one cell, both are asked without a domain,
 #

@@ -74,7 +74,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- what shows itself near the point in many states ---------------------------------------------
 #
-# What shows itself near the point in many states: velocities that lead away, linearizations, relays.
+# Velocities that lead away, linearizations, relays.
 #
 # *A solution that leaves.* Let s = 0 be the surfaces through the point, and f the field of a cell in which they have
 # the signs e.  If ``e grad s . f > 0`` at the point for each of them, the solution ``t f + ...`` of the field of this

@@ -180,7 +180,7 @@ def _negative(stated: Lyapunov) -> tuple[Fraction, ...] | None:
 
 # ---- stability by energies with sines and cosines ------------------------------------------------
 #
-# Stability by energies with sines and cosines: the system on circles (:mod:`nonsmooth.proofs.checker.circles`).
+# The system on circles (:mod:`nonsmooth.proofs.checker.circles`).
 #
 # In the coordinates ``sin x`` and ``cos x - 1`` of its angles a system with sines is one with polynomials, in more
 # states.  Energies are searched there as in any such system (:mod:`.weak_functions`); the checker shows what is found.
@@ -237,7 +237,7 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
         return None
     values = {name: Polynomial.variable(system.field, coordinates, name) for name in coordinates}
     try:
-        known = {wave.name: _turned(wave, system, angles, values) for wave in system.names}
+        known = {wave.name: _turned(wave, system, values) for wave in system.names}
         stated = [
             _text(side, known, [name for name in system.states if name not in angles]) for side in system.named_rhs
         ]
@@ -257,7 +257,7 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
     return replace(system, states=coordinates, rhs=sides, check=check, **plain)
 
 
-def _turned(wave: Wave, system: SwitchedSystem, angles: Sequence[str], values: Mapping[str, Polynomial]) -> Polynomial:
+def _turned(wave: Wave, system: SwitchedSystem, values: Mapping[str, Polynomial]) -> Polynomial:
     """A sine or cosine of a sum of whole multiples of angles.
 
     Raises:

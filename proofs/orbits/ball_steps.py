@@ -144,7 +144,7 @@ def _enclosed(rates: Rates, series: Sequence[Sequence[Ball]], span: Ball) -> Enc
 
 # ---- a cell of a planar system in balls ----------------------------------------------------------
 #
-# A cell of a planar system in balls: its field and Jacobian, its guards and their derivatives along the field.
+# Its field and Jacobian, its guards and their derivatives along the field.
 #
 # A rational field is ``f = g/s`` with a polynomial g and one common denominator s, as the system holds it
 # (:mod:`nonsmooth.symbolic.formulas.cleared_fractions`).  Where all denominators are positive, f and g have the same

@@ -30,7 +30,7 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
 
 # ---- a family of solutions through a cell --------------------------------------------------------
 #
-# A family of solutions through a cell, from where it enters to where it leaves, enclosed by balls.
+# From where it enters to where it leaves, enclosed by balls.
 #
 # The family is a curve ``x(s)``, ``|s| <= reach``, with ``x(0)`` in a small box and ``x'(s)`` in another: so ``x(s) =
 # x(0) + x'(.) s`` by the mean value theorem.  Enclosed are the solution from the middle of the small box and the

@@ -30,7 +30,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 # ---- one wheel of an array under rule ``box`` over a box of parameters ---------------------------
 #
-# One wheel of an array under rule ``box`` over a box of parameters: its slips, and the power of its forces.
+# Its slips, and the power of its forces.
 #
 # With the friction axis a, ``b = J a`` and the turn eta of the wheel within its tolerance, the slips of a twist are ::
 #

@@ -26,7 +26,7 @@ from nonsmooth.proofs.robust.rings import root_above
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, TouchingRings, rings_about
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet
-from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
 
@@ -89,7 +89,6 @@ class _Open(Enum):
 def decide_ends(
     scene: Scene,
     accuracy: Fraction,
-    box: Tolerance | None = None,
     *,
     rests: bool = False,
     kept: ContactSet | None = None,
@@ -100,7 +99,6 @@ def decide_ends(
     Args:
         scene: centred, of the wheels that carry, with loads that are known where its rule needs them.
         accuracy: a length.
-        box: tolerances, followed under rule ``nearest``.
         rests: whether a body at the point is known to stay there, so that no other place is looked for.
         kept: how far a body with an outline may move and turn on the same wheels.
         finely: whether rings that are not shown are looked at in the finest pieces, which takes longest.
@@ -113,7 +111,7 @@ def decide_ends(
     keeps, ellipses = kept or ContactSet(()), []
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
         for shape in _shapes(scene, velocity, centre, accuracy):
-            found = _about(scene, centre, shape, accuracy, box, keeps)
+            found = _about(scene, centre, shape, accuracy, keeps)
             if isinstance(found, Ends):
                 if found.is_near:
                     return found
@@ -121,14 +119,13 @@ def decide_ends(
                 break
             if found is _Open.RINGS and not isinstance(shape, Distance):
                 ellipses.append((centre, shape))
-    return away or (_in_smaller_pieces(scene, ellipses, accuracy, box, keeps) if finely else None)
+    return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps) if finely else None)
 
 
 def _in_smaller_pieces(
     scene: Scene,
     ellipses: Sequence[tuple[Place, LevelFunction]],
     accuracy: Fraction,
-    box: Tolerance | None,
     keeps: ContactSet,
 ) -> Ends | None:
     """About places that seem to attract, once more.
@@ -136,7 +133,7 @@ def _in_smaller_pieces(
     Where rings are shown then, and bodies may come onto other wheels on their way, other rings would not keep them.
     """
     for centre, shape in ellipses:
-        found = _about(scene, centre, shape, accuracy, box, keeps, FINEST)
+        found = _about(scene, centre, shape, accuracy, keeps, FINEST)
         if found is not _Open.RINGS:
             return found if isinstance(found, Ends) else None
     return None
@@ -166,7 +163,6 @@ def _about(
     centre: Place,
     shape: LevelFunction,
     accuracy: Fraction,
-    box: Tolerance | None,
     kept: ContactSet,
     finer: Sequence[int] = FINER,
 ) -> Ends | _Open:
@@ -188,7 +184,7 @@ def _about(
     useful = abs(accuracy - distance)  # they end nearer than the accuracy, or as near to a place farther away
     with parts() as say:
         say(f"rings about {place_text(centre, 3)} from the point")
-        rings = rings_about(there, box, most, through, float(wanted) / 2, shape, finer, useful)
+        rings = rings_about(there, most, through, float(wanted) / 2, shape, finer, useful)
     if rings is None or rings.start <= distance:
         return _Open.RINGS
     # bodies arrive in the smallest disc in a finite time where cells end at the place of rest, and slow down elsewhere

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 
 # ---- the rows of an array and the limits of its friction forces ----------------------------------
 #
-# The rows of an array and the limits of its friction forces, in floats: what proofs look at to find their guesses.
+# In floats: what proofs look at to find their guesses.
 
 
 class ArrayRows:
@@ -167,7 +167,7 @@ def _middle(piece: AnnulusPiece) -> tuple[float, float]:
 
 # ---- twists at the corners of D under rule ``box`` -----------------------------------------------
 #
-# Twists at the corners of D under rule ``box``, in floats: what balances a push.  No proof rests on them.
+# In floats: what balances a push.  No proof rests on them.
 #
 # ``D - G . xi`` is convex and linear in pieces, so that where it has a least value one is at a corner, a twist that
 # satisfies three independent rows.  Which twists are corners depends neither on the loads nor on the push G.

@@ -49,7 +49,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
 #
-# The twist all over a small polygon, enclosed to first order: an affine function of the place, and a small rest.
+# Enclosed to first order: an affine function of the place, and a small rest.
 #
 # Where D bends in every direction its gradient G in the twist has one zero ``xi(c)``.  With a twist ``xi_0`` near it at
 # the middle m of a polygon, loads that are affine in c, and Y about the inverse of the Hessian of D ::
@@ -431,15 +431,14 @@ class AttractingDisc:
         return max(logarithm, Fraction(0)) / self.rate
 
 
-def attracting_disc(scene: Scene, rest: EnclosedRest, radii: Sequence[Fraction]) -> AttractingDisc | None:
+def attracting_disc(rest: EnclosedRest, radii: Sequence[Fraction]) -> AttractingDisc | None:
     """The first of some discs that is shown to be one; None where none is.
 
     With ``c' = A(c) (c - c_0)``, A in a hull over a square about the point, and V linear on sectors about ``c_0``,
     ``g . A w < 0`` at both rays w of each sector: so V falls in the polygon of a level inside the square.
 
     Args:
-        scene: centred.
-        rest: its place of rest, which attracts.
+        rest: the place of rest of a centred scene, which attracts.
         radii: of discs about the point that are tried.
     """
     middle = np.array([float(entry) for entry in rest.slope.entries()]).reshape(2, 2)

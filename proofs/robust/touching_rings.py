@@ -1,7 +1,7 @@
 """Rings about a point on which every body comes nearer, from where they begin to where they end, and how long it takes.
 
 V is the distance, or a function whose level sets are polygons (:mod:`nonsmooth.proofs.robust.level_sets`).  On each
-ring ``inner <= V <= outer`` let ``V' <= -kappa`` for every velocity that is possible there, of every array of the box;
+ring ``inner <= V <= outer`` let ``V' <= -kappa`` for every velocity that is possible there;
 with exact kinematics too.  So bodies that start in the largest level set come to the smallest one, in the time that is
 the sum of (outer - inner)/kappa, and do not leave it.
 
@@ -89,7 +89,6 @@ class TouchingRings:
 
 def rings_about(
     scene: Scene,
-    box: Tolerance | None,
     most: float,
     through: float,
     least: float,
@@ -101,7 +100,6 @@ def rings_about(
 
     Args:
         scene: centred; with known loads, where its rule needs loads.
-        box: tolerances, under rule ``nearest`` alone.
         most: the largest disc of starts that is looked for.
         through: a disc of starts that is needed; the search begins at its border, outward and inward.
         least: a smaller disc of ends than this is not looked for.
@@ -112,7 +110,7 @@ def rings_about(
     if scene.contact.rule == "nearest":
         from nonsmooth.proofs.robust.nearest import why_not_nearest
 
-        return None if why_not_nearest(scene) else _of_cells(scene, box or no_tolerance(scene), most)
+        return None if why_not_nearest(scene) else _of_cells(scene, most)
     if scene.contact.loads_are_unknown:
         return None
     return _of_forces(scene, most, through, least, shape or Distance(), finer, useful)
@@ -127,12 +125,12 @@ def no_tolerance(scene: Scene) -> Tolerance:
 # ---- rule nearest --------------------------------------------------------------------------------
 
 
-def _of_cells(scene: Scene, box: Tolerance, most: float) -> TouchingRings | None:
+def _of_cells(scene: Scene, most: float) -> TouchingRings | None:
     """The rates of all cells at once: for each kappa the distance beyond which every body falls that fast."""
     from nonsmooth.proofs.robust.nearest import bounded_cells
 
     edge = fmpq(*Fraction(most).as_integer_ratio())
-    cells = bounded_cells(scene, box, edge)
+    cells = bounded_cells(scene, no_tolerance(scene), edge)
     fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
     limit = Fraction(most)
     reached: list[Fraction] = []

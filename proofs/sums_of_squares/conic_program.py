@@ -405,7 +405,7 @@ def round_parameters(problems: Sequence[Problem], solution: Solution, denominato
     rows: list[dict[int, fmpq]] = []
     rights: list[fmpq] = []
     for (condition, blocks), grams in zip(problems, solution.grams, strict=True):
-        own, right, found = _outside(condition, blocks, count, len(values))
+        own, right, found = _outside(condition, blocks, len(values))
         rows += own
         rights += right
         for block, entry in found:
@@ -418,7 +418,7 @@ def round_parameters(problems: Sequence[Problem], solution: Solution, denominato
 
 
 def _outside(
-    condition: Condition, blocks: Blocks, parameters: int, start: int
+    condition: Condition, blocks: Blocks, start: int
 ) -> tuple[list[dict[int, fmpq]], list[fmpq], list[tuple[int, int]]]:
     """The equations of one condition that the plain sum of squares does not enter, and the entries in them."""
     first, *others = blocks

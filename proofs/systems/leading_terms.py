@@ -234,7 +234,7 @@ def _by_turn(frame: Frame, weights: Weights, growth: TurnGrowth | FusedFocus | W
 def radial_motions(fan: TangentFan) -> Iterator[RadialMotion]:
     """All rays on which F of the leading terms holds a radial vector; one of each kind where there are many."""
     for cone in fan.cones:
-        yield from _inner_motions(cone, fan.degree)
+        yield from _inner_motions(cone)
     for before, after, surfaces in rays_between(fan):
         yield from _motions_on_ray(fan, before, after, surfaces)
 
@@ -242,7 +242,7 @@ def radial_motions(fan: TangentFan) -> Iterator[RadialMotion]:
 # ---- inside a cone -------------------------------------------------------------------------------
 
 
-def _inner_motions(cone: TangentCone, degree: int) -> Iterator[RadialMotion]:
+def _inner_motions(cone: TangentCone) -> Iterator[RadialMotion]:
     """Rays ``start + t end`` inside a cone on which the field is radial."""
     across, radial = (between_rays(form, cone.start, cone.end) for form in turning(cone.leading))
     if not across:

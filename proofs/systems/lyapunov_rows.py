@@ -162,7 +162,8 @@ def build_rows(sides: Sequence[Sides]) -> tuple[Floats, NDArray[np.bool_]]:
         points = _samples(side.cell.region, side.cell.potential.field)
         blocks += zip(_cell_rows(side, points), (True, False), strict=False)  # none where there is no point
     for first, second in combinations(sides, 2):
-        for points, normals in _between_cells(first.cell, second.cell):
+        field = first.cell.potential.field
+        for points, normals in _shared_points(first.cell.region, second.cell.region, field):
             blocks += [(rows, False) for rows in _slide_rows(first, second, points, normals)]
     if not blocks:
         return np.zeros((0, 0)), np.zeros(0, dtype=bool)
@@ -214,10 +215,6 @@ def _samples(region: Region, field: NumberField) -> Floats:
 def _shared_points(first: Region, second: Region, field: NumberField) -> list[tuple[Floats, Floats]]:
     """Points of edges and of curves between two regions, with normals there; the field as for :func:`_samples`."""
     return list(_points_between(first, second))
-
-
-def _between_cells(first: LyapunovCell, second: LyapunovCell) -> list[tuple[Floats, Floats]]:
-    return _shared_points(first.region, second.region, first.potential.field)
 
 
 def _points_between(first: Region, second: Region) -> Iterator[tuple[Floats, Floats]]:

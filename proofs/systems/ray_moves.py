@@ -262,7 +262,7 @@ def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
 
 # ---- the fan of tangent cones of a switched system at a point ------------------------------------
 #
-# The fan of tangent cones of a switched system at a point, with the leading terms of its fields.
+# With the leading terms of its fields.
 #
 # Near the point each switching surface through it is the zero set of its form of lowest degree, up to terms of higher
 # order; other surfaces have one sign there.  The lines of these forms cut the plane into cones, and on each cone all

@@ -29,7 +29,9 @@ if TYPE_CHECKING:
 MOST_SHOWN = 8  # destinations on a terminal and in a report
 GOES = ("the body ...", "starts", "near there", "heading")
 PLACE_DIGITS = 4
-THEOREM = "Theorem 4 (the position is stable, the heading is not, feedback holds both where mu_side < mu_roll): "
+THEOREM_IN_WORDS = (
+    "Theorem 4 (the position is stable, the heading is not, feedback holds both where mu_side < mu_roll): "
+)
 
 
 class StatedAnswers(NamedTuple):
@@ -81,7 +83,9 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     parts += [Text(f"note: {note}", "yellow") for note in stated.notes]
     if answers.others:
         parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
-    parts.append(Text(THEOREM).append_text(verdict_text(result.verdict, bold=True)).append(_theorem_note(result)))
+    parts.append(
+        Text(THEOREM_IN_WORDS).append_text(verdict_text(result.verdict, bold=True)).append(_theorem_note(result))
+    )
     return Group(*parts)
 
 

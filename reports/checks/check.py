@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
@@ -331,13 +331,21 @@ def _write_certificate(certificate: dict[str, Any], result: CheckResult, file: s
     from nonsmooth.proofs.certificate import certificate_text, stated_words
     from nonsmooth.proofs.checker.theorem4 import CLAUSES
 
-    write_whole(Path(file), certificate_text(certificate).encode())
-    check, stated = result.evidence, stated_words(certificate)
+    check, stated, notes = result.evidence, stated_words(certificate), []
     said = {**{name: own.verdict for name, own in check.results.items()}, "theorem 4": check.verdict}
     for name in CLAUSES:
         if stated.get(name, "undecided") != said[name]:
             why = "follows no law by directions of c" if name == "feedback" else "leaves it open"
-            notice(file, f"{name} stands as undecided: the checker {why}")
+            notes.append(f"{name} stands as undecided: the checker {why}")
+    _write_accepted(file, certificate_text(certificate), notes)
+
+
+def _write_accepted(file: str, text: str, notes: Iterable[str]) -> None:
+    """Write a certificate that the stand-alone checker has accepted, say so, and what it leaves out."""
+    write_whole(Path(file), text.encode())
+    notice(file, "the certificate, accepted by the stand-alone checker")
+    for note in notes:
+        notice(file, note)
 
 
 # ---- plain systems, and many scenes --------------------------------------------------------------
@@ -371,9 +379,8 @@ def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
             certificate = result.certificate()
         except NoCertificateError as error:
             raise UnwrittenError(f"{system.origin}: {error}", result) from error
-        write_whole(Path(options.certificate), certificate_text(certificate).encode())
-        for line in left_out(certificate):
-            notice(options.certificate, f"left out: {line}")
+        notes = (f"left out: {line}" for line in left_out(certificate))
+        _write_accepted(options.certificate, certificate_text(certificate), notes)
     return result
 
 

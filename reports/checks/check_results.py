@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -23,7 +22,7 @@ from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.progress import progress, steps
 from nonsmooth.reports.output.terminal import header_table, verdict_text
-from nonsmooth.reports.studies.result import DataTable, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, counted_words, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, contact_set, tipped, wheels_text
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import numbers_text, short_text
@@ -31,7 +30,6 @@ from nonsmooth.symbolic.numbers.number_text import numbers_text, short_text
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from rich.console import RenderableType
 
     from nonsmooth.analysis.bodies.continuum import Prediction
     from nonsmooth.proofs.answers.array_basin import ArrayBasin, NoBasin
@@ -587,12 +585,11 @@ class SummaryResult(Result):
         """``position: 5 comes home, 2 leaves; Theorem 4: 5 holds, 2 fails; plain systems: 1 stable``."""
         arrays = [line for line in self.lines if line.rule != NONE]
         groups = (
-            ("position", Counter(line.answers[0] for line in arrays)),
-            ("Theorem 4", Counter(line.theorem for line in arrays if line.theorem != NONE)),
-            ("plain systems", Counter(line.answers[0] for line in self.lines if line.rule == NONE)),
+            ("position", [line.answers[0] for line in arrays]),
+            ("Theorem 4", [line.theorem for line in arrays if line.theorem != NONE]),
+            ("plain systems", [line.answers[0] for line in self.lines if line.rule == NONE]),
         )
-        counted = ((name, ", ".join(f"{n} {word}" for word, n in count.most_common())) for name, count in groups)
-        return "; ".join(f"{name}: {words}" for name, words in counted if words)
+        return counted_words(groups)
 
 
 def worst(statuses: set[int]) -> int:

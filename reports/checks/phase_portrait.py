@@ -167,7 +167,7 @@ def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
     _draw_curves(axes, portrait, xs, ys)
     draw_borders(axes, portrait)
     draw_potential(axes, portrait)
-    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
+    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6, label="checked point")
     x, y = portrait.system.states
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
 
@@ -214,6 +214,7 @@ def draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     xs, ys = np.meshgrid(line, line)
     potential = sampled_potential(function.result.cells, xs, ys)
     axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
+    axes.plot([], [], color=REGION, linewidth=0.5, label="level sets of V")
     if region is not None and region.falls:
         axes.contour(xs, ys, potential, levels=[float(region.level)], colors=REGION, linewidths=2.0, zorder=5)
         axes.plot([], [], color=REGION, linewidth=2.0, label="certified region")

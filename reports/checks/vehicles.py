@@ -218,7 +218,7 @@ class VehicleResult(Result):
         for motion in vehicle_motions(self.vehicle):
             if not isinstance(motion, RefusalError):
                 rows.append((motion.rule.name, *_twist_cells(motion_record(motion)), _multiplier_cell(motion)))
-        return table(("rule", "v_x", "v_y", "omega", "instant centre", "multiplier"), rows, (1.0,) * 6)
+        return table(("rule", "v_x", "v_y", "omega", "turns about", "multiplier"), rows, (1.0,) * 6)
 
     def _wheels(self) -> Block:
         """Slips and forces of every wheel under the vehicle's own rule."""
@@ -288,12 +288,19 @@ def _ratio_text(ratio: float | None) -> str:
     return "none" if ratio is None else float_text(ratio)
 
 
+def _range(low: str, high: str) -> str:
+    """``0.5``, ``+/-0.5`` or ``0.2 to 0.5``."""
+    if low == high:
+        return low
+    return f"+/-{high}" if low == f"-{high}" else f"{low} to {high}"
+
+
 def _twist_cells(motion: Record) -> tuple[str, ...]:
-    """``v_x, v_y, omega`` and the instant centre; of several twists their number and rates."""
+    """``v_x, v_y, omega`` and the instant centre; of several twists and their mixtures the range of each."""
     twists = motion["twists"]
     if len(twists) > 1:
-        low, high = (_cell(of(twist[2] for twist in twists)) for of in (min, max))
-        return f"{len(twists)} and", "mixtures", low if low == high else f"{low} to {high}", "-"
+        ends = [(_cell(min(entries)), _cell(max(entries))) for entries in zip(*twists, strict=True)]
+        return *(_range(low, high) for low, high in ends), "-"
     icr = "-" if motion["icr"] is None else "({}, {})".format(*map(_cell, motion["icr"]))
     return *map(_cell, twists[0]), icr
 

@@ -12,17 +12,13 @@ def scenes(json: Json = False) -> int:
     from nonsmooth.symbolic.files.system_file import system_descriptions
     from nonsmooth.symbolic.files.vehicle_file import vehicle_descriptions
 
-    descriptions = {
-        **builtin_descriptions(),
-        **system_descriptions(),
-        **vehicle_descriptions(),
-    }
+    kinds = builtin_descriptions(), system_descriptions(), vehicle_descriptions()
     if json:
         from nonsmooth.reports.checks.records import scenes_record
 
-        write_json(scenes_record(descriptions))
+        write_json(scenes_record({name: text for kind in kinds for name, text in kind.items()}))
     else:
         from nonsmooth.reports.output.terminal import scenes_view
 
-        write_views([scenes_view(descriptions)])
+        write_views([scenes_view(kinds)])
     return 0

@@ -23,7 +23,7 @@ from nonsmooth.reports.output.console import json_text, write
 from nonsmooth.reports.output.document import Block, Document, Paragraph, findings
 from nonsmooth.reports.output.files import make_folder, write_whole
 from nonsmooth.reports.output.progress import steps
-from nonsmooth.reports.output.refusals import option_named, refusals_named
+from nonsmooth.reports.output.refusals import option_named, refusals_named, require_resolved
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
@@ -290,6 +290,7 @@ class DeriveStudy(SceneStudy[DeriveOptions]):
         if scene.kind is SceneKind.ARRAY:
             from nonsmooth.symbolic.mechanics.contact_set import standing
 
+            require_resolved(loaded)
             loaded = standing(loaded)
         with refusals_named(loaded), steps("derivation") as announce:
             return derive_report(loaded, scene.invocation, options.parts(scene.kind), announce, brief=options.brief)

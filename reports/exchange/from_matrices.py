@@ -237,7 +237,7 @@ def _of_object(kind: Any, reading: Reading) -> tuple[str, Any]:
 
 # ---- CasADi's functions and expressions as formulas ----------------------------------------------
 #
-# CasADi's functions and expressions as formulas, by their graphs of instructions (extra ``nonsmooth[casadi]``).
+# By their graphs of instructions (extra ``nonsmooth[casadi]``).
 #
 # A function of MX is expanded to SX, whose instructions are scalar.  ``if_else(a < b, f, g)`` is there
 # ``if_else_zero(a < b, f) + if_else_zero(not a < b, g)``: factors of truth that multiply formulas.

@@ -232,7 +232,7 @@ def _joined(operator: str, parts: Iterable[Term]) -> Term:
 
 # ---- a decided problem as an archive of KeYmaera X -----------------------------------------------
 #
-# A decided problem as an archive of KeYmaera X: a theorem of real arithmetic for each inequality, with tactic QE.
+# A theorem of real arithmetic for each inequality, with tactic QE.
 #
 # The form is that of the archives that are published with KeYmaera X 4.9 (LS-Lab/KeYmaeraX-projects): ``Theorem``,
 # ``ProgramVariables``, ``Problem``, ``Tactic``, each ended by ``End.``

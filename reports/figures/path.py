@@ -311,7 +311,8 @@ def _entries(picture: PathPicture, *, curves: bool) -> list[Line2D]:
     entries += [line_entry(name, **style) for name, style in picture.explained.items()]
     if picture.beside is not None:
         entries.append(line_entry(picture.beside[1], **BESIDE))
-    entries.append(mark_entry(">", "start", color=PATH))
+    if picture.ground is not None:
+        entries.append(mark_entry(">", "start", color=PATH))
     for kind in dict.fromkeys(event.kind for event in picture.trajectory.events):
         entries.append(mark_entry(MARKERS[kind], str(kind), fillstyle="none"))
     return entries

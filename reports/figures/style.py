@@ -256,6 +256,8 @@ def lay_out(figure: Figure, suffix: str) -> None:
     _canvas(suffix)(figure)
     figure.set_dpi(DOTS if suffix == ".png" else POINTS_PER_INCH)
     engine.execute(figure)
+    if any(axes.title.get_window_extent().y1 > figure.bbox.y1 + 1 for axes in figure.axes):
+        engine.execute(figure)  # the first time an axes of fixed shape may come out too large for its title
     figure.set_layout_engine(None)
 
 

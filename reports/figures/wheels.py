@@ -102,14 +102,10 @@ def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named
     if sense:
         axes.annotate("", xy=end, xytext=(x, y), arrowprops=ARROW, zorder=3)
     if named:
-        name_wheel(axes, (x, y), (dx, dy), str(wheel.index))
+        name = str(wheel.index)
+        _write_name(axes, (x, y), name_offset((dx, dy), name, LABEL), name, INK, LABEL)
     back = (x - half * (sense or 1) * dx, y - half * (sense or 1) * dy)
     return [(back, end), ((x, y), (x - 1.6 * half * dy, y + 1.6 * half * dx))]
-
-
-def name_wheel(axes: Axes, place: XY, along: XY, name: str, color: str = INK, size: float = LABEL) -> None:
-    """The name of a wheel beside its rim."""
-    _write_name(axes, place, name_offset(along, name, size), name, color, size)
 
 
 def _write_name(axes: Axes, place: XY, offset: XY, name: str, color: str, size: float) -> None:

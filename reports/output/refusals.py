@@ -73,6 +73,7 @@ def refusals_named(scene: Scene | SwitchedSystem) -> Iterator[None]:
 # ---- numbers beyond floats -------------------------------------------------------------------------
 
 LARGEST, LEAST = 1e150, 1e-150  # of numbers whose squares floats hold
+RESOLUTION = 1e-9  # of the coordinates of the checked point: a smaller square is too far away for floats
 DIGITS = 6
 
 
@@ -121,4 +122,19 @@ def _numbers_of(scene: Scene) -> Iterator[tuple[str, Number]]:
             yield f"{own if name in wheel.named else 'friction'}.{name}", value
         yield from ((f"{own}.position", entry) for entry in wheel.position)
         yield f"{own}.speed", wheel.speed
+    yield from (("check.equilibrium", entry) for entry in scene.check.equilibrium)
     yield "check.radius", scene.check.radius
+
+
+def require_resolved(scene: Scene) -> None:
+    """Refuse squares so far away that floats, in the coordinates of the scene, do not tell places in them apart.
+
+    Raises:
+        SceneError: of such a square.
+    """
+    far, radius = max(abs(float(x)) for x in scene.check.equilibrium), scene.check.radius
+    if far * RESOLUTION > float(radius):
+        from nonsmooth.symbolic.numbers.number_text import decimal_text
+
+        expected = f"for paths, {RESOLUTION:g} of the coordinates of the point or more"
+        raise SceneError(scene.origin, "check.radius", expected, StatedFact(decimal_text(radius, DIGITS)))

@@ -103,12 +103,14 @@ def partition_blocks(partition: Partition) -> Sequence[Block]:
     return [Paragraph((f"{head}, rule {partition.rule}",)), cells, *(Paragraph((note,)) for note in notes)]
 
 
-def scenes_view(descriptions: dict[str, str]) -> RenderableType:
-    """The built-in scenes."""
+def scenes_view(kinds: Iterable[dict[str, str]]) -> RenderableType:
+    """The built-in scenes, kind by kind."""
     table = header_table("scene", "what it is")
-    for name, description in descriptions.items():
-        table.add_row(Text(name, no_wrap=True), Text(description))
-    return table
+    for descriptions in kinds:
+        for name, description in descriptions.items():
+            table.add_row(Text(name, no_wrap=True), Text(description))
+        table.add_section()
+    return Group(table, Text("arrays of wheels; plain switched systems; vehicles, which the command vehicle reads"))
 
 
 def notes_lines(field: NumberField) -> list[Text]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.answers.answer import Answer, of_length
 from nonsmooth.proofs.answers.answers import OtherRule
-from nonsmooth.reports.checks.answers import THEOREM, StatedAnswers, destinations_table, stated_answers
+from nonsmooth.reports.checks.answers import THEOREM_IN_WORDS, StatedAnswers, destinations_table, stated_answers
 from nonsmooth.reports.checks.equilibrium_headings import headings_table, notes, title
 from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.output.document import (
@@ -67,7 +67,7 @@ def _items(subject: ArraySubject, stated: StatedAnswers) -> Bullets:
             (f"Contact: {stated.contact}.",),
             *(_other_rule(other) for other in subject.answers.others),
             *(("; ".join(lines) + ".",) for lines in stated.contradictions),
-            (THEOREM, Verdict(str(verdict), _TONES[verdict.exit_status]), "."),
+            (THEOREM_IN_WORDS, Verdict(str(verdict), _TONES[verdict.exit_status]), "."),
         )
     )
 

@@ -40,6 +40,7 @@ from nonsmooth.reports.figures.style import (
     title_figure,
 )
 from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import heading_text, range_text, shown_angle
@@ -250,8 +251,7 @@ class SettleMapResult(MapResult):
         lines = []
         for row, basin, unique in zip(numbers.tolist(), found.basin, found.unique, strict=True):
             reason, place = found.ends[basin]
-            known = [value if math.isfinite(value) else None for value in row]
-            lines.append([*known, reason.value, place, "yes" if unique else "no"])
+            lines.append([*floats(row), reason.value, place, "yes" if unique else "no"])
         return DataTable(names, lines)
 
     def blocks(self) -> Sequence[Block]:

@@ -15,6 +15,7 @@ from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, OrbitErrors, Slid
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
@@ -131,9 +132,9 @@ class OrbitResult(Result):
             "scene": self.system.name,
             "states": list(self.system.states),
             "period": self.orbit.period,
-            "period_error": _finite(self.errors.period),
+            "period_error": floats(self.errors.period),
             "multipliers": [[value.real, value.imag] if np.isfinite(value) else None for value in self.multipliers],
-            "multiplier_errors": [_finite(error) for error in self.errors.multipliers],
+            "multiplier_errors": floats(self.errors.multipliers),
             "stability": self.stability,
             "proved": proof.is_proved,
             "reason": self.reason,
@@ -279,7 +280,3 @@ def measured_text(value: float, error: float, most: int) -> str:
     size = math.floor(math.log10(abs(value)))
     last = math.ceil(math.log10(2 * error)) if error else size - most
     return f"{value:.{min(most, max(1, size - last + 1))}g}"
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -33,7 +33,6 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import half_life, has_dynamics
 from nonsmooth.proofs.answers.contact_wheels import how_far
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.output.document import Block, Paragraph, findings
@@ -547,13 +546,12 @@ class DrivenPath(ArrayPath):
         return x, y, theta
 
 
-def follow_array(scene: Scene, options: SimulateOptions, feedback: FeedbackResult | None = None) -> ArrayPath:
+def follow_array(scene: Scene, options: SimulateOptions) -> ArrayPath:
     """The path of a body without mass: through the cells of its rule, or by the rule's own field.
 
     Args:
         scene: the array.
         options: what to simulate.
-        feedback: the verdict on the law of the centred array, where it is known already.
 
     Raises:
         OptionError: for a start that is no pose, and a law, a method or kinematics that the rule does not offer.
@@ -576,7 +574,7 @@ def follow_array(scene: Scene, options: SimulateOptions, feedback: FeedbackResul
         raise SceneError(scene.origin, "feedback", expected, StatedFact("nearest: it may lie in another contact state"))
     contacts = _one_contact_set(scene, options)
     partition = build_partition(standing(scene))
-    loop = None if law is None else build_loop(partition, law, options.kinematics, feedback, options.gain)
+    loop = None if law is None else build_loop(partition, law, options.kinematics, gain=options.gain)
     path = follow_cells(partition, options, loop)
     return ArrayPath(scene, path if contacts is None else contacts.until_change(path), partition, loop)
 

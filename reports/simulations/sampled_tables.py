@@ -20,6 +20,7 @@ from nonsmooth.proofs.answers.answer import at_least, at_most, of_length
 from nonsmooth.proofs.answers.robust import WORDS
 from nonsmooth.reports.figures.style import INK, figure_with_legend, length_label, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
@@ -81,7 +82,7 @@ class SampledTablesResult(Result):
         """JSON with stable keys; what is certified has a record of its own."""
         proved = self.certified
         radius = None if proved is None else proved.radius or proved.equilibrium
-        certified = None if proved is None else {"verdict": str(proved.verdict), "radius": _number(radius)}
+        certified = None if proved is None else {"verdict": str(proved.verdict), "radius": floats(radius)}
         return {
             "schema": SCHEMA,
             "scene": self.scene.name,
@@ -90,21 +91,21 @@ class SampledTablesResult(Result):
             "seed": self.seed,
             "tables": len(self.all.places),
             "share": SHARE,
-            "within": _number(self.all.within(SHARE)),
-            "farthest": _number(self.all.within(1.0)),
+            "within": floats(self.all.within(SHARE)),
+            "farthest": floats(self.all.within(1.0)),
             "missing": self.all.missing,
             "accuracy": self.accuracy,
             "near": self.near,
             "binding": self.binding,
             "parts": [_record(one) for one in (self.all, *self.groups, *self.alone)],
             "certified": certified,
-            "rows": [[_number(x), _number(y)] for x, y in self.all.places.tolist()],
+            "rows": floats(self.all.places.tolist()),
         }
 
     def table(self) -> DataTable:
         """One line for each table: its place of rest and its distance from the point; None where there is none."""
         rows = np.column_stack([self.all.places, self.all.distances]).tolist()
-        return DataTable(("x", "y", "distance"), [[_number(value) for value in row] for row in rows])
+        return DataTable(("x", "y", "distance"), floats(rows))
 
     def summary(self) -> str:
         """The sample, and what is certified."""
@@ -183,15 +184,7 @@ class SampledTablesResult(Result):
 
 def _record(one: SampledTables) -> Record:
     numbers = {"moved": one.moved(SHARE), "within": one.within(SHARE), "farthest": one.within(1.0)}
-    return {"drawn": list(one.names), "missing": one.missing} | {key: _number(x) for key, x in numbers.items()}
-
-
-def _number(value: object) -> float | None:
-    """A JSON number; None where it is none."""
-    if value is None:
-        return None
-    number = float(value)  # type: ignore[arg-type]
-    return number if math.isfinite(number) else None
+    return {"drawn": list(one.names), "missing": one.missing} | {key: floats(x) for key, x in numbers.items()}
 
 
 def _text(value: float, unit: str) -> str:

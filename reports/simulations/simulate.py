@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.output.files import FILMS
-from nonsmooth.reports.output.refusals import OptionError, RefusedError, bad_input
+from nonsmooth.reports.output.refusals import OptionError, RefusedError, bad_input, require_resolved
 from nonsmooth.reports.output.study_options import PathMethod
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
@@ -145,6 +145,7 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
     options = options.read_for(scene)
+    require_resolved(scene)
     if options.tables is not None:
         from nonsmooth.reports.simulations.sampled_tables import draw_tables
 

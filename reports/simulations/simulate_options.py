@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.output.refusals import OptionError
+from nonsmooth.reports.output.refusals import LARGEST, LEAST, OptionError
 from nonsmooth.reports.output.study_options import LawName, Options, PathMethod, option
 from nonsmooth.symbolic.mechanics.units import AngleUnit
 
@@ -212,6 +212,8 @@ class SimulateOptions(Options):
         for flag, value in (("--until", self.until), ("--width", self.width), ("--gain", self.gain)):
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise OptionError(f"{flag}: required a positive number, received {value}")
+        if not LEAST <= self.gain <= LARGEST:
+            raise OptionError(f"--gain: required a number of {LEAST:g} to {LARGEST:g}, received {self.gain}")
 
 
 def unit_of_typed_angles(scene: Scene) -> AngleUnit | None:

@@ -17,6 +17,7 @@ import csv
 import io
 import textwrap
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -246,6 +247,12 @@ def short_lines(head: str, rows: Iterable[tuple[str, str]]) -> str:
     if len(lines) > LINES:
         lines = [*lines[: LINES - 1], "  ..."]
     return "\n".join(lines)
+
+
+def counted_words(groups: Iterable[tuple[str, Iterable[str]]]) -> str:
+    """``position: 5 comes home, 2 leaves; Theorem 4: 7 holds``: for each name how often each word is said."""
+    counts = [(name, Counter(words).most_common()) for name, words in groups]
+    return "; ".join(f"{name}: {', '.join(f'{n} {word}' for word, n in count)}" for name, count in counts if count)
 
 
 # ---- notebooks -----------------------------------------------------------------------------------

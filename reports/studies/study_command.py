@@ -81,13 +81,9 @@ def _is_typed(context: Any, name: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-def _turns_off(own: OfferedOption) -> bool:
-    return own.flag.startswith("--no-")
-
-
 def _meant(own: OfferedOption, typed: Any) -> Any:
     """The value of an option that was typed: a flag that turns off is off where it is given."""
-    return not typed if _turns_off(own) else typed
+    return not typed if own.flag.startswith("--no-") else typed
 
 
 # ---- what is offered -----------------------------------------------------------------------------

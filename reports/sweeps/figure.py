@@ -17,7 +17,7 @@ from nonsmooth.reports.figures.style import INK, XY, legend_below, new_figure, t
 from nonsmooth.reports.sweeps.borders import Border, has_place
 from nonsmooth.reports.sweeps.outcome import REFUSED, CertifiedCell
 from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
-from nonsmooth.reports.sweeps.table import counted, sweep_title
+from nonsmooth.reports.sweeps.table import counted, sweep_title, title_of
 from nonsmooth.reports.sweeps.values import SweepError
 from nonsmooth.symbolic.numbers.number_text import float_text
 
@@ -46,13 +46,6 @@ COLORS = {
     "hypotheses not met": "#CC79A7",
     "undecided": "#999999",
     REFUSED: "#FFFFFF",
-}
-TITLES = {
-    "position": "position",
-    "heading": "heading",
-    "pose": "pose",
-    "theorem4": "Theorem 4",
-    "stability": "stability",
 }
 REFUSED_HATCH = "////"
 MOST_COLUMNS = 5  # of the legend
@@ -210,7 +203,7 @@ def _draw_strips(axes: Axes, sweep: Sweep) -> None:
     axes.plot(_positions(sweep), [0.55] * len(sweep.outcomes), "|", color=INK, markersize=4)  # what was checked
     for border in sweep.borders or ():
         axes.axvline(_place_of(border), color=INK, linewidth=0.8)
-    axes.set_yticks([-row for row in range(len(sweep.questions))], [TITLES[name] for name in sweep.questions])
+    axes.set_yticks([-row for row in range(len(sweep.questions))], list(map(title_of, sweep.questions)))
     places = _positions(sweep)
     axes.set_xlim(places[0], places[-1])
 
@@ -261,7 +254,7 @@ def _maps(sweep: Sweep) -> Figure:
     panels = figure.subplots(*((2, 2) if count > 1 else (1, 1)), sharex=True, sharey=True, squeeze=False)
     for k, (axes, name) in enumerate(zip(panels.flat, sweep.questions, strict=True)):
         _draw_map(axes, sweep, k)
-        axes.set_title(TITLES[name])
+        axes.set_title(title_of(name))
     for axes in panels[-1]:
         axes.set_xlabel(_label(sweep, 0))
     for axes in panels[:, 0]:

@@ -199,7 +199,7 @@ def _numbers(result: StabilityResult) -> dict[str, Any]:
 
 # ---- cells of a sweep's grid that are certified as a whole ---------------------------------------
 #
-# Cells of a sweep's grid that are certified as a whole: every array between their corners, and within its tolerances.
+# Every array between their corners, and within its tolerances.
 #
 # A cell is one scene, the middle of it, with tolerances that are larger by half the cell's sides: what is proved of all
 # arrays within those holds in the whole cell.  What is not proved is left open; nothing is sampled.

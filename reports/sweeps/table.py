@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -10,6 +9,7 @@ from nonsmooth.proofs.answers.answer import Position, at_most
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.checks.records import FAILURE
 from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.studies.result import counted_words
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.outcome import (
     CLAUSES,
@@ -32,6 +32,7 @@ SHOWN_NUMBERS = ("rate", "kappa")  # beside the answers on a terminal
 NEAR_NUMBERS = ("ends_within", "within", "after")  # the same where bodies come near the point, not to it
 # The same where a tolerance varies: what is certified of every array within it, and up to how many times it.
 TOLERANCE_NUMBERS = {"tolerance_radius": "all end within", "tolerance_factor": "certified, times"}
+HEADERS = {"kappa": "law's rate", **TOLERANCE_NUMBERS}
 
 
 def sweep_record(sweep: Sweep) -> dict[str, Any]:
@@ -66,11 +67,15 @@ def flat_rows(sweep: Sweep) -> Iterator[dict[str, Any]]:
 
 
 def counted(sweep: Sweep) -> str:
-    """``40 scenes: position 20 comes home, 20 stays near; ...``."""
-    groups = ((name, Counter(outcome[name] for outcome in sweep.outcomes)) for name in sweep.questions)
-    said = "; ".join(f"{name} {', '.join(f'{n} {word}' for word, n in c.most_common())}" for name, c in groups)
+    """``40 scenes; position: 20 comes home, 20 stays near; ...``."""
+    groups = ((title_of(name), (outcome[name] for outcome in sweep.outcomes)) for name in sweep.questions)
     cells = "" if sweep.cells is None else f"; {_cells_text(sweep.cells)}"
-    return f"{len(sweep.outcomes)} scenes: {said}{cells}"
+    return f"{len(sweep.outcomes)} scenes; {counted_words(groups)}{cells}"
+
+
+def title_of(question: str) -> str:
+    """The name of a question in words."""
+    return "Theorem 4" if question == "theorem4" else question
 
 
 def sweep_title(sweep: Sweep) -> str:
@@ -186,14 +191,13 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
 
 def _answers_table(sweep: Sweep) -> Block:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
-    known = _known_numbers(sweep) if sweep.base.is_system else _array_numbers(sweep)
-    titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
+    titles = list(map(title_of, sweep.questions))
     shorts = [_short_name(name, titles) for name in sweep.plan.names]
-    rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
+    rates = _known_numbers(sweep) if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     header = [
         *shorts,
         *titles,
-        *(["worst failure"] if failures else [TOLERANCE_NUMBERS.get(name, name) for name in rates]),
+        *(["worst failure"] if failures else [HEADERS.get(name, name) for name in rates]),
     ]
     rows = []
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
@@ -213,8 +217,9 @@ def _short_name(name: str, taken: Sequence[str]) -> str:
 
 
 def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
-    """The numbers of plain systems that some scene has."""
-    return tuple(name for name in SYSTEM_NUMBERS if any(outcome[name] is not None for outcome in sweep.outcomes))
+    """The numbers beside the answers that some scene has."""
+    names = SYSTEM_NUMBERS if sweep.base.is_system else _array_numbers(sweep)
+    return tuple(name for name in names if any(outcome[name] is not None for outcome in sweep.outcomes))
 
 
 def _array_numbers(sweep: Sweep) -> tuple[str, ...]:
@@ -243,7 +248,7 @@ def _borders_blocks(sweep: Sweep) -> Iterator[Block]:
         yield Paragraph(("no answer changes along the edges of the grid",))
         return
     shown = [(border, name) for border in sweep.borders[:MOST_SHOWN] for name in border.changed]
-    rows = [(_place(sweep, border), name, border_text(border, name)) for border, name in shown]
+    rows = [(_place(sweep, border), title_of(name), border_text(border, name)) for border, name in shown]
     yield Paragraph(("where the answers change (each border within 1e-9):",))
     yield table(("border", "question", "answer"), rows, (1.0, 1.0, 2.0))
     left = len(sweep.borders) - MOST_SHOWN

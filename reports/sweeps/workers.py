@@ -227,7 +227,7 @@ def _answers(work: Work, job: bytes, look_up: Callable[[], None]) -> Iterator[by
 
 # ---- a Dask cluster as the workers of a sweep ----------------------------------------------------
 #
-# A Dask cluster as the workers of a sweep: the scheduler is there already, and only the sweep writes the store.
+# The scheduler is there already, and only the sweep writes the store.
 #
 # Dask tries again what a dead worker left undone.  Every answer comes with the hash of the program that found it, so
 # workers with another version of this program are refused.  Needs the package ``distributed`` (extra ``cluster``).

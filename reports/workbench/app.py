@@ -32,7 +32,7 @@ from nonsmooth.reports.workbench.worker import CANCELLED, encoded, serve_page
 
 # ---- what every request must satisfy before anything is done -------------------------------------
 #
-# What every request must satisfy before anything is done: own host and origin, a token, a body of moderate size.
+# Own host and origin, a token, a body of moderate size.
 
 
 MAX_BODY = 1 << 20  # bytes
@@ -58,11 +58,10 @@ class Safety:
         app: what answers the rest.
         token: that every request to ``/api`` must bear.
         port: of the server; its hosts are 127.0.0.1 and localhost.
-        body_seconds: within which a body must have arrived.
     """
 
-    def __init__(self, app: ASGIApp, token: str, port: int, body_seconds: float = BODY_SECONDS) -> None:
-        self._app, self._token, self._seconds = app, token.encode(), body_seconds
+    def __init__(self, app: ASGIApp, token: str, port: int) -> None:
+        self._app, self._token = app, token.encode()
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -113,7 +112,7 @@ class Safety:
         """The whole body; never more of it than is allowed."""
         body = bytearray()
         try:
-            async with asyncio.timeout(self._seconds):
+            async with asyncio.timeout(BODY_SECONDS):
                 while True:
                     message = await receive()
                     if message["type"] != "http.request":
@@ -124,7 +123,7 @@ class Safety:
                     if not message.get("more_body", False):
                         return bytes(body)
         except TimeoutError:
-            return refused(408, f"body: required within {self._seconds:g} s")
+            return refused(408, f"body: required within {BODY_SECONDS:g} s")
 
 
 def refused(status: int, message: str) -> JSONResponse:

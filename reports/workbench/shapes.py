@@ -163,7 +163,7 @@ def edges_record(partition: Partition) -> list[dict[str, Any]]:
 
 # ---- paths from the start points of the page -----------------------------------------------------
 #
-# Paths from the start points of the page: samples, events with their words, and its end as ``simulate`` says it.
+# Samples, events with their words, and its end as ``simulate`` says it.
 
 
 Announce: TypeAlias = Callable[[str], None]

@@ -202,7 +202,7 @@ def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:
 
 # ---- hints at units ------------------------------------------------------------------------------
 #
-# Hints at units: sizes and speeds a thousand times off are mostly a table in millimetres beside one in metres.
+# Sizes and speeds a thousand times off are mostly a table in millimetres beside one in metres.
 
 
 SIZES = 1 / 500, 50.0  # metres that an array may measure without a hint

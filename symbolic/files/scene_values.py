@@ -8,7 +8,7 @@ wheel table holds tens of thousands of them.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -86,7 +86,7 @@ class Angle:
     reading: AngleReading = AngleReading.AS_WRITTEN
 
 
-def read_exact(value: object, variables: Collection[str] = ()) -> Exact:
+def read_exact(value: object) -> Exact:
     """A number as the user wrote it.
 
     Raises:
@@ -94,7 +94,7 @@ def read_exact(value: object, variables: Collection[str] = ()) -> Exact:
     """
     if isinstance(value, str) and _PLAIN_DECIMAL.fullmatch(value):
         return decimal_value(value)
-    return parse(value, variables)
+    return parse(value, ())
 
 
 def read_angle(value: object, unit: AngleUnit | None = None) -> Angle:

@@ -223,7 +223,7 @@ def _text(position: Vector) -> str:
 
 # ---- parts of a scene from the tables of its document --------------------------------------------
 #
-# Parts of a scene from the tables of its document: the contact rule, the continuous field, the checked square.
+# The contact rule, the continuous field, the checked square.
 
 
 def build_contact(table: ContactTable, rule: str, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.messages.scene_error import shown
 
 # ---- the value of a formula in floats ------------------------------------------------------------
 #
-# The value of a formula in floats, by walking its tree: nothing is evaluated as text, and floats only propose.
+# By walking its tree: nothing is evaluated as text, and floats only propose.
 
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {

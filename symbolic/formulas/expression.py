@@ -30,6 +30,7 @@ MAX_ANGLE_DENOMINATOR = 360
 MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the degree of the field
 
 _WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
+_ABS = re.compile(r"\babs *\(")  # read as Abs, the one name that certificates and the checker know
 _FUNCTIONS = ("sqrt", "sin", "cos")
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
@@ -90,7 +91,7 @@ def parse(value: object, variables: Collection[str] = ()) -> Expression:
 
 
 def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.expr]:
-    """The text of a TOML number or string, and its tree, of which nothing is checked yet.
+    """The text of a TOML number or string, and its tree, of which nothing is checked yet; ``abs(x)`` is ``Abs(x)``.
 
     Args:
         value: what the file holds.
@@ -107,6 +108,7 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
     text = str(value).strip()
     if "#" not in text:  # a comment would go on
         text = " ".join(text.splitlines())
+    text = _ABS.sub("Abs(", text)
     most = longest if isinstance(value, str) else MAX_LENGTH
     if len(text) > most:
         raise ExpressionError(f"required at most {most} characters, received {len(text)}")

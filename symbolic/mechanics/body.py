@@ -20,7 +20,7 @@ from nonsmooth.symbolic.numbers.plane import Vector, cross, minus
 
 # ---- the continuous idealization of an array -----------------------------------------------------
 #
-# The continuous idealization of an array: a force field under the whole object instead of a wheel here and there.
+# A force field under the whole object instead of a wheel here and there.
 #
 # Each point p of the object's footprint is pushed by a force per area along ``A (p - p_0)``, of constant size (speed
 # given) or as large as that vector (speed None).  The kinds ``radial``, ``elliptic``, ``saddle`` and ``spiral`` of a
@@ -162,7 +162,7 @@ def _turn(p: Vector, q: Vector, r: Vector) -> Number:
 
 # ---- the support polygon of an array -------------------------------------------------------------
 #
-# The support polygon of an array, the convex hull of its wheels, and the square that a scene checks by default.
+# The convex hull of its wheels, and the square that a scene checks by default.
 #
 # That square is a part of the array, whatever the unit of length: its half-width is ``s/n`` for the array's size s, the
 # larger extent along x or y, and the least whole n such that a square twice as wide about the point lies in the support

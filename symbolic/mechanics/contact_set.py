@@ -161,7 +161,7 @@ def whole(scene: Scene) -> Scene:
     """The array with all its wheels in their order, whether they carry or not."""
     if not scene.idle:
         return scene
-    return replace(scene, wheels=tuple(sorted((*scene.wheels, *scene.idle), key=_number)), idle=())
+    return replace(scene, wheels=tuple(sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)), idle=())
 
 
 def with_only(scene: Scene, wheels: Sequence[Wheel]) -> Scene:
@@ -201,10 +201,6 @@ def require_springs(scene: Scene) -> None:
         expected = "elastic loads on the way of a body with an outline"
         received = "a table" if isinstance(loads, LoadTable) else loads.words
         raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
-
-
-def _number(wheel: Wheel) -> int:
-    return wheel.index
 
 
 def alone(scene: Scene) -> Scene:

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.symbolic.formulas.surfaces import LINE_BREAK, Formula, Monomial
 from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple, constraint_matrix
-from nonsmooth.symbolic.mechanics.contact_states import ContactState, regular_states
-from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.scene import Wheel
 
 if TYPE_CHECKING:
     import sympy
@@ -140,27 +140,8 @@ def annihilator(state: ContactState) -> sympy.Matrix:
     return sympy.Matrix([*(entry.to_sympy() for entry in state.twist), 1])
 
 
-def control_matrix(state: ContactState) -> tuple[sympy.Matrix, sympy.Matrix]:
-    """``G`` (3 x m, columns g_w) and the inputs ``u`` (m x 1) with ``xi = G u``; m = 0 for three side rows."""
-    import sympy
-
-    wheels = sorted(state.control_fields)
-    columns = [[entry.to_sympy() for entry in state.control_fields[w]] for w in wheels]
-    matrix = sympy.Matrix(3, len(wheels), lambda row, column: columns[column][row])
-    return matrix, sympy.Matrix(len(wheels), 1, [input_symbol(w) for w in wheels])
-
-
 def input_symbol(wheel: int) -> sympy.Symbol:
     """``u_w``, the surface speed of wheel w."""
     import sympy
 
     return sympy.Symbol(f"u_{wheel:d}", real=True)
-
-
-def derive_control_fields(scene: Scene) -> dict[str, dict[int, Triple]]:
-    """``g_w`` by wheel for every regular row triple of an array, keyed by the state's name (``R1 S1 R2``).
-
-    The generic derivation with symbolic inputs, C(2n, 3) small solves over the scene's field: the exact
-    counterpart of a symbolic LU solve with simplification for each triple.
-    """
-    return {state.name: state.control_fields for state in regular_states(scene)}

@@ -40,7 +40,7 @@ from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # ---- the length l that weighs headings against places --------------------------------------------
 #
-# The length l that weighs headings against places: ``V = |c|^2 + l^2 theta^2``, what a scene takes by default.
+# ``V = |c|^2 + l^2 theta^2``, what a scene takes by default.
 #
 # That length is a part of the array, whatever the unit: the root mean square distance of the wheels from the checked
 # point, as ``a q`` with a rational a that scales with the array and three digits of the ratio q.  So it is rational,

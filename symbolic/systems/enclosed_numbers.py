@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -44,6 +45,13 @@ class Place:
     start: int
     end: int
     bounds: tuple[Fraction, Fraction]
+
+
+def with_known_numbers(system: SwitchedSystem) -> SwitchedSystem:
+    """The system between rational bounds of its irrational numbers; itself where there are no such bounds."""
+    with suppress(NoEnclosureError):
+        return enclose_numbers(system)
+    return system
 
 
 def enclose_numbers(system: SwitchedSystem) -> SwitchedSystem:

@@ -344,7 +344,7 @@ def signs_by_factors(signs: Mapping[Polynomial, int]) -> SignOf:
 
 # ---- plain systems that behave like a given one --------------------------------------------------
 #
-# Plain systems that behave like a given one: *scaled* by s, ``x' = s f(x/s)``, or *sped up* by k, ``x' = k f(x)``.
+# *scaled* by s, ``x' = s f(x/s)``, or *sped up* by k, ``x' = k f(x)``.
 #
 # All changes are exact, and the verdict is the same.
 

@@ -86,6 +86,15 @@ def test_a_cell_may_turn_about_a_point_of_its_own(arrays: Arrays) -> None:
     assert (str(EquilibriumPlace.CENTRE), frozenset({("0", "0")})) in places(found)
 
 
+def test_two_cells_may_turn_about_a_point_of_their_common_side() -> None:
+    """One twist on both sides of the axle: velocities are parallel along it, and vanish at one point of it alone."""
+    (found,) = find_equilibria(build_nearest_partition(load_scene("differential-drive")))
+    assert (found.place, found.cells) == (EquilibriumPlace.SIDE, (1, 2))
+    assert not any(found.points[0])
+    (seen,) = check_cells(load_scene("differential-drive", at="1/16,0")).equilibria or ()
+    assert list(map(str, seen.found.points[0])) == ["-1/16", "0"]
+
+
 @pytest.mark.parametrize("count", keep(1, [100, 300]))
 def test_motions_that_tie_in_a_cell_may_cancel_along_a_line_or_everywhere(arrays: Arrays, count: int) -> None:
     """Isotropic friction leaves two twists per cell; where they oppose each other the body may rest."""

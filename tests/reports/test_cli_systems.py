@@ -466,6 +466,7 @@ def test_arbitrary_switching_of_sines_has_no_portrait() -> None:
         PhasePortrait(built([["y", "-sin(x) - y"], ["y", "-2*sin(x) - y"]]))
 
 
-def test_a_picture_with_nothing_to_name_has_no_legend() -> None:
-    """Warnings are errors here: Matplotlib gives one of an empty legend."""
-    assert not PhasePortrait(built(("x", "y"))).figure().legends
+def test_a_portrait_names_all_that_it_draws() -> None:
+    (unstable,), (stable,) = (PhasePortrait(built(rhs)).figure().legends for rhs in (("x", "y"), ("-x - y", "x - y")))
+    assert [text.get_text() for text in unstable.get_texts()] == ["checked point"]
+    assert {"checked point", "level sets of V"} <= {text.get_text() for text in stable.get_texts()}

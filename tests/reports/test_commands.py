@@ -123,8 +123,9 @@ def test_what_a_check_prints_and_its_certificate_leaves_out_is_said_by_both(invo
     twisting = '"-3*sgn(x)*sqrt(Abs(x)) + y", "-2*sgn(x)"'
     scene.write_text(f'[system]\nstates = ["x", "y"]\nrhs = [{twisting}]\n', encoding="utf-8")
     status, _, err = invoke("check", str(scene), "--certificate", "c.json")
-    lines = err.splitlines()
+    written, *lines = err.splitlines()
     assert status == 0
+    assert written == "c.json: the certificate, accepted by the stand-alone checker"
     assert lines
     assert all(line.startswith("c.json: left out: ") for line in lines)
     assert "arrive in finite time" in lines[-1]

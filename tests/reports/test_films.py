@@ -16,6 +16,7 @@ import pytest
 from PIL import Image
 
 import nonsmooth as ns
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -26,6 +27,7 @@ from nonsmooth.reports.animation import film as film_module
 from nonsmooth.reports.animation.film import MOST_FRAMES, RATE, build_film, frame_times
 from nonsmooth.reports.animation.page import _number
 from nonsmooth.reports.cli import app
+from nonsmooth.reports.figures.cells import cells_figure
 from nonsmooth.reports.figures.style import figure_bytes, lay_out
 from nonsmooth.reports.figures.wheels import array_figure, outline_of, placed
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
@@ -488,6 +490,13 @@ def test_the_layout_is_that_of_saving(suffix: str, monkeypatch: pytest.MonkeyPat
     assert ours != figure_bytes(lambda: crowded(None), suffix)
     monkeypatch.setattr("nonsmooth.reports.figures.style.lay_out", lambda figure, suffix: None)
     assert ours == figure_bytes(lambda: crowded("constrained"), suffix)
+
+
+@pytest.mark.parametrize("name", keep(1, ["ring-8", "grid-4x4"]))
+def test_a_title_above_cells_with_a_long_legend_is_not_cut_off(name: str) -> None:
+    figure = cells_figure(build_partition(load_scene(name, rule="box" if name == "ring-8" else None)))
+    lay_out(figure, ".png")
+    assert figure.axes[0].title.get_window_extent().y1 <= figure.bbox.y1
 
 
 def test_a_picture_is_drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:

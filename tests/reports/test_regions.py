@@ -230,7 +230,7 @@ def test_the_command_on_an_array(invoke: Invoke, tmp_path: Path) -> None:
     record = json.loads(found.out)["basin"]
     assert record["share"]["sampled"] > 0.9
     assert record["ends_within"] is None
-    assert "from anywhere in a region of 3." in record["text"]
+    assert "from anywhere in a region of area 3." in record["text"]
     assert len(record["vertices"]) == len(record["values"]) > 100
     verified = invoke("verify", str(file))
     assert verified.status == 0

@@ -41,8 +41,6 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 from nonsmooth.symbolic.mechanics.equations import (
     Coordinates,
     annihilator,
-    control_matrix,
-    derive_control_fields,
     governing_equations,
     stacked_constraints,
     wheel_constraints,
@@ -382,8 +380,7 @@ def test_sympy_matrices_annihilate(name: str) -> None:
 @pytest.mark.parametrize("name", RADICAL)
 def test_symbolic_inputs_satisfy_the_symbolic_constraints(name: str) -> None:
     for state in regular_states(load_scene(name))[::5]:
-        matrix, inputs = control_matrix(state)
-        twist = matrix * inputs if len(inputs) else sympy.zeros(3, 1)
+        twist = governing_equations(state, symbolic_inputs=True).to_sympy()
         residual = stacked_constraints(state, symbolic_input=True) * sympy.Matrix([*twist, 1])
         assert all(zero(entry) for entry in residual)
 
@@ -403,21 +400,13 @@ def test_body_constraints_depend_on_x_and_y_only() -> None:
     assert not wheel_constraints(wheel).free_symbols
 
 
-def test_the_generic_derivation_returns_every_regular_triple() -> None:
-    scene = load_scene("four-wheel")
-    fields = derive_control_fields(scene)
-    assert len(fields) == 40
-    assert fields["R1 S1 R2"] == {state.name: state for state in regular_states(scene)}["R1 S1 R2"].control_fields
-
-
 @few(1)
 @pytest.mark.parametrize("seed", FEW_SEEDS)
 def test_control_fields_agree_with_an_lu_solve(arrays: Arrays, seed: int) -> None:
     for state in regular_states(arrays.random(seed, 3))[::4]:
         rows = stacked_constraints(state, symbolic_input=True)
         solution = rows[:, :3].LUsolve(-rows[:, 3])
-        matrix, inputs = control_matrix(state)
-        derived = matrix * inputs if len(inputs) else sympy.zeros(3, 1)
+        derived = governing_equations(state, symbolic_inputs=True).to_sympy()
         assert all(sympy.simplify(a - b) == 0 for a, b in zip(solution, derived, strict=True))
 
 
@@ -509,7 +498,7 @@ def test_states_of_side_rows_have_no_inputs() -> None:
     scene: Scene = load_scene("off-center")
     state = solve_rows(tuple(side_row(wheel) for wheel in scene.wheels[:3]))  # type: ignore[arg-type]
     assert state is not None
-    assert control_matrix(state)[0].shape == (3, 0)
+    assert not state.control_fields
     assert governing_equations(state, symbolic_inputs=True).plain() == "v_x = 0\nv_y = 0\nomega = 0"
 
 

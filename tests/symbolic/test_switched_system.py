@@ -84,6 +84,17 @@ def test_surfaces_are_irreducible_and_listed_once(load: Load, rhs: list[str], su
     assert len(found) == len(surfaces)
 
 
+@pytest.mark.parametrize("spelling", ["abs(", "abs  ("])
+def test_abs_is_read_as_the_name_that_certificates_know(load: Load, spelling: str) -> None:
+    def texts(name: str) -> list[str]:
+        formulas = [text.replace("Abs(", name) for text in ("y - Abs(y)*x", "-sqrt(Abs(x))*sgn(x) - y")]
+        system = load(["x", "y"], formulas, f'[check]\nlyapunov = "{name}x) + {name}y)"')
+        return [formula.text for formula in (*system.rhs, system.check.lyapunov)]
+
+    assert texts(spelling) == texts("Abs(")
+    assert not any(spelling in text for text in texts(spelling))
+
+
 @pytest.mark.parametrize("name", planar_systems())
 def test_pieces_in_the_displacement_are_those_in_the_states(name: str) -> None:
     """For every pattern of signs, whatever point is checked."""
@@ -161,7 +172,7 @@ def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
         (
             ["x"],
             ["t*x"],
-            "system.rhs[1]: required a formula of x, numbers, + - * / **, sign, Abs, Max, Min, relu, sat, sqrt",
+            "system.rhs[1]: required a formula of x, numbers, + - * / **, sgn, abs, max, min, relu, sat, sqrt",
         ),
         (["x"], ["Max(x)"], "system.rhs[1]: required Max(a, b, ...), received 'Max(x)'"),
         (["x"], ["-x + sat(x)"], "system.rhs[1]: required sat(a, low, high), received"),

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # ---- on cells ------------------------------------------------------------------------------------
 #
-# On cells: 0 in F(c*), by convex weights, or refuted by a direction in which every velocity points.
+# 0 in F(c*), by convex weights, or refuted by a direction in which every velocity points.
 #
 # At the equilibrium (the origin of the centred scene) the pose rate of a twist is its velocity v, so the question
 # is whether the origin lies in the convex hull of finitely many plane vectors: an exact linear program.
@@ -60,11 +60,10 @@ class EquilibriumResult:
         if self.verdict is Equilibrium.HOLDS:
             return _at_rest(self.twists, len(self.weights))
         if len(self.twists) == 1:
-            twist = self.twists[0]
-            return (
-                f"around it one constant twist drives the body: ({', '.join(brief_text(entry) for entry in twist)}) "
-                f"~ {place_text(twist, 5)}"
-            )
+            exact = f"({', '.join(map(brief_text, self.twists[0]))})"
+            rounded = place_text(self.twists[0], 5)
+            said = exact if exact == rounded else f"{exact} ~ {rounded}"
+            return f"around it one constant twist drives the body: {said}"
         along = place_text(self.separator or (), 5)
         return f"all {len(self.twists)} velocities that meet there point into the half-plane along {along}"
 

@@ -51,7 +51,7 @@ from nonsmooth.symbolic.numbers.plane import cross, separating_direction
 
 # ---- sets of loads in floats ---------------------------------------------------------------------
 #
-# Sets of loads in floats: the least of linear functions over them with bounds of their errors, and samples.
+# The least of linear functions over them with bounds of their errors, and samples.
 
 
 INSIDE = 2.0**-10  # part of the middle in samples: at a corner wheels carry nothing
@@ -107,7 +107,7 @@ def _array(rows: tuple[tuple[object, ...], ...], count: int) -> Floats:
 
 # ---- what every wheel adds to the slope and to the curvature of D --------------------------------
 #
-# What every wheel adds to the slope and to the curvature of D, per unit of its load, about a spin at the point.
+# Per unit of its load, about a spin at the point.
 #
 # For ``D = sum N_i f_i`` about the twist ``xi_0 = (0, 0, omega)`` (centred scene)::
 #
@@ -477,7 +477,7 @@ def is_driven_away(scene: Scene, load: Loads) -> bool:
 
 # ---- what is said of loads that are unknown ------------------------------------------------------
 #
-# What is said of loads that are unknown: which are meant, and the load for which a clause fails.
+# Which are meant, and the load for which a clause fails.
 
 
 def load_facts(scene: Scene) -> Iterator[Fact]:

@@ -65,7 +65,7 @@ if TYPE_CHECKING:
 
 # ---- how far the contact state may be in doubt ---------------------------------------------------
 #
-# How far the contact state may be in doubt: up to which distance from a cell's side one common input still serves.
+# Up to which distance from a cell's side one common input still serves.
 #
 # Let V be a control Lyapunov function and let c be known to within ``sigma |c|``, so that any cell within this distance
 # may be the true one.  A common input (one speed for each wheel) lowers V in several cells iff zero is not in the hull

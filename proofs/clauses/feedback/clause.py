@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 # ---- what the feedback clause says beside verdict and reason -------------------------------------
 #
-# What the feedback clause says beside verdict and reason: law, V, rate, region, limits, margin, inputs, samples.
+# Law, V, rate, region, limits, margin, inputs, samples.
 #
 # Every key stands in every record; of laws that do not have a thing it is empty.
 

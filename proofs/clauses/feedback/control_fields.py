@@ -34,7 +34,7 @@ from nonsmooth.symbolic.numbers.plane import around, between, dot, minus, turned
 
 # ---- why no static feedback stabilizes -----------------------------------------------------------
 #
-# Why no static feedback stabilizes: every motion that inputs give near the equilibrium keeps to a plane of twists.
+# Every motion that inputs give near the equilibrium keeps to a plane of twists.
 #
 # Let ``m . xi = 0`` for all of them, m nonzero.  Whatever the feedback, the Filippov set at a pose near the equilibrium
 # is a part of that plane, turned into pose rates: ``c' = v + omega J c``, ``theta' = omega``.  The planes of poses near

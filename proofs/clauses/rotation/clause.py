@@ -148,7 +148,7 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
         return partition.scene.field.zero if translation.verdict in STABLE_TRANSLATIONS else None
     with either_way(partition.scene.field):  # of bounds that are as large any will do
         slope = max(derivative.relative() for derivative in moving)
-        fastest = _fastest(moving)
+        fastest = max(abs(derivative.twist.omega) for derivative in moving)
     if slope.sign() < 0:
         decay = -slope.value
         kappa = decay if isinstance(decay, Number) else rational_below(decay)
@@ -161,10 +161,6 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
 
 def _moving(translation: TranslationResult) -> list[CellDerivative]:
     return [derivative for derivative in translation.derivatives if any(derivative.twist)]
-
-
-def _fastest(moving: list[CellDerivative]) -> Number:
-    return max(abs(derivative.twist.omega) for derivative in moving)
 
 
 def _program(twists: tuple[Twist, ...]) -> tuple[list[Column], Column, list[Number]]:

@@ -264,7 +264,7 @@ THEOREM_4_RATE = (
 
 # ---- whether an array is the paper's -------------------------------------------------------------
 #
-# Whether an array is the paper's, and the law that the paper takes for it; its audit is in a file of its own.
+# And the law that the paper takes for it; its audit is in a file of its own.
 
 
 def is_paper_array(scene: Scene) -> bool:

@@ -303,7 +303,7 @@ def test_a_disc_that_attracts_falls_at_its_rate() -> None:
     scene = checked(table, at_best=False).scene.recentred()
     rest = enclosed_rest(scene)
     assert rest is not None
-    disc = attracting_disc(scene, rest, [scene.accuracy / 64])
+    disc = attracting_disc(rest, [scene.accuracy / 64])
     assert disc is not None
     near, body = disc.radius / 16, SmallSteps(table)
     start = float(disc.radius) * np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(6.0)])
@@ -319,7 +319,7 @@ def test_no_disc_attracts_to_a_place_that_repels() -> None:
     assert rest.stability == "unstable"
     forged = replace(rest, slope=rest.slope - arb_mat([[100, 0], [0, 100]]))
     assert forged.stability == "asymptotically stable"
-    assert attracting_disc(scene, forged, [scene.accuracy * share for share in DISCS]) is None
+    assert attracting_disc(forged, [scene.accuracy * share for share in DISCS]) is None
 
 
 # ---- Rest points without simple coordinates: enclosed, taken by ``--at auto``, and judged there.

@@ -370,7 +370,7 @@ def test_times_add_up_over_rings() -> None:
 def test_rates_of_cells_hold_at_sampled_places(tmp_path: Path) -> None:
     table = MeasuredTable.random(3, "nearest", off=3.0)
     scene = measured(tmp_path, table).recentred()
-    rings = rings_about(scene, None, 30.0, 7.0, 0.01)
+    rings = rings_about(scene, 30.0, 7.0, 0.01)
     assert rings is not None
     body, rng, outer = SmallSteps(table), np.random.default_rng(0), float(rings.start)
     for inner, rate in zip(rings.inner, rings.rates, strict=True):
@@ -384,10 +384,10 @@ def test_rates_of_cells_hold_at_sampled_places(tmp_path: Path) -> None:
 def test_rings_go_no_farther_out_where_bodies_do_not_come_far_enough_in(tmp_path: Path) -> None:
     """What is shown of them is the same up to the disc in the middle, and verdicts ask for no more."""
     scene = measured(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0)).recentred()
-    whole = rings_about(scene, None, 30.0, 7.0, 0.01)
+    whole = rings_about(scene, 30.0, 7.0, 0.01)
     assert whole is not None
-    assert rings_about(scene, None, 30.0, 7.0, 0.01, useful=whole.radius) == whole
-    inward = rings_about(scene, None, 30.0, 7.0, 0.01, useful=whole.radius / 2)
+    assert rings_about(scene, 30.0, 7.0, 0.01, useful=whole.radius) == whole
+    inward = rings_about(scene, 30.0, 7.0, 0.01, useful=whole.radius / 2)
     assert inward is not None
     assert (inward.radius, inward.start < whole.start) == (whole.radius, True)
     shared = len(inward.inner)
@@ -402,7 +402,7 @@ def test_no_rings_in_smaller_pieces_where_those_that_are_shown_leave_the_wheels(
     asked = []
 
     def counted(*arguments: Any) -> TouchingRings | None:
-        asked.append(arguments[6])
+        asked.append(arguments[5])
         return rings_about(*arguments)
 
     monkeypatch.setattr("nonsmooth.proofs.robust.ends.rings_about", counted)

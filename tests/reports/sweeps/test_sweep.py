@@ -246,7 +246,7 @@ def test_tables_files_and_python_say_the_same(invoke: Invoke, tmp_path: Path) ->
     command = ("sweep", "four-wheel", "--vary", "mu_side=0.05:2:4", "--workers", "1", "--borders")
     out = invoke(*command).out
     assert "friction.mu_side = 1" in out
-    assert "4 scenes: position 2 comes home, 2 stays near" in out
+    assert "4 scenes; position: 2 comes home, 2 stays near" in out
     record = invoke(*command, "--json", "-o", "t.csv").record
     assert [row["values"]["friction.mu_side"] for row in record["rows"]] == [0.05, 0.7, 1.35, 2.0]
     assert record["borders"][0]["exact"]["values"] == {"friction.mu_side": "1"}
