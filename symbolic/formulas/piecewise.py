@@ -118,7 +118,7 @@ def parse_piecewise(value: object, states: Collection[str], beside: Sequence[str
     try:
         _check(tree, expression, MAX_DEPTH)
     except _OutsideError:
-        functions = "sgn, abs, max, min, relu, sat", "sqrt, sin, cos of numbers"
+        functions = "sign, abs, max, min, relu, sat", "sqrt, sin, cos of numbers"
         allowed = ", ".join((*sorted(states), "numbers", "+ - * / **", *functions, *beside))
         raise ExpressionError(f"required a formula of {allowed}, received {shown(text)}") from None
     return expression
