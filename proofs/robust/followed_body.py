@@ -13,8 +13,10 @@ side, out of the first cell, and a and b the speeds along n of its motion and of
 - ``a > 0 > b``: it slides between them, with ``(a f_B - b f_A)/(a - b)`` for the velocities ``f_A, f_B``, as long as
   both signs last.
 
-In both cases no other solution goes on from there.  Where a sign is not shown, at corners of cells, and where a slide
-ends, the body is not followed farther.  What is shown holds for every array of which the balls hold the numbers.
+Where a vanishes first, the body goes on in the first cell, along the side at first, as the other motion leads into
+it; where b does, in the other one.  In all cases no other solution goes on from there.  Where a sign is not shown, and
+at corners of cells, the body is not followed farther.  What is shown holds for every array of which the balls hold the
+numbers.
 """
 
 from __future__ import annotations
@@ -96,10 +98,13 @@ class _Cell:
         """
         between, last = self.after(place, arb(start).union(arb(end))), self.after(place, arb(end))
         velocity, found = self.velocity(between), list[_Side]()
+        (x, y), omega = velocity, self.motion[2]
         for side in self.sides:
             rate = -_dot(side.normal, velocity)  # of the slack, which is not negative at first
             if side.slack(between) > 0 or rate > 0 or (rate < 0 and side.slack(last) > 0):
                 continue
+            if not start and not side.slack(place) > 0 and -_dot(side.normal, (-omega * y, omega * x)) > 0:
+                continue  # it begins on the side, along it or away from it, and turns away
             if not (rate < 0 and side.slack(last) < 0):
                 return None
             found.append(side)
@@ -203,22 +208,28 @@ class _Followed:
         return None
 
     def _slides_out(self, place: Vector, cell: _Cell, other: _Cell) -> bool:
-        """Whether a body between two cells slides so far."""
+        """Whether a body between two cells slides so far, or leaves the slide and comes so far in one of them."""
         side, entered = cell.side_at(place), other.side_at(place)
         if side is None or entered is None:
             return False
         slide = _Slide(cell, other, side, entered, place)
         direction, first = slide.direction, float(self._far) / slide.length / PARTS
+        last, into = slide.end(direction)
         start, step = 0.0, first
         while direction and self._steps and step > first * FINEST:
             self._steps -= 1
             end = start + step
-            if not slide.lasts(direction * arb(start).union(arb(end)), direction):
+            is_last = not last > end
+            shares = arb(start).union(last if is_last else arb(end))
+            if not slide.lasts(direction * shares, direction, into if is_last else None):
                 step /= 2
-            elif self._is_far(slide.at(direction * arb(end))):
+                continue
+            place = slide.at(direction * (last if is_last else arb(end)))
+            if self._is_far(place):
                 return True
-            else:
-                start = end
+            if is_last:
+                return into is not None and self._leaves_from(place, into)
+            start = end
         return False
 
 
@@ -259,13 +270,36 @@ class _Slide:
         a, b = _dot(self.side.normal, before), _dot(self.side.normal, after)
         return a, b, a * _dot(self._along, after) - b * _dot(self._along, before)
 
-    def lasts(self, shares: arb, direction: int) -> bool:
-        """Whether it goes on in a direction at all these places, beside no third cell."""
+    def end(self, direction: int) -> tuple[arb, _Cell | None]:
+        """At which multiple of that vector one of the speeds over the side vanishes, and the cell of its motion.
+
+        The body goes on in that cell, along the side at first, as the other motion leads into it.
+        """
+        ends: list[tuple[arb, _Cell]] = []
+        here, there = self._speeds(self.place), self._speeds(self.at(arb(direction)))
+        for first, second, cell in zip(here, there, (self.cell, self.other), strict=False):
+            if first * (second - first) < 0:
+                ends.append((first / (first - second), cell))
+        if len(ends) == 2 and not ends[0][0] < ends[1][0]:
+            ends.reverse()
+        if not ends or (len(ends) == 2 and not ends[0][0] < ends[1][0]):
+            return arb(math.inf), None
+        return ends[0]
+
+    def lasts(self, shares: arb, direction: int, into: _Cell | None) -> bool:
+        """Whether it goes on in a direction at all these places, beside no third cell.
+
+        Args:
+            shares: multiples of that vector.
+            direction: of the slide.
+            into: the cell whose speed over the side is known to vanish at the last of them; None where none does.
+        """
         c = self.at(shares)
         a, b, speed = self._speeds(c)
         borders = ((self.cell, self.side), (self.other, self.entered))
         is_alone = all(side.slack(c) > 0 for cell, own in borders for side in cell.sides if side is not own)
-        return bool(a > 0 and b < 0 and direction * speed > 0) and is_alone
+        is_held = (a > 0 or into is self.cell) and (b < 0 or into is self.other)
+        return bool(is_held and direction * speed > 0) and is_alone
 
 
 def _dot(a: Vector, b: Vector) -> arb:
