@@ -376,12 +376,12 @@ FOLLOWED = [
 ]
 
 
-@pytest.mark.parametrize(("rule", "seed", "off"), keep(5, FOLLOWED))
+@pytest.mark.parametrize(("rule", "number", "off"), keep(5, FOLLOWED))
 def test_a_body_from_the_point_is_followed_to_where_it_is_too_far_away(
-    rule: str, seed: int, off: float, tmp_path: Path
+    rule: str, number: int, off: float, tmp_path: Path
 ) -> None:
     """It crosses cells and slides between them, or passes a funnel; no one direction is that of all."""
-    table = MeasuredTable.random(seed, rule, off=off)
+    table = MeasuredTable.random(number, rule, off=off)
     scene = scene_of(tmp_path, table.toml)
     centred, is_out = scene.recentred(), is_carried_out if rule in {"nearest", "box"} else leaves_by_funnel
     assert driven_out(centred, scene.accuracy) is None
