@@ -96,7 +96,9 @@ def turning_factor(partition: Partition, rotation: RotationResult) -> Fraction |
     ]
     if not all(sign(inward) > 0 for _, inward in turns):
         return None
-    most = max((_above(enclosure(square).sqrt() / enclosure(inward)) for square, inward in turns), default=Fraction(0))
+    # Of the upper end: a ball around the square of a rounded rate that is nearly zero holds negative numbers, too.
+    factors = (_above(enclosure(square).upper().sqrt() / enclosure(inward)) for square, inward in turns)
+    most = max(factors, default=Fraction())
     simple = most.limit_denominator(SIMPLE)
     is_exact = all(sign(inward * inward * (simple * simple) - square) >= 0 for square, inward in turns)
     return simple if is_exact and abs(simple - most) <= most * (1 - NEARLY) else short_above(most)

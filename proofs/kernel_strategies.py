@@ -34,6 +34,7 @@ from nonsmooth.proofs.systems.findings import (
     weak_finding,
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
@@ -348,7 +349,10 @@ def linear_matrix(system: SwitchedSystem) -> Floats | None:
     states = system.displaced(system.states)
     if system.others or system.scale is not None or system.by_roots is not None or system.surfaces(states):
         return None
-    field = system.velocity(no_sign, states)
+    try:
+        field = system.velocity(no_sign, states)
+    except SceneError:  # a sign that is the same beside the point bounds no cells: that of x**2 + y**2
+        return None
     if any(sum(exponents) != 1 for part in field for exponents in part.terms):
         return None
     units = np.eye(len(states), dtype=int).tolist()

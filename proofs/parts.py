@@ -68,8 +68,8 @@ class SlidingSurface:
             field = own.velocity(no_sign, own.displaced(own.states))
         except SceneError:
             return False
-        units = [tuple(int(k == j) for j in range(count)) for k in range(count)]
-        first = np.array([[float(side.terms.get(unit, 0)) for unit in units] for side in field])
+        units = np.eye(count, dtype=int).tolist()
+        first = np.array([[float(side.terms.get(tuple(unit), 0)) for unit in units] for side in field])
         return bool(np.linalg.eigvals(first).real.max() > GROWS)
 
     @property

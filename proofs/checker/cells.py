@@ -187,6 +187,17 @@ def applied(matrix: Matrix, vector: Sequence[Polynomial]) -> list[Polynomial]:
     ]
 
 
+def require_formulas(system: System) -> None:
+    """Every right-hand side is made of formulas, for theorems that need only some of them.
+
+    Raises:
+        RejectedError: for one that is none.
+    """
+    for velocity in system.fields(Domain(system, None).place):
+        for formula in velocity:
+            formula.on(lambda _: 1)  # any signs: they are read on no cell
+
+
 def no_switching(value: Polynomial) -> int:
     """Surfaces are polynomials: no formula of one may ask for a sign."""
     raise RejectedError("surfaces without switching")

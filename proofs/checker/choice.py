@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from .cells import System
+from .cells import System, require_formulas
 from .escape import show_escape
 from .formulas import parsed
 from .positivity import Proofs
@@ -38,6 +38,7 @@ def show_choice(system: System, hypotheses: Any, proofs: Proofs) -> list[Stateme
     """
     choice, theorem, own = take(hypotheses, "choice theorem hypotheses")
     require(not any(map(any, system.waves)), "fields that are exact: no sines and cosines")
+    require_formulas(system)
     require(type(theorem) is str and theorem in BY_ONE, f"a theorem of {', '.join(BY_ONE)}")
     BY_ONE[theorem](chosen_system(system, choice), own, proofs)  # each shows that the point is unstable
     return [{"stability": UNSTABLE}]

@@ -84,10 +84,7 @@ class Formula:
 
     def arguments(self) -> list[tuple[str, Polynomial]]:
         """The sines and cosines, with the polynomials that they are of."""
-        found = []
-        for node in self.ends:
-            found.append((ast.unparse(node.func), self._value(node.args[0], no_sign, MAX_DEPTH)))
-        return found
+        return [(ast.unparse(node.func), self._value(node.args[0], no_sign, MAX_DEPTH)) for node in self.ends]
 
     def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
         """The polynomial of a part; of one without calls it is kept, as all cells ask for it."""

@@ -32,7 +32,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from .cells import Inclusion, System, no_switching
+from .cells import Inclusion, System, no_switching, require_formulas
 from .centres import show_integral, show_reversible
 from .choice import show_choice
 from .escape import show_escape
@@ -181,6 +181,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it.
     """
     (listed,) = take(hypotheses, "parts")
+    require_formulas(system)
     at = dict(zip(system.states, system.at, strict=True))
     known: list[str] = []
     verdicts = set()

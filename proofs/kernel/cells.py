@@ -37,7 +37,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.formulas.surfaces import factorize
+from nonsmooth.symbolic.formulas.surfaces import factorize, switching_factors
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values
@@ -319,11 +319,10 @@ def stated_cells(
 
 
 def even_factors(expressions: Iterable[Polynomial]) -> list[Polynomial]:
-    """What expressions hold an even power of, which is not constant: they keep their signs there."""
-    found: dict[Polynomial, None] = {}
-    for factors in filter(None, map(factorize, expressions)):
-        found.update((factor, None) for factor, exponent in factors[1] if exponent % 2 == 0)
-    return sorted(found, key=str)
+    """Factors of expressions, not constant, where these keep their signs: with even powers, and definite forms."""
+    factored = filter(None, map(factorize, expressions))
+    powers = {power for _, factors in factored for power in factors}
+    return sorted({own for own, power in powers if power % 2 == 0 or not switching_factors(own)[1]}, key=str)
 
 
 def monic(polynomial: Polynomial) -> Polynomial:

@@ -131,8 +131,8 @@ def _bases(count: int) -> Iterator[list[Exponents]]:
     Fields of odd degree leave no room for some of them: where others must be zero no rounding survives.  So few come
     first: squares, quadratic forms, these with powers of four of some states, and all up to degree 4.
     """
-    units = [tuple(int(j == k) for j in range(count)) for k in range(count)]
-    squares, fourths = ([tuple(power * e for e in own) for own in units] for power in (2, 4))
+    linear = monomials_between(count, 1, 1)
+    squares, fourths = ([tuple(power * e for e in own) for own in linear] for power in (2, 4))
     quadratic = monomials_between(count, 2, 2)
     yield squares
     yield list(quadratic)

@@ -321,12 +321,7 @@ def _inside(scene: SwitchedSystem, polynomials: Sequence[Polynomial]) -> list[Re
     """Distinct positive roots below the half-width, with bounds below it."""
     roots = separated(root for p in polynomials for root in positive_roots(dense(p)))
     radius = scene.check.radius
-    one = scene.field.one
-    found = []
-    for root in roots:
-        if root.sign_of([-radius, one]) <= 0:
-            found.append(_below(root, radius))
-    return found
+    return [_below(root, radius) for root in roots if root.sign_of([-radius, scene.field.one]) <= 0]
 
 
 def _below(root: RealRoot, radius: Number) -> RealRoot:

@@ -514,6 +514,7 @@ def of_choice() -> Iterator[Forgery]:
     for because, rhs, chosen in (
         ("at most 4 nested choices", [["1"]], nested),
         ("fields that are exact: no sines and cosines", [["1"], ["sin(x)"]], 0),
+        ("calls of sign, Abs, Max, Min, relu or sat", [["1"], ["SIGN(x)"]], 0),
     ):
         yield of_subject(because, {**subject, "rhs": rhs}, [UNSTABLE], "choice", {"choice": chosen, **ahead}, {})
 
@@ -543,6 +544,7 @@ def of_parts() -> Iterator[Forgery]:
         ("different states", ATTRACTS, ["-x", "y"], parts((["x", "x"], x[1]), y)),
         ("a part that attracts, or holds no states of others", STABLE, ["-x", "x"], parts(x, resting)),
         ("an unstable part that holds no states of others", UNSTABLE, ["-x", "y + x"], parts(x, (["y"], out))),
+        ("formulas in the states", UNSTABLE, ["-nearest", "y"], parts((["y"], out))),
         ("formulas that are continuous in what is replaced", ATTRACTS, ["-x", "2*y*sign(x)**2 - y"], parts(x, y)),
         (
             "formulas that are continuous in what is replaced",

@@ -438,7 +438,7 @@ def other_mesh(good: Record) -> Iterator[Any]:
 def other_polygon(good: Record) -> Iterator[Any]:
     """A polygon that is turned over, that meets itself or the point, that holds it not; other corners."""
     hypotheses = good["evidence"][0]["hypotheses"]
-    if "corners" not in hypotheses:
+    if not hypotheses.get("corners"):  # of a basin that ends at lines alone there are none
         return
     own, last = hypotheses["corners"], len(good["statement"]["claims"]) - 1
     claim = [*CLAIMS, last, "outside", "corners"]

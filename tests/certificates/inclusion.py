@@ -25,6 +25,7 @@ FINENESS = 0.03  # of a step, in distances from the point
 STARTS, STEPS = 16, 200
 NEARER = 0.1  # of a distance: nearer none comes from outside of a polygon
 TIME, LONGEST = 0.02, 5.0  # a step and all of them, where steps are equal
+PATIENT = 50  # times as long, where slides lead outward like y**3: none of the other polygons sees that
 
 OPERATIONS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: np.add,
@@ -144,11 +145,11 @@ class FloatInclusion:
             times.append(time.copy())
         return np.stack(places), np.stack(times)
 
-    def drift(self, starts: Array, furthest: float) -> Array:
+    def drift(self, starts: Array, furthest: float, longest: float = LONGEST) -> Array:
         """Distances along polygons with equal steps of time, which slide on surfaces; frozen beyond a distance."""
         z, found = starts.copy(), [np.linalg.norm(starts, axis=1)]
         near = 0.1 * found[0]
-        for _ in range(int(LONGEST / TIME)):
+        for _ in range(int(longest / TIME)):
             v = self.members(z, near)
             step = np.minimum(TIME, 0.3 * found[0] / (np.linalg.norm(v, axis=1) + 1e-300))
             z = z + np.where(found[-1] < furthest, step, 0.0)[:, None] * v
@@ -211,6 +212,8 @@ def judge_stability(own: FloatInclusion, said: str, half: float) -> str:
         if far <= 2 * start:
             places, _ = own.follow(own.sphere(start), 2 * STEPS, outward=outward)
             far = max(far, float(np.linalg.norm(places, axis=2).max()))
+    if far <= 2 * start:
+        far = max(far, own.drift(own.sphere(start), 100 * half, PATIENT * LONGEST).max())
     return "" if far > 2 * start else f"no polygon gets farther than {far:.3g} from {start:.3g}"
 
 
@@ -306,11 +309,12 @@ def judge_gain(own: FloatInclusion, said: Record, half: float) -> str:
     """At places off all surfaces the derivative of V along ``v + d`` is that of the rate and ``gamma |d|`` at most."""
     half = half if said["within"] is None else float(Fraction(said["within"]))
     top = float(Fraction(said["below"])) if "below" in said else np.inf
-    z = own.cube(half)
+    z, unit = own.cube(half), min(half, 1.0)
     before = levels(own, said, z)
-    v = own.members(z, np.full(len(z), 1e-9))
+    v = own.members(z, np.full(len(z), 1e-9 * unit))
     d = own.random.normal(size=z.shape)
-    slope = (levels(own, said, z + 1e-7 * (v + d)) - before) / 1e-7
+    step = 1e-7 * unit
+    slope = (levels(own, said, z + step * (v + d)) - before) / step
     fall = float(Fraction(said["kappa"])) * before ** {"finite": 0, "exponential": 1, "algebraic": 2}[said["kind"]]
     bound = float(Fraction(said["gamma"])) * np.linalg.norm(d, axis=1) - fall
     wrong = (before < top) & (slope > bound + 1e-3 * (1 + np.abs(bound)))

@@ -104,9 +104,12 @@ def _theorem(certificate: Record) -> tuple[str, Record, Record]:
 
 def _is_about_space(hypotheses: Record) -> bool:
     """Whether a V on the whole space is one of those that version 1 did not know."""
-    if "proper" in hypotheses:  # a surface with a constant term does not pass the point
-        return any(re.search(r"[+-] [0-9/]+$", surface) for surface in hypotheses["cells"]["surfaces"])
-    return bool({"growth", "logarithm"} & set(hypotheses))
+    if {"growth", "logarithm"} & set(hypotheses):
+        return True
+    if "proper" not in hypotheses:
+        return False
+    # A surface with a constant term does not pass the point.
+    return any(re.search(r"[+-] [0-9/]+$", surface) for surface in hypotheses["cells"]["surfaces"])
 
 
 def _subject(certificate: Record) -> Record:

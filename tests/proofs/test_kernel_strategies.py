@@ -61,6 +61,20 @@ def test_instability(rhs: str) -> None:
     assert not contradiction(certificate_of(result)["statement"])
 
 
+@pytest.mark.parametrize("form", ["x**2 + y**2", "x**2", "(x - y)**2"])
+def test_signs_that_change_nowhere_bound_no_cells(form: str) -> None:
+    """The formula asks for a sign, and no surface says where it changes: almost everywhere the field is ``-x, -y``."""
+    assert decided(f"-x*sign({form})", "-y").verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert decided(f"x*sign({form})", "-y").verdict is Translation.UNSTABLE
+
+
+def test_a_definite_form_that_a_curve_is_multiplied_by_is_a_surface_of_the_certificate() -> None:
+    """``x**3 - y**3`` changes its sign where ``x - y`` does; a certificate lists both factors."""
+    result = decided("-sign(x**3 - y**3)", "-y")
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert "x**2 + x*y + y**2" in certificate_of(result)["evidence"][0]["hypotheses"]["cells"]["surfaces"]
+
+
 def test_a_center_manifold_has_a_rate_where_its_v_falls_everywhere() -> None:
     """``u' = -u^3`` on it, so V falls as ``1/t`` and no faster; the certificate says so with the V."""
     result = decided("y", "-x**3 - y")

@@ -183,6 +183,19 @@ def test_floats_see_what_is_false() -> None:
         assert contradiction({"subject": subject, "claims": [claim]}), claim
     assert not contradiction({"subject": falls, "claims": [{"rate": {**about, "kind": "exponential", "kappa": "2"}}]})
     assert not contradiction({"subject": beside, "claims": [{"equilibrium": False}]})
+    relay = {"states": ["x"], "rhs": [["-sign(x)"]], "at": ["0"]}
+    tiny = {"function": "Abs(x)", "within": "1/1000000000000", "kind": "finite", "kappa": "1"}
+    assert contradiction({"subject": relay, "claims": [{"gain": {**tiny, "gamma": "1/2"}}]})
+    assert not contradiction({"subject": relay, "claims": [{"gain": {**tiny, "gamma": "1"}}]})
+
+
+@thorough  # beside the test above
+def test_floats_see_where_slow_slides_lead() -> None:
+    """On x = 0 the mean of the signs is y, so y' is y**3, or -y**3."""
+    for square, leaves in (("y**2", True), ("-y**2", False)):
+        slides = {"states": ["x", "y"], "rhs": [["-sign(x) + y", f"sign(x)*({square})"]], "at": ["0", "0"]}
+        found = contradiction({"subject": slides, "claims": [{"stability": "unstable"}]}, half=0.5)
+        assert leaves != bool(found)
 
 
 @thorough
