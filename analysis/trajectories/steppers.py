@@ -104,8 +104,8 @@ def _sum(weights: Sequence[float], state: int) -> str:
 STAGES = 12  # of DOP853, without the rate at the end of the step
 # Of DOP853's steps: a part of what the error allows, within these bounds.
 SAFETY, LEAST_GROWTH, MOST_GROWTH = 0.9, 0.2, 10.0
-ROUNDED = 1e-15  # of the states: errors below are mostly rounding, and no step grows because of them
-EASY = 6.5e-6  # error in tolerances of a step that could have been four times as long: (0.9/4)^8
+# Growth of the step that DOP853 proposes: its error was some (0.9/4)^8 of the tolerance, a millionth.
+EASY_GROWTH = 4.0
 IMPLICIT_STEP = 120  # evaluations of all fields that cost as much as an implicit step
 PROBED = 50  # steps from one measurement to the next: four evaluations each, against 12 per step of DOP853
 # Step times rate: what is stable is 6, but two may cost steps that the fast motion spoils; at 1e-12 accuracy alone
@@ -189,10 +189,8 @@ def _straight(start: float, x: Vector, rate: Vector) -> Interpolant:
 class Dop853:
     """The Runge-Kutta method of order 8 by Dormand and Prince (Hairer, Norsett & Wanner 1993, sec. II.10).
 
-    Coefficients and control of steps are SciPy's, but that no step grows because its error happens to be rounded to
-    nearly nothing: lengths of steps would differ between machines, and between units of length.  SciPy's own solver
-    takes as long again for what surrounds the stages, and forgets these with the next step, so that dense output would
-    have to be made whether it is asked for or not.
+    Coefficients and control of steps are SciPy's.  Its own solver takes as long again for what surrounds the stages,
+    and forgets these with the next step, so that dense output would have to be made whether it is asked for or not.
 
     Args:
         rate: ``x' = rate(t, x)``.
@@ -215,7 +213,6 @@ class Dop853:
         from scipy.integrate import DOP853
 
         self._method, self._rate, self._until, self._tolerances = DOP853, rate, until, (rtol, atol)
-        self._rounded = ROUNDED / rtol  # in tolerances
         self.t, self.y = t, y
         if first_step is None:
             chosen = DOP853(rate, t, y, until, rtol=rtol, atol=atol)
@@ -239,14 +236,14 @@ class Dop853:
             end, trials = min(self.t + length, self._until), trials + 1
             h = end - self.t
             last, slope, error, between = self._trial(start, end)
-            growth = SAFETY * max(error, self._rounded) ** -0.125
+            growth = SAFETY * error**-0.125 if error else MOST_GROWTH
             if error < 1:
                 break
             length, most = h * max(LEAST_GROWTH, growth), 1.0
         step = DenseStep((self.t, self.y), (end, last), between, slopes=(self.slope, slope))
         step.again = partial(self._as_far_as, start)
         self.step_size, self.following = h, h * min(most, growth)
-        step.easy, step.work = trials == 1 and error <= EASY, STAGES * trials
+        step.easy, step.work = self.following >= EASY_GROWTH * h, STAGES * trials
         self.t, self.y, self.slope = end, last, slope
         return step
 
