@@ -57,7 +57,8 @@ Floats: TypeAlias = NDArray[np.float64]
 SCHEMA = "nonsmooth-system-map/1"
 UNTIL = 10.0  # last time of the paths, where none is given
 WORK_OF_A_START = 2_000  # evaluations of fields: usual paths take some hundred
-ARRIVED = 1e-9  # of the half-width: a path that is this near has arrived, as far as the integrator can tell
+# Of the half-width, and of distances: what differs by less is one place, as far as the integrator can tell.
+SAME = 1e-9
 
 # the picture
 SIZE = (7.4, 6.6)  # inches
@@ -211,11 +212,11 @@ class SystemMap(MapResult):
 def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
     if not np.isfinite(end).all():
         return Whereabouts.LOST
-    if np.hypot(*end) <= ARRIVED * half:
+    if np.hypot(*end) <= SAME * half:
         return Whereabouts.ARRIVED
-    if np.abs(end).max() > half:
+    if np.abs(end).max() > (1 + SAME) * half:
         return Whereabouts.OUTSIDE
-    return Whereabouts.NEARER if ratio < 1 else Whereabouts.FARTHER
+    return Whereabouts.NEARER if ratio < 1 - SAME else Whereabouts.FARTHER
 
 
 def build_system_map(system: SwitchedSystem, options: SimulateOptions) -> SystemMap:

@@ -146,13 +146,17 @@ class FloatInclusion:
         return np.stack(places), np.stack(times)
 
     def drift(self, starts: Array, furthest: float, longest: float = LONGEST) -> Array:
-        """Distances along polygons with equal steps of time, which slide on surfaces; frozen beyond a distance."""
+        """Distances along polygons with equal steps of time, which slide on surfaces; frozen beyond a distance.
+
+        By the mean of two velocities (Heun): with the first alone polygons about a centre grow.
+        """
         z, found = starts.copy(), [np.linalg.norm(starts, axis=1)]
         near = 0.1 * found[0]
         for _ in range(int(longest / TIME)):
             v = self.members(z, near)
             step = np.minimum(TIME, 0.3 * found[0] / (np.linalg.norm(v, axis=1) + 1e-300))
-            z = z + np.where(found[-1] < furthest, step, 0.0)[:, None] * v
+            step = np.where(found[-1] < furthest, step, 0.0)[:, None]
+            z = z + step / 2 * (v + self.members(z + step * v, near))
             found.append(np.linalg.norm(z, axis=1))
         return np.stack(found)
 

@@ -233,6 +233,13 @@ def test_ends_are_those_of_an_integrator(found: SystemMap) -> None:
     assert found.ratios[24] == 0  # of the point itself, in the middle of 7 x 7
 
 
+def test_rounding_does_not_decide_where_a_closed_orbit_ends() -> None:
+    """At t = 10 all paths of the relay oscillator from this grid are as far from the point as at first."""
+    found = ns.load("relay-oscillator").map(4, until=10)
+    assert found.ratios == pytest.approx(np.ones(16), abs=1e-11)
+    assert set(found.whereabouts) == {Whereabouts.FARTHER}
+
+
 def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
     counted = {str(kind): found.whereabouts.count(kind) for kind in found.whereabouts}
     parts = {part["end"]: part["starts"] for part in found.facts()["parts"]}
