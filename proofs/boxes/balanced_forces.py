@@ -41,6 +41,8 @@ Floats: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
 PRECISION = 128  # bits of the balls
+SHARES = (0.25, 0.6, 0.1)  # of the friction of all wheels, by which bodies are pulled
+STRENGTHS = (0.1, 0.03, 0.01, 0.003, 0.001, 0.0003)  # the same, where that is to slow them little
 INSIDE = 1 - 2.0**-40  # of its limit: the largest friction force that is proposed
 ROUNDINGS = tuple(2.0**-k for k in range(3, 25, 3))  # of the fastest surface: slips over which edges are rounded
 STEPS = 16  # of Newton's method for each of them
@@ -296,6 +298,41 @@ class BalancedForces:
         bound = (dissipation + driven).sum(axis=-1) + missing * self._largest_twist(loads)
         carried = (loads.low >= 0).all(axis=-1)
         return np.where(carried, bound.high, np.inf)
+
+    def largest_powers(self, corners: Floats, covector: Triple, shares: Sequence[float] = SHARES) -> Floats:
+        """Upper bounds of ``g . xi`` for all motions over quadrangles, (pieces,), by pulls of some strengths.
+
+        Args:
+            corners: of the quadrangles (pieces, 4, 2).
+            covector: g about one by ``(v, length omega)``, affine in the place on each, at the corners.
+            shares: of the friction of all wheels, by which bodies are pulled.
+        """
+        free = self.minimizers(corners.mean(axis=1))
+        total = float(self.float_loads(np.zeros((1, 2))).sum() * self.largest_friction.max())
+        # neighbours share their corners, and forces there where they are pulled alike
+        asked = np.column_stack([corners.reshape(-1, 2), *(entry.middle.reshape(-1) for entry in covector)])
+        places, first, number = np.unique(asked, axis=0, return_index=True, return_inverse=True)
+        beside, number = np.repeat(free, 4, axis=0)[first], number.reshape(-1)
+        best = np.full(len(corners), np.inf)
+        for share in shares:
+            strength = Intervals.of(np.array(share * total))
+            pulls = strength * covector[0], strength * covector[1], strength * covector[2]
+            middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
+            along, across = self.against(places[:, :2], middle[first], beside).forces
+            shown = self.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
+            shown = shown + 2.0**-40 * np.abs(shown)
+            best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
+        return best
+
+    @property
+    def moves_from_the_origin(self) -> bool:
+        """Whether every motion of a body at the origin has a velocity, along about that of the minimizer in floats."""
+        velocity = self.minimizers(np.zeros((1, 2)))[0, :2]
+        size = float(np.hypot(*velocity))
+        if not 0 < size < math.inf:
+            return False
+        back = [Intervals.of(np.full((1, 4), entry)) for entry in (*(-velocity / size), 0.0)]
+        return bool(self.largest_powers(np.zeros((1, 4, 2)), (back[0], back[1], back[2]), STRENGTHS) < 0)
 
     def _inside(self, f: Floats, g: Floats) -> tuple[Intervals, Intervals]:
         """Forces near given ones that are within the limits, whatever the coefficients are in their intervals."""

@@ -38,7 +38,6 @@ Motion: TypeAlias = tuple[arb, arb, arb]  # (v_x, v_y, omega)
 
 DIRECTIONS = 64  # that are tried
 PARTS = 8  # of each side of the square about the disc
-SHARES = (0.25, 0.6, 0.1)  # of the friction of all wheels, by which bodies are pulled
 
 
 def driven_out(scene: Scene, accuracy: Fraction) -> Fraction | None:
@@ -63,7 +62,7 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
         return None
     corners = _squares(float(radius))
     zero, one = (Intervals.of(np.full(corners.shape[:2], entry)) for entry in (0.0, 1.0))
-    most = max(float(largest_powers(forces, corners, (zero, zero, turn)).max()) for turn in (one, -one))
+    most = max(float(forces.largest_powers(corners, (zero, zero, turn)).max()) for turn in (one, -one))
     return Fraction(most) / Fraction(forces.length) if math.isfinite(most) else None
 
 
@@ -206,37 +205,8 @@ def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
     a, b = (Intervals.of(np.full(corners.shape[:2], -entry)) for entry in direction)
     x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
     back = a, b, (b * x - a * y) * Intervals.of(np.array(1 / forces.length)).widened
-    most = float(largest_powers(forces, corners, back).max())
+    most = float(forces.largest_powers(corners, back).max())
     return Fraction(-most) if math.isfinite(most) else None
-
-
-def largest_powers(
-    forces: BalancedForces, corners: Floats, covector: Triple, shares: Sequence[float] = SHARES
-) -> Floats:
-    """Upper bounds of ``g . xi`` for all motions over quadrangles, (pieces,), by pulls of some strengths.
-
-    Args:
-        forces: of the array.
-        corners: of the quadrangles (pieces, 4, 2).
-        covector: g about one, affine in the place on each, at the corners.
-        shares: of the friction of all wheels, by which bodies are pulled.
-    """
-    free = forces.minimizers(corners.mean(axis=1))
-    total = float(forces.float_loads(np.zeros((1, 2))).sum() * forces.largest_friction.max())
-    # neighbours share their corners, and forces there where they are pulled alike
-    asked = np.column_stack([corners.reshape(-1, 2), *(entry.middle.reshape(-1) for entry in covector)])
-    places, first, number = np.unique(asked, axis=0, return_index=True, return_inverse=True)
-    beside, number = np.repeat(free, 4, axis=0)[first], number.reshape(-1)
-    best = np.full(len(corners), np.inf)
-    for share in shares:
-        strength = Intervals.of(np.array(share * total))
-        pulls = strength * covector[0], strength * covector[1], strength * covector[2]
-        middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-        along, across = forces.against(places[:, :2], middle[first], beside).forces
-        shown = forces.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
-        shown = shown + 2.0**-40 * np.abs(shown)
-        best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
-    return best
 
 
 def _squares(half: float) -> Floats:

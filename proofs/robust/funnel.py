@@ -19,9 +19,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.balanced_forces import STRENGTHS, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.robust.drift import known_forces, largest_powers
+from nonsmooth.proofs.robust.drift import known_forces
 from nonsmooth.proofs.robust.ends import field_beside
 from nonsmooth.symbolic.mechanics.scene import Scene
 
@@ -33,7 +33,6 @@ MORE = 2.0**-30  # of a part
 FAR = 1.125  # accuracies, as far as a funnel goes
 SLOPES = (0.125, 0.5, 0.03)  # of its sides, tried in turn
 LONGEST = 8  # accuracies, the longest path of one
-STRENGTHS = (0.1, 0.03, 0.01, 0.003, 0.001, 0.0003)  # of the friction of all wheels, by which bodies are pulled
 DIFFERENCE = 2.0**-16  # of the accuracy, over which the field is differentiated
 DOUBLINGS = 40  # of a step in time
 
@@ -129,7 +128,7 @@ def _lead_left(forces: BalancedForces, corners: Floats, starts: Floats, ends: Fl
         along_x, along_y = (unit * (Intervals.of(ends[:, k, None]) - Intervals.of(starts[:, k, None])) for k in (0, 1))
         x, y = (Intervals.of(corners[:, :, k]) for k in (0, 1))
         moment = (-along_x * x - along_y * y) * Intervals.of(np.array(1 / forces.length)).widened
-        left = ~(largest_powers(forces, corners, (along_y, -along_x, moment), STRENGTHS) < 0)
+        left = ~(forces.largest_powers(corners, (along_y, -along_x, moment), STRENGTHS) < 0)
         if not left.any():
             return True
         corners = _divided(corners[left], *parts)

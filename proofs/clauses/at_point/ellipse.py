@@ -8,7 +8,9 @@ Five situations are told apart, each by exact evidence:
   field is smooth, and the eigenvalues of its linearization decide (Hurwitz: exponentially stable);
 - *sticking*: wheels that stick answer the balance strictly inside their friction sets: rest fills a neighbourhood;
 - *moved*: the best rotation about the point is enclosed between two rational rates, and over the enclosure the
-  gradient of D in the translation directions stays away from zero (balls): no equilibrium;
+  gradient of D in the translation directions stays away from zero (balls); or forces that balance a pull back bound the
+  speed from below (:mod:`nonsmooth.proofs.boxes.balanced_forces`), wheels that stick and rollers included: no
+  equilibrium;
 - *at rest within rounding*: a place of rest is enclosed that no printed digit tells from the point
   (:mod:`nonsmooth.proofs.boxes.enclosed_rest`), and what follows holds at it for every member of the box;
 - otherwise the point is not decided, and the reason says why.  So it is, under rule ``roller``, where rollers turn at
@@ -25,6 +27,7 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite, linear_stability, zero_of_rising
 from nonsmooth.proofs.boxes.linearization import (
@@ -246,6 +249,9 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     if _is_moved(resting):
         reason = "the translation part of the gradient of D stays away from zero for every spin"
         return replace(open_point, situation=Situation.MOVED, reason=reason)
+    if _has_speed(scene):
+        reason = "friction forces that balance a pull back bound its speed from below"
+        return replace(open_point, situation=Situation.MOVED, reason=reason)
     reason = "wheels stick at the best motion, or its rotation rate is not a number of the scene"
     if any(slip.limits.is_cut for slip in resting):
         reason = (
@@ -346,3 +352,11 @@ def _is_moved(resting: Sequence[Slip[arb]]) -> bool:
             if pull is not None and not (pull[0].contains(0) and pull[1].contains(0)):
                 return True
     return False
+
+
+def _has_speed(scene: Scene) -> bool:
+    """Whether forces show that every motion of a body at the point has a velocity."""
+    try:
+        return BalancedForces(scene).moves_from_the_origin
+    except ArithmeticError:
+        return False

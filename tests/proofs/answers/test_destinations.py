@@ -29,6 +29,8 @@ from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
 from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, destinations_of
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
+from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.robust.drift import (
     _directions,
     driven_out,
@@ -368,6 +370,21 @@ def test_a_body_that_is_carried_out_from_as_near_as_one_likes_leaves(rule: str, 
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     starts = 1e-3 * accuracy * np.column_stack([np.cos(angles), np.sin(angles)])
     assert max(SmallSteps(table).end(start, 5.0, accuracy)[1] for start in starts) >= accuracy
+
+
+@pytest.mark.parametrize("number", keep(1, [9, 6, 10, 12, 13]))
+def test_a_point_at_which_rollers_turn_is_none_of_rest_where_forces_drive_the_body(number: int, tmp_path: Path) -> None:
+    """No exact twist is known there."""
+    table = MeasuredTable.random(number, "roller", off=180.0)
+    found = check_theorem4(scene_of(tmp_path, table.toml), beside=False).equilibrium
+    assert (found.verdict, "bound its speed" in found.reason) == (Equilibrium.FAILS, True)
+    assert np.hypot(*SmallSteps(table).velocity(np.zeros(2))) > 1.0
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+def test_forces_do_not_drive_a_body_that_rests(rule: str, arrays: Arrays) -> None:
+    scene = arrays.four_wheel()
+    assert not BalancedForces(replace(scene, contact=replace(scene.contact, rule=rule))).moves_from_the_origin
 
 
 FOLLOWED = [
