@@ -213,7 +213,7 @@ PAIRS = (
         "feedback inequalities of four wheels, eight cones",
         "Z3",
         feedback_beside_z3,
-        30,
+        120,
         150,
         "test_feedback_speed",
     ),

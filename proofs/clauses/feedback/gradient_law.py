@@ -106,10 +106,10 @@ class ConeRate:
         rays, fields = _floats(self.rays), _floats(self.fields)
         slopes = _floats([self.lyapunov.slope(ray) for ray in self.rays]) if any(self.lyapunov.shape) else rays
         sizes = [abs(x) for part in (rays, slopes, fields) for vector in part for x in vector]
-        if not all(_LEAST < size < _MOST or size == 0 for size in sizes):
+        if not sum(sizes) < _MOST or min(filter(None, sizes), default=_LEAST) < _LEAST:
             return None
         longest, steepest = max(sizes[:4]), max(sizes[4:8])
-        gain = sum((abs(x) + abs(y)) ** 2 for x, y, _ in fields) * steepest**2
+        gain = (steepest * sum(sizes[8:])) ** 2
         return _form(rays, slopes, fields), gain, 2 * longest * steepest
 
     def _clear_minors(self, kappa: Any, lightness: Any) -> tuple[float, ...] | None:
