@@ -236,6 +236,7 @@ def test_ends_are_those_of_an_integrator(found: SystemMap) -> None:
 def test_rounding_does_not_decide_where_a_closed_orbit_ends() -> None:
     """At t = 10 all paths of the relay oscillator from this grid are as far from the point as at first."""
     found = ns.load("relay-oscillator").map(4, until=10)
+    assert isinstance(found, SystemMap)
     assert found.ratios == pytest.approx(np.ones(16), abs=1e-11)
     assert set(found.whereabouts) == {Whereabouts.FARTHER}
 
