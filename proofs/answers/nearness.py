@@ -75,6 +75,7 @@ class Nearness:
         thrown_out_from: some bodies from within this distance of the point are carried out of that disc: zero for as
             near as one likes, and more beside a place of rest that only rounding tells from the point; None where that
             is not shown.
+        is_from_point: whether the body that starts at the point itself is one of these.
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
         home: the disc of starts that come to that place, and how long it takes them; None where none is shown.
@@ -85,6 +86,7 @@ class Nearness:
     ends: Ends | None = None
     out_after: Fraction | None = None
     thrown_out_from: Fraction | None = None
+    is_from_point: bool = False
     rests_within: Fraction | None = None
     home: HomeDisc | None = None
     is_of_one_load: bool = False
@@ -208,8 +210,11 @@ def _leaving(array: Scene, accuracy: Fraction, kept: ContactSet) -> Nearness | N
     after = _driven_out(array, accuracy, kept)
     if after is not None:
         return Nearness(out_after=after)
-    is_out = kept.keeps(accuracy, None) and _is_driven_away(array, accuracy)
-    return Nearness(thrown_out_from=Fraction(0)) if is_out else None
+    if not kept.keeps(accuracy, None):
+        return None
+    if _is_followed_out(array, accuracy):
+        return Nearness(thrown_out_from=Fraction(0), is_from_point=True)
+    return Nearness(thrown_out_from=Fraction(0)) if _is_driven_to_one_side(array, accuracy) else None
 
 
 def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction | None:
@@ -296,8 +301,8 @@ def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
     return is_out and array.field.rounded_signs == before
 
 
-def _is_driven_away(array: Scene, accuracy: Fraction) -> bool:
-    """Whether the body from the point, or all on one side of a line through it, leave the disc, for every member."""
+def _is_followed_out(array: Scene, accuracy: Fraction) -> bool:
+    """Whether the body that starts at the point leaves the disc, for every member."""
     from nonsmooth.proofs.robust.followed_body import is_carried_out
     from nonsmooth.proofs.robust.funnel import leaves_by_funnel
 
@@ -305,7 +310,7 @@ def _is_driven_away(array: Scene, accuracy: Fraction) -> bool:
         return leaves_by_funnel(array, accuracy)
     before = array.field.rounded_signs
     is_out = is_carried_out(array, accuracy)
-    return (is_out and array.field.rounded_signs == before) or _is_driven_to_one_side(array, accuracy)
+    return is_out and array.field.rounded_signs == before
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:

@@ -214,6 +214,8 @@ def _where_to(scene: Scene, looked: Nearness, unit: str) -> str:
         return f"{_where(scene, ends, unit)}, {distance}, after at most {at_most(ends.after)} s; {accuracy}"
     if looked.out_after is not None:
         return f"it is driven farther away than the accuracy in at most {at_most(looked.out_after)} s; {accuracy}"
+    if looked.is_from_point:
+        return f"a body that starts at the point goes farther away than the accuracy; {accuracy}"
     near = f"within {at_most(looked.thrown_out_from)}{unit} of it" if looked.thrown_out_from else "as near as one likes"
     return f"some starts {near} go farther away than the accuracy; {accuracy}"
 

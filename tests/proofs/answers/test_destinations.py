@@ -402,7 +402,9 @@ def test_a_body_from_the_point_is_followed_to_where_it_is_too_far_away(
     scene = scene_of(tmp_path, table.toml)
     centred, is_out = scene.recentred(), is_carried_out if rule in {"nearest", "box"} else leaves_by_funnel
     assert driven_out(centred, scene.accuracy) is None
-    assert position_of(scene).verdict is Position.LEAVES
+    answer = position_of(scene)
+    assert answer.verdict is Position.LEAVES
+    assert any(words in answer.sentence for words in ("a body that starts at the point goes", "it ends within"))
     _, farthest = SmallSteps(table).end(np.zeros(2), 8.0, float(scene.accuracy))
     assert farthest > scene.accuracy
     assert is_out(centred, scene.accuracy)
