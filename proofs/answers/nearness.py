@@ -199,8 +199,10 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
     ends = decide_ends(array, accuracy, rests=rests, kept=kept, finely=leaving is None)
     if asked.place is not None:
         return _beside_a_rest(asked.place, array, accuracy, ends, kept)
-    if ends is not None or rests or leaving is not None or equilibrium is not Equilibrium.HOLDS:
-        return Nearness(ends) if ends is not None or leaving is None else leaving
+    if ends is None and leaving is not None:
+        return leaving
+    if ends is not None or rests or equilibrium is not Equilibrium.HOLDS:
+        return Nearness(ends)
     is_out = _is_thrown_out(asked, array) and kept.keeps(accuracy, None)
     return Nearness(thrown_out_from=Fraction(0) if is_out else None)
 
@@ -212,9 +214,9 @@ def _leaving(array: Scene, accuracy: Fraction, kept: ContactSet) -> Nearness | N
         return Nearness(out_after=after)
     if not kept.keeps(accuracy, None):
         return None
-    if _is_followed_out(array, accuracy):
-        return Nearness(thrown_out_from=Fraction(0), is_from_point=True)
-    return Nearness(thrown_out_from=Fraction(0)) if _is_driven_to_one_side(array, accuracy) else None
+    followed = _is_followed_out(array, accuracy)
+    is_out = followed or _is_driven_to_one_side(array, accuracy)
+    return Nearness(thrown_out_from=Fraction(0), is_from_point=followed) if is_out else None
 
 
 def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction | None:
@@ -309,8 +311,7 @@ def _is_followed_out(array: Scene, accuracy: Fraction) -> bool:
     if not isinstance(rule_of(array), CellRule):
         return leaves_by_funnel(array, accuracy)
     before = array.field.rounded_signs
-    is_out = is_carried_out(array, accuracy)
-    return is_out and array.field.rounded_signs == before
+    return is_carried_out(array, accuracy) and array.field.rounded_signs == before
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:
