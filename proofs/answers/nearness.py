@@ -215,8 +215,9 @@ def _leaving(array: Scene, accuracy: Fraction, kept: ContactSet) -> Nearness | N
     if not kept.keeps(accuracy, None):
         return None
     followed = _is_followed_out(array, accuracy)
-    is_out = followed or _is_driven_to_one_side(array, accuracy)
-    return Nearness(thrown_out_from=Fraction(0), is_from_point=followed) if is_out else None
+    if followed or _is_driven_to_one_side(array, accuracy):
+        return Nearness(thrown_out_from=Fraction(0), is_from_point=followed)
+    return None
 
 
 def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction | None:

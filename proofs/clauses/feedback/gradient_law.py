@@ -106,7 +106,7 @@ class ConeRate:
         rays, fields = _floats(self.rays), _floats(self.fields)
         slopes = _floats([self.lyapunov.slope(ray) for ray in self.rays]) if any(self.lyapunov.shape) else rays
         sizes = [abs(x) for part in (rays, slopes, fields) for vector in part for x in vector]
-        if not sum(sizes) < _MOST or min(filter(None, sizes), default=_LEAST) < _LEAST:
+        if not sum(sizes) < _MOST or min(filter(None, sizes)) < _LEAST:
             return None
         longest, steepest = max(sizes[:4]), max(sizes[4:8])
         gain = (steepest * sum(sizes[8:])) ** 2
