@@ -125,6 +125,14 @@ class BalancedForces:
         trace = a + d + f
         return max(float(rational_below(4 * determinant / (trace * trace))) * (1 - 2.0**-40), 0.0)
 
+    @classmethod
+    def of(cls, scene: Scene) -> BalancedForces | None:
+        """Those of a scene; None where it is refused."""
+        try:
+            return cls(scene)
+        except ArithmeticError:
+            return None
+
     # ---- floats: what is proposed -----------------------------------------------------------------
 
     @cached_property

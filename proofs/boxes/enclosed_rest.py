@@ -229,9 +229,8 @@ def _guess(scene: Scene) -> tuple[Balance, arb_mat] | None:
     loads = load_box(scene, arb(0))
     if loads is None:
         return None
-    try:
-        forces = BalancedForces(scene)
-    except ArithmeticError:
+    forces = BalancedForces.of(scene)
+    if forces is None:
         return None
     twist, (along_rims, across_rims) = forces.against(np.zeros((1, 2)), np.zeros((1, 3)))
     along, across = (np.abs(slip[0]) < HELD * forces.fastest for slip in forces.slips(twist))

@@ -57,7 +57,7 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
         with ctx.workprec(PRECISION):
             found = _cell_motions(scene, radius)
             return None if found is None else max(-rational_below(-abs(motion[2])) for _, motion in found)
-    forces = known_forces(scene)
+    forces = BalancedForces.of(scene)
     if forces is None:
         return None
     corners = _squares(float(radius))
@@ -185,17 +185,9 @@ def _direction(velocities: Floats) -> tuple[float, float] | None:
 # ---- rules with loads ----------------------------------------------------------------------------
 
 
-def known_forces(scene: Scene) -> BalancedForces | None:
-    """The forces on an array; None where it has no friction along or across a rim."""
-    try:
-        return BalancedForces(scene)
-    except ArithmeticError:
-        return None
-
-
 def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
     """Delta by forces that balance a pull back, ``G . xi = -lambda m . c'``."""
-    forces = known_forces(scene)
+    forces = BalancedForces.of(scene)
     if forces is None:
         return None
     corners = _squares(float(accuracy))

@@ -309,9 +309,8 @@ def velocity_of(scene: Scene) -> Velocity | None:
     """Of the centre of mass at a place, in floats."""
     if scene.contact.rule == "nearest":
         return _nearest_velocity(scene)
-    try:
-        forces = BalancedForces(scene)
-    except ArithmeticError:
+    forces = BalancedForces.of(scene)
+    if forces is None:
         return None
 
     def velocity(places: Floats) -> Floats:

@@ -127,7 +127,7 @@ class _Cell:
 
 
 def is_carried_out(scene: Scene, accuracy: Fraction) -> bool:
-    """Whether the one body that starts at a centred scene's point comes farther from it than the accuracy.
+    """Whether a body that starts at a centred scene's point comes farther from it than the accuracy.
 
     Args:
         scene: centred, without an outline, under a rule with cells.
@@ -140,9 +140,8 @@ def is_carried_out(scene: Scene, accuracy: Fraction) -> bool:
     except RefusalError:
         return False
     with ctx.workprec(PRECISION):
-        return _Followed(
-            [_Cell.of(cell) for cell in cells], arb(fmpq(accuracy.numerator, accuracy.denominator))
-        ).leaves()
+        far = arb(fmpq(accuracy.numerator, accuracy.denominator))
+        return _Followed([_Cell.of(cell) for cell in cells], far).leaves()
 
 
 class _Followed:
@@ -165,6 +164,7 @@ class _Followed:
         return len(around) == 2 and self._slides_out(origin, *around)
 
     def _leaves_from(self, place: Vector, cell: _Cell) -> bool:
+        """Whether a body comes as far that goes on from a place with the motion of a cell."""
         while True:
             found = self._to_border(cell, place)
             if found is None or self._is_far(found[1]):
@@ -174,7 +174,7 @@ class _Followed:
             if len(others) != 1:
                 return False
             (other,) = others
-            if other.side_at(place) is None or not _dot(side.normal, other.velocity(place)) > 0:
+            if not (other.side_at(place) and _dot(side.normal, other.velocity(place)) > 0):
                 return self._slides_out(place, cell, other)
             cell = other
 

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.balanced_forces import STRENGTHS, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.robust.drift import known_forces
 from nonsmooth.proofs.robust.ends import field_beside
 from nonsmooth.symbolic.mechanics.scene import Scene
 
@@ -44,7 +43,7 @@ def leaves_by_funnel(scene: Scene, accuracy: Fraction) -> bool:
         scene: centred, without an outline, under a rule without cells, with known loads.
         accuracy: the radius.
     """
-    forces = known_forces(scene)
+    forces = BalancedForces.of(scene)
     path = None if forces is None else _path_outward(forces, float(accuracy))
     if forces is None or path is None:
         return False

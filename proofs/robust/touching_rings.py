@@ -165,9 +165,8 @@ def _of_forces(
     useful: Fraction | None,
 ) -> TouchingRings | None:
     """From the ring in the middle inward, then outward if bodies come far enough inward, until one fails."""
-    try:
-        forces = BalancedForces(scene)
-    except ArithmeticError:
+    forces = BalancedForces.of(scene)
+    if forces is None:
         return None
     outward = max(int(np.ceil(np.log(most / through) / -np.log(RATIO))), 1)
     edges = short_levels(most / shape.inside * np.power(RATIO, np.arange(outward + 200, dtype=np.float64)))

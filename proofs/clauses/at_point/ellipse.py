@@ -249,7 +249,8 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     if _is_moved(resting):
         reason = "the translation part of the gradient of D stays away from zero for every spin"
         return replace(open_point, situation=Situation.MOVED, reason=reason)
-    if _has_speed(scene):
+    forces = BalancedForces.of(scene)
+    if forces is not None and forces.moves_from_the_origin:
         reason = "friction forces that balance a pull back bound its speed from below"
         return replace(open_point, situation=Situation.MOVED, reason=reason)
     reason = "wheels stick at the best motion, or its rotation rate is not a number of the scene"
@@ -352,11 +353,3 @@ def _is_moved(resting: Sequence[Slip[arb]]) -> bool:
             if pull is not None and not (pull[0].contains(0) and pull[1].contains(0)):
                 return True
     return False
-
-
-def _has_speed(scene: Scene) -> bool:
-    """Whether forces show that every motion of a body at the point has a velocity."""
-    try:
-        return BalancedForces(scene).moves_from_the_origin
-    except ArithmeticError:
-        return False
