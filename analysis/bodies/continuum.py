@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.fields.plane_arrays import Floats, cross
+from nonsmooth.analysis.fields.plane_arrays import Floats, cross, float_points
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, Footprint, PolygonShape
@@ -297,7 +297,7 @@ class PolygonOnField:
     def __init__(self, field: ContinuousField, footprint: PolygonShape) -> None:
         self._matrix = _directions(field)
         self._sense = 1.0 if field.speed is None else float(field.speed.sign())
-        self._vertices = np.array([[float(x), float(y)] for x, y in footprint.vertices])
+        self._vertices = float_points(footprint.vertices)
         self._settles_at_centre = footprint.is_centrally_symmetric
         self.size = float(np.hypot(*self._vertices.T).max())
         self.area = float(moments(footprint).area)

@@ -88,7 +88,7 @@ class RestSearch:
         self.model: ContactModel = contacts_under(rule, scene)
         self._outline = MovingOutline(scene.body, self.model.positions)
         self._balls = BallOutline(scene.body)
-        self._point = np.array([float(entry) for entry in scene.check.equilibrium])
+        self._point = np.array(scene.check.place)
         self._fastest = float(np.abs(self.model.speeds).max()) or 1.0
         self._motions = MotionsOnSets(self.model, self._outline.size)
         self._pulls = self._forces_at_rest()

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.symbolic.mechanics.body import Body, Disc
 
 Numbers = NDArray[np.int_]
@@ -31,7 +32,7 @@ class MovingOutline:
             self._radius = float(body.outline.radius)
             self.size = self._radius + float(np.hypot(*self._middle))
             return
-        corners = np.array([[float(x), float(y)] for x, y in body.vertices])
+        corners = float_points(body.vertices)
         along = np.roll(corners, -1, axis=0) - corners
         self._normals = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
         self._heights = (self._normals * corners).sum(axis=1)

@@ -22,6 +22,7 @@ from nonsmooth.analysis.bodies.switching import subsets_of
 from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, sign_patterns
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.follow import Mode, Path
@@ -273,7 +274,7 @@ class CellPath:
         self._length = float(scene.check.length)
         self._scene = own = counted_in_own_length(scene)
         names = [str(wheel.index) for wheel in own.wheels]
-        places = np.array([[float(x) for x in wheel.position] for wheel in own.wheels])
+        places = float_points(wheel.position for wheel in own.wheels)
         outline = MovingOutline(own.body or scene.body, places)
         self._field = OutlineField(CellsBySet(own, rule), outline, names, self._length)
 

@@ -36,6 +36,7 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.cells.loads import LoadError, TipsThereError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.trajectories.follow import (
     DenseStep,
     Guards,
@@ -436,7 +437,7 @@ class OneContactSet:
         self._how_far = f" (they alone carry it for certain {how_far})" if how_far else ""
         self.carrying = tuple(wheel.index for wheel in scene.wheels)
         self._numbers = [wheel.index for wheel in wheels]
-        self._outline = MovingOutline(scene.body, np.array([[float(x) for x in wheel.position] for wheel in wheels]))
+        self._outline = MovingOutline(scene.body, float_points(wheel.position for wheel in wheels))
         self._signs = np.array([1.0 if number in self.carrying else -1.0 for number in self._numbers])
 
     def require_start(self, start: Sequence[float]) -> None:

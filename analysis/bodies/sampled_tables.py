@@ -148,7 +148,7 @@ def sample_tables(scene: Scene, count: int, seed: int, names: Sequence[str] = ()
     scene, chosen = standing(scene), tuple(names) or box.names
     for name in box.names:
         box = box if name in chosen else box.without(name)
-    point = np.array([float(value) for value in scene.check.equilibrium])
+    point = np.array(scene.check.place)
     length = float(scene.check.length)
     nominal = find_rest(nominal_model(scene), point, length)
     if nominal is None:

@@ -16,6 +16,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.fields.switched_field import Member, Surface, affine_surface
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import with_only
@@ -129,7 +130,7 @@ class CellsBySet:
         if not rule.needs_loads:
             scene = replace(scene, contact=replace(scene.contact, loads=None))
         self._scene, self._rule = scene, rule
-        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        places = float_points(wheel.position for wheel in scene.wheels)
         self.size = float(np.abs(places).max())
         self._lines = Lines(self.size)
         self._known: dict[frozenset[int], SetCells] = {}

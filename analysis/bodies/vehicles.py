@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane import Vector
+from nonsmooth.symbolic.numbers.plane import Vector, in_floats
 
 MOST_EXACT = 12  # wheels up to which the cells of the rules with cells are built
 ROUNDING = 1e-9  # rate of turn times the length of the vehicle, relative to the speeds: below it a float is no turn
@@ -117,7 +117,7 @@ class VehicleMotion:
     @property
     def size(self) -> float:
         """Distance of the farthest wheel from the origin."""
-        return max(math.hypot(*map(float, wheel.position)) for wheel in self.vehicle.scene.wheels)
+        return max(math.hypot(*in_floats(wheel.position)) for wheel in self.vehicle.scene.wheels)
 
     @property
     def _turns(self) -> bool:

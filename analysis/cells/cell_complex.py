@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
 
@@ -224,7 +225,7 @@ def tile(polygons: Sequence[Polygon], domain: Polygon, size: float) -> bool:
 def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], list[list[list[Step]]]]:
     """Distinct corners, and for each side of each polygon its steps from corner to corner."""
     points, numbers = _corners(polygons, size)
-    places = np.array([[float(x), float(y)] for x, y in points])
+    places = float_points(points)
     with np.errstate(over="ignore", invalid="ignore"):
         return points, [
             [

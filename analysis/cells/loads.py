@@ -23,6 +23,7 @@ from flint import fmpq, fmpz
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.constraints import Triple
@@ -174,7 +175,7 @@ class _Regions:
     def __init__(self, scene: Scene, domain: Polygon) -> None:
         self.scene, self.domain = scene, domain
         self.model, self.moments = load_model(scene), exact_moments(scene)
-        self.positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+        self.positions = float_points(wheel.position for wheel in scene.wheels)
         self.forms = cache(partial(self.model.forms, self.moments, arithmetic=EXACT))
         self._known: dict[frozenset[int], LoadRegion | None] = {}
 

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     RowKind,
@@ -63,7 +64,7 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
 
 def float_positions(scene: Scene) -> NDArray[np.float64]:
     """``p_i`` in floats, shape (n, 2)."""
-    return np.array([[float(p) for p in wheel.position] for wheel in scene.wheels])
+    return float_points(wheel.position for wheel in scene.wheels)
 
 
 def relevant_wheels(scene: Scene, positions: NDArray[np.float64]) -> tuple[Wheel, ...]:
@@ -185,7 +186,7 @@ def _contenders(
     wheel plus 2 r cannot.  Where coordinates overflow the distance is nan, and the wheel is kept.
     """
     centre = np.array([float(x) for x in region.centre])
-    vertices = np.array([[float(x), float(y)] for x, y in region.vertices])
+    vertices = float_points(region.vertices)
     rank = min(rank, len(among))
     with np.errstate(over="ignore", invalid="ignore"):
         reach = np.max(np.hypot(*(vertices - centre).T))

@@ -109,7 +109,7 @@ class Partition(ShortRepr):
     @property
     def size(self) -> float:
         """Half-width of the checked square plus the largest coordinate of its centre (length)."""
-        return float(self.scene.check.radius) + max(abs(float(x)) for x in self.scene.check.equilibrium)
+        return float(self.scene.check.radius) + max(map(abs, self.scene.check.place))
 
     @cached_property
     def area_error(self) -> Number | arb:

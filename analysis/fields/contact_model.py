@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.cells.contact_rule import ContactRule, SmoothRule
-from nonsmooth.analysis.fields.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import float_points, turned
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
@@ -271,7 +271,7 @@ def contact_model(scene: Scene) -> ContactModel:
     if isinstance(loads, LoadModel):
         loads = load_model(scene)
     table = loads.rows if isinstance(loads, LoadTable) else None
-    directions = np.array([[float(x) for x in wheel.direction] for wheel in scene.wheels])
+    directions = float_points(wheel.direction for wheel in scene.wheels)
     speeds = [
         np.hypot(*direction) if wheel.given_speed is None else float(wheel.given_speed)
         for wheel, direction in zip(scene.wheels, directions, strict=True)

@@ -23,7 +23,7 @@ from typing import TypeAlias
 from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds, StateLaw
 from nonsmooth.symbolic.mechanics.constraints import RowKind
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
-from nonsmooth.symbolic.numbers.plane import dot, turned
+from nonsmooth.symbolic.numbers.plane import dot, in_floats, turned
 
 Imposed: TypeAlias = tuple[float, float, float]  # (v_x, v_y, omega)
 
@@ -88,7 +88,7 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> StateLaw:
     def prepare(state: ContactState) -> Speeds:
         _require_a_pair(state)
         wheel = state.rows[0].wheel
-        (d_x, d_y), (p_x, p_y) = map(float, wheel.unit_direction), map(float, wheel.position)
+        (d_x, d_y), (p_x, p_y) = in_floats(wheel.unit_direction), map(float, wheel.position)
         (n_x, n_y), sign = turned((d_x, d_y)), signs.get(wheel.index)
         lever = dot((n_x, n_y), turned((p_x, p_y)))
 

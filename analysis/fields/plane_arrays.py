@@ -1,8 +1,11 @@
-"""The products of :mod:`nonsmooth.symbolic.numbers.plane` for float arrays of plane vectors, the coordinates last."""
+"""Arrays of plane vectors in floats, the coordinates last: from exact ones, and products as in
+:mod:`nonsmooth.symbolic.numbers.plane`.
+"""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from collections.abc import Iterable
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +13,11 @@ from numpy.typing import NDArray
 from nonsmooth.symbolic.numbers import plane
 
 Floats: TypeAlias = NDArray[np.float64]
+
+
+def float_points(points: Iterable[tuple[Any, Any]]) -> Floats:
+    """Points of exact numbers as floats of shape (m, 2)."""
+    return np.array([plane.in_floats(point) for point in points])
 
 
 def turned(vectors: Floats) -> Floats:

@@ -481,7 +481,7 @@ def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> Resul
     common = np.linspace(0, min(float(slow.end.t), gain * float(path.end.t)), COMPARISONS)
     error = float(np.abs(path.sample(common / gain) - slow.sample(common)).max())
     if path.end.reason is EndReason.TIME and slow.end.reason is EndReason.TIME and gain * UNTIL > COMPARED:
-        x, y = (float(value) for value in partition.scene.check.equilibrium)
+        x, y = partition.scene.check.place
         last, before = (np.hypot(*(np.array(p.end.state[:2]) - (x, y))) + abs(p.end.state[2]) for p in (path, slow))
         error = max(error, float(last - before))
     error /= max(map(abs, _feedback_start(partition)))

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.minimum import minima_without_proof, proved
 from nonsmooth.analysis.minimizers.point_location import PointLocator
@@ -143,7 +144,7 @@ def _differences(scene: Scene, rule: SmoothRule, partitions: Mapping[str, Partit
 
 def comparison_grid(scene: Scene) -> NDArray[np.float64]:
     """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
-    centre = np.array([float(x) for x in scene.check.equilibrium])
+    centre = np.array(scene.check.place)
     across, up = (float(scene.check.radius) * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
     return np.asarray(centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2))
 
@@ -153,8 +154,8 @@ def _difference(
 ) -> TwistDifference:
     if not len(points):
         return TwistDifference(0, None, None, None, missing)
-    centre = np.array([float(x) for x in scene.check.equilibrium])
-    wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    centre = np.array(scene.check.place)
+    wheels = float_points(wheel.position for wheel in scene.wheels)
     scale = np.array([1.0, 1.0, np.hypot(*(wheels - centre).T).max()])
     sizes = np.maximum(np.linalg.norm(first * scale, axis=1), np.linalg.norm(second * scale, axis=1))
     apart = np.linalg.norm((first - second) * scale, axis=1)

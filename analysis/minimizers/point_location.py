@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -41,7 +42,7 @@ class PointLocator:
         self._normals: list[NDArray[np.float64]] = []
         self._offsets: list[NDArray[np.float64]] = []
         for cell in partition.cells:
-            normals = np.array([[float(x) for x in side.normal] for side in cell.polygon.sides])
+            normals = float_points(side.normal for side in cell.polygon.sides)
             lengths = np.hypot(*normals.T)
             self._normals.append(normals / lengths[:, None])
             self._offsets.append(np.array([float(side.offset) for side in cell.polygon.sides]) / lengths)
@@ -59,7 +60,7 @@ class PointLocator:
 
     @cached_property
     def _buckets(self) -> _Buckets:
-        vertices = np.array([[float(x), float(y)] for x, y in self.partition.domain.vertices])
+        vertices = float_points(self.partition.domain.vertices)
         return _Buckets(vertices.min(axis=0), vertices.max(axis=0), self._search)
 
     def _search(self, points: NDArray[np.float64]) -> NDArray[np.int_]:

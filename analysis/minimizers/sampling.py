@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.fields.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import float_points, turned
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
@@ -83,7 +83,7 @@ def literal_twist(scene: Scene, point: NDArray[np.float64]) -> NDArray[np.float6
 
 def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """:func:`literal_twist` at points (m, 2), shape (m, 3): once for all points with the same nearest wheels."""
-    positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    positions = float_points(wheel.position for wheel in scene.wheels)
     nearest = min(len(positions), NEAREST)
     distances = np.hypot(*(points[:, None, :] - positions).transpose(2, 0, 1))
     order = np.argsort(distances, axis=1, kind="stable")[:, :nearest]
@@ -197,7 +197,7 @@ class SampledField:
     @property
     def upper_derivative(self) -> Floats:
         """``V* = 2 (c - c*) . c'`` of ``V = |c - c*|^2`` (m,); zero where it is what rounding leaves of zero."""
-        centre = np.array([float(entry) for entry in self.scene.check.equilibrium])
+        centre = np.array(self.scene.check.place)
         found = 2 * ((self.points - centre) * self.velocities).sum(axis=1)
         least = RESTS * float(self.scene.check.radius) * float(np.nanmax(self.speeds, initial=0.0))
         return np.asarray(np.where(np.abs(found) <= least, 0.0, found))
@@ -223,7 +223,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
     unknown = ~proved(minima)
     unknown[list(minima.faces)] = True
     velocities[unknown], omega = np.nan, np.where(unknown, np.nan, omega)
-    centre = np.array([float(entry) for entry in scene.check.equilibrium])
+    centre = np.array(scene.check.place)
     return SampledField(scene, count, places + centre, velocities, omega)
 
 

@@ -25,7 +25,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.cellwise_field import Speeds
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.analysis.fields.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import float_points, turned
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -251,7 +251,7 @@ class _CellsAt:
         self.cells, self.places = partition.cells, scene.places
         self.slack = ON_EDGE * partition.size
         sides = [side for cell in partition.cells for side in cell.polygon.sides]
-        normals = np.array([[float(x) for x in side.normal] for side in sides])
+        normals = float_points(side.normal for side in sides)
         sizes = np.hypot(*normals.T)
         self.normals = normals / sizes[:, None]
         self.offsets = np.array([float(side.offset) for side in sides]) / sizes

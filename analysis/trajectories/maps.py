@@ -17,6 +17,7 @@ from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
@@ -113,7 +114,7 @@ def grid_starts(field: ConstantField, count: int) -> Floats:
     """
     if count < 2:
         raise ValueError(f"required at least two starts in a row, received {count}")
-    corners = np.array([[float(x), float(y)] for x, y in field.cells.points])
+    corners = float_points(field.cells.points)
     axes = [np.linspace(low, high, count) for low, high in zip(corners.min(axis=0), corners.max(axis=0), strict=True)]
     x, y = np.meshgrid(*axes)
     return np.stack([x.ravel(), y.ravel()], axis=1)
@@ -171,7 +172,7 @@ def places_reached(partition: Partition, places: Sequence[RestPlace], ends: Sett
 
 def _distance(points: Floats, corners: Sequence[Point]) -> Floats:
     """Distance of points (m, 2) to a point, a segment or a convex polygon, shape (m,); infinite where unknown."""
-    shape = np.array([[float(x), float(y)] for x, y in corners])
+    shape = float_points(corners)
     nearest = np.full(len(points), np.inf)
     inside = np.full(len(points), len(shape) > 2)
     for start, end in zip(shape, np.roll(shape, -1, axis=0), strict=True):

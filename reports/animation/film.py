@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames, last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.style import Floats
@@ -85,17 +86,17 @@ class Film:
     @property
     def places(self) -> Floats:
         """Where the wheels are (n, 2)."""
-        return np.array([[float(x) for x in wheel.position] for wheel in self.scene.wheels])
+        return float_points(wheel.position for wheel in self.scene.wheels)
 
     @property
     def rims(self) -> Floats:
         """Unit vectors along the rims (n, 2)."""
-        return np.array([[float(x) for x in wheel.unit_direction] for wheel in self.scene.wheels])
+        return float_points(wheel.unit_direction for wheel in self.scene.wheels)
 
     @property
     def axes(self) -> Floats:
         """Unit vectors along the friction axes (n, 2)."""
-        return np.array([[float(x) for x in wheel.unit_grip] for wheel in self.scene.wheels])
+        return float_points(wheel.unit_grip for wheel in self.scene.wheels)
 
     @cached_property
     def view(self) -> tuple[float, float, float, float]:
@@ -190,7 +191,7 @@ def _pivot(scene: Scene, trajectory: Trajectory, *, closed: bool) -> Sequence[fl
     """The point about which leading-order kinematics turn; None under exact ones."""
     if trajectory.kinematics == Kinematics.EXACT:
         return None
-    return [float(x) for x in scene.check.equilibrium] if closed else (0.0, 0.0)
+    return scene.check.place if closed else (0.0, 0.0)
 
 
 def _title(scene: Scene, trajectory: Trajectory, partition: Partition | None, loop: FeedbackLoop | None) -> str:

@@ -12,8 +12,9 @@ import numpy as np
 from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import RATE, Film
 from nonsmooth.reports.figures.path import MARKERS, PATH, marked
-from nonsmooth.reports.figures.style import INK, INKED, LABEL, POINTS_PER_INCH, floats, length_label, wrapped
+from nonsmooth.reports.figures.style import INK, INKED, LABEL, POINTS_PER_INCH, length_label, wrapped
 from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, nearest_gap, placed, wheel_labels
+from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -140,9 +141,9 @@ def _still_picture(film: Film) -> Any:
         (x, y), (dx, dy), half = film.places[k], film.rims[k], film.rim
         axes.plot([x - half * dx, x + half * dx], [y - half * dy, y + half * dy], color=INK, linewidth=4, zorder=4)
         if film.scene.wheels[k].axis is not None:
-            draw_axis(axes, (x, y), floats(film.axes[k]), half)
+            draw_axis(axes, (x, y), in_floats(film.axes[k]), half)
     _name_wheels(axes, film)
-    axes.plot(*floats(film.scene.check.equilibrium), marker="+", color=INK, markersize=11, markeredgewidth=1.6)
+    axes.plot(*film.scene.check.place, marker="+", color=INK, markersize=11, markeredgewidth=1.6)
     axes.plot(*film.trail.T, color=PATH, linewidth=0.8, alpha=0.6, zorder=2)
     _draw_time_line(figure, film)
     _explain(figure, film)
@@ -159,7 +160,7 @@ def _name_wheels(axes: Any, film: Film) -> None:
     scale = min(PLANE[2] * SIZE[0] / (right - left), PLANE[3] * SIZE[1] / (high - low)) * POINTS_PER_INCH
     size, labels = wheel_labels(shown, nearest_gap(film.places[film.shown], right - left) * scale)
     for wheel, label in zip(shown, labels, strict=False):
-        x, y = floats(wheel.position)
+        x, y = in_floats(wheel.position)
         away = (RING + 0.3) * film.rim
         style: Any = {"ha": "center", "va": "top", "fontsize": size, "fontweight": "bold", "color": INK, "zorder": 8}
         axes.text(x, y - away, label, path_effects=[withStroke(linewidth=2, foreground="white")], **style)

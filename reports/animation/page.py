@@ -105,7 +105,7 @@ class _Picture:
     @property
     def goal(self) -> list[float]:
         """The checked point."""
-        return self._point(np.array([float(value) for value in self.film.scene.check.equilibrium]))
+        return self._point(np.array(self.film.scene.check.place))
 
     @property
     def radii(self) -> dict[str, float]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules, intersect
 from nonsmooth.reports.figures.cells import draw_hatch
 from nonsmooth.reports.figures.style import (
@@ -13,7 +14,6 @@ from nonsmooth.reports.figures.style import (
     PICTURE,
     TINT,
     centre_labels,
-    corners_of,
     legend_below,
     new_figure,
     require_drawable,
@@ -139,7 +139,7 @@ def _draw_pair(axes: Axes, agreement: Agreement, first: str, second: str) -> lis
             common = intersect(own.polygon, other.polygon)
             if common is not None:
                 same = frozenset(own.twists) == frozenset(other.twists)
-                corners = corners_of(common.vertices)
+                corners = float_points(common.vertices)
                 axes.fill(*corners.T, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
                 axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1)
                 if not same:

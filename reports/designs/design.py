@@ -22,6 +22,7 @@ from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_docume
 from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -181,7 +182,7 @@ class DesignResult(Result, Generic[Held]):
 
     def _heading(self, wheel: Wheel) -> str:
         """A direction; in degrees where the scene has units, as tables of wheels are measured."""
-        a, b = map(float, wheel.unit_direction)
+        a, b = in_floats(wheel.unit_direction)
         if not self.design.scene.units.length:
             return f"({_text(a)}, {_text(b)})"
         return f"{_text(math.degrees(math.atan2(b, a)))} deg"

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.files.one_by_one import LAYOUTS, unit_of_speed, wheel_entry
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.numbers.plane import Vector, minus, turned
+from nonsmooth.symbolic.numbers.plane import Vector, in_floats, minus, turned
 
 PARTS = 64  # of the range of a speed or a displacement
 HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading
@@ -130,7 +130,7 @@ class Freedom:
         offset = (2 * number - 1) * self.turn
         if abs(offset) < math.pi / 2**12:
             return wheel.direction
-        a, b = (float(entry) for entry in wheel.unit_direction)
+        a, b = in_floats(wheel.unit_direction)
         angle = math.remainder(math.atan2(b, a) + offset, 2 * math.pi)
         quarters = round(angle / (math.pi / 2))
         half = Fraction(math.tan((angle - quarters * math.pi / 2) / 2)).limit_denominator(HALF_TANGENTS)
@@ -143,7 +143,7 @@ def _measured(entry: dict[str, Any], wheel: Wheel) -> dict[str, Any]:
 
     The heading is rounded, and what is judged is the array of the document, so nothing is said of another one.
     """
-    a, b = (float(part) for part in wheel.unit_direction)
+    a, b = in_floats(wheel.unit_direction)
     degrees = Decimal(str(round(math.degrees(math.atan2(b, a)), DEGREE_DIGITS) + 0.0))
     written = {key: value if key == "name" else _decimals(value) for key, value in entry.items()}
     return written | {"heading": degrees.normalize() + 0}

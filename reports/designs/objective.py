@@ -101,7 +101,7 @@ def _returning(check: Check, answers: Sequence[Answer]) -> float | None:
     """The widest arc of headings, in degrees, from which bodies at the checked point return to one of them: sampled."""
     from nonsmooth.reports.simulations.heading_maps import from_headings
 
-    x, y = map(float, check.scene.check.equilibrium)
+    x, y = check.scene.check.place
     arcs = from_headings(check.scene, (x, y), HEADINGS).returning
     return max((math.degrees(arc.last - arc.first) for arc in arcs), default=0.0)
 

@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
-from nonsmooth.symbolic.numbers.plane import cross, dot
+from nonsmooth.symbolic.numbers.plane import cross, dot, in_floats
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -155,13 +155,13 @@ class Export:
     @property
     def _where(self) -> str:
         """The place, with the checked point where that is another."""
-        point = tuple(float(value) for value in self.given.check.equilibrium)
+        point = self.given.check.place
         return place_text(self.place) + f" (the checked point is {place_text(point)})" * self._is_beside
 
     @property
     def _is_beside(self) -> bool:
         """Whether the place is not the checked point."""
-        return tuple(float(value) for value in self.given.check.equilibrium) != self.place
+        return self.given.check.place != self.place
 
     def differences(self) -> Iterator[str]:
         """What the file holds otherwise than the scene, and what it leaves out."""
@@ -230,7 +230,7 @@ class Export:
 
     def _wheel(self, wheel: Wheel) -> str:
         x, y = (float(value) / self.scale for value in wheel.position)
-        ax, ay = map(float, wheel.unit_grip)
+        ax, ay = in_floats(wheel.unit_grip)
         along, across = (self.pace * float(speed) for speed in wheel.slip_speeds)
         frame = f"0 0 1 {ay!r} {-ax!r} 0"  # the third axis is the friction axis, the second points to its right
         return (
@@ -268,7 +268,7 @@ def export_scene(scene: Scene, place: Vector | None = None) -> Export:
     point = float(there[0]), float(there[1])
     twist = minima_under(rule, carried, np.array([point])).twists[0]
     fastest = max(abs(float(wheel.speed)) for wheel in carried.wheels) or 1.0
-    scale = max(math.hypot(*map(float, wheel.position)) for wheel in carried.wheels)
+    scale = max(math.hypot(*in_floats(wheel.position)) for wheel in carried.wheels)
     return Export(carried, scene, point, twist, scale, SPEED / fastest)
 
 
@@ -419,7 +419,7 @@ class WorldExport:
         """The outline as a geom, its frame turned by the heading."""
         body = self.scene.body
         if body is None:
-            farthest = max(math.hypot(*map(float, wheel.position)) for wheel in self.scene.wheels)
+            farthest = max(math.hypot(*in_floats(wheel.position)) for wheel in self.scene.wheels)
             half = MARGIN * farthest / self.scale
             return f'type="box" size="{half!r} {half!r} {THICK!r}"'
         px, py = self._in_file((float(body.centroid[0]), float(body.centroid[1])))
@@ -470,7 +470,7 @@ def export_world(scene: Scene, place: Vector | None = None) -> WorldExport:
     axis = _axis(table)
     point = float(there[0]), float(there[1])
     fastest = max(abs(float(wheel.speed)) for wheel in table.wheels) or 1.0
-    scale = max(math.hypot(*map(float, wheel.position)) for wheel in table.wheels)
+    scale = max(math.hypot(*in_floats(wheel.position)) for wheel in table.wheels)
     path = rule_path(scene, RULE, (*point, 0.0), WAY * scale / fastest)
     return WorldExport(table, point, path, axis, scale, WORLD_SPEED / fastest)
 

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
 from nonsmooth.analysis.minimizers.sampling import SampledField
 from nonsmooth.reports.figures.style import (
@@ -35,11 +36,9 @@ from nonsmooth.reports.figures.style import (
     TINT,
     XY,
     Floats,
-    corners_of,
     draw_bar,
     draw_checked_point,
     drawn,
-    floats,
     legend_below,
     line_entry,
     mark_entry,
@@ -53,7 +52,7 @@ from nonsmooth.reports.figures.wheels import ARROW, Segment, draw_wheel, wheels_
 from nonsmooth.reports.output.document import cell_mark
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane import around, between, dot, minus
+from nonsmooth.symbolic.numbers.plane import around, between, dot, in_floats, minus
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,7 +93,7 @@ def motion_colors(partition: Partition) -> list[str]:
 def fill_cells(axes: Axes, partition: Partition) -> None:
     """The cells in light colors under something else, one color per motion."""
     for cell, color in zip(partition.cells, motion_colors(partition), strict=True):
-        corners = corners_of(cell.polygon.vertices).T
+        corners = float_points(cell.polygon.vertices).T
         axes.fill(*corners, facecolor=color, alpha=TINT / 2, edgecolor="none", zorder=1)
         axes.fill(*corners, facecolor="none", edgecolor="white", linewidth=1.2, zorder=2)
 
@@ -133,7 +132,7 @@ def draw_cells(axes: Axes, partition: Partition) -> list[EdgeKind]:
     """The cells with their motions, the wheels in view and the checked point; returns the kinds of edges drawn."""
     scene = partition.scene
     width = view_square(axes, scene)
-    centre = floats(scene.check.equilibrium)
+    centre = scene.check.place
     marks: list[Segment] = [(centre, centre)]
     for wheel in wheels_in_view(axes, scene.wheels):
         marks += draw_wheel(axes, wheel, RIM * width)
@@ -147,14 +146,14 @@ def draw_cells(axes: Axes, partition: Partition) -> list[EdgeKind]:
 
 def _draw_cell(axes: Axes, cell: Cell, color: str, marks: list[Segment], points_per_length: float) -> None:
     """The cell with its arrow and, where there is room beside these and the other marks, its label."""
-    corners = corners_of(cell.polygon.vertices)
+    corners = float_points(cell.polygon.vertices)
     (shape,) = axes.fill(*corners.T, facecolor=color, alpha=TINT, edgecolor="none", zorder=1)
     shape.set_gid(cell_mark(cell.index))
     axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1.5, zorder=2)
     if not any(cell.twists[0]):
         draw_hatch(axes, corners, REST_HATCH)
-    vertices = [floats(vertex) for vertex in cell.polygon.vertices]
-    centre, sides = floats(cell.polygon.centre), around(vertices)
+    vertices = [in_floats(vertex) for vertex in cell.polygon.vertices]
+    centre, sides = in_floats(cell.polygon.centre), around(vertices)
     room = _clearance(centre, sides)
     if room * points_per_length < LABEL:  # too small for any mark
         return
@@ -169,7 +168,7 @@ def _draw_cell(axes: Axes, cell: Cell, color: str, marks: list[Segment], points_
 
 def _draw_velocity(axes: Axes, cell: Cell, centre: XY, half: float) -> list[Segment]:
     """The arrow of the cell's motion at its centre; returns its shaft, nothing where the body rests."""
-    vx, vy = floats(cell.twists[0].pose_rate(cell.polygon.centre))
+    vx, vy = in_floats(cell.twists[0].pose_rate(cell.polygon.centre))
     speed = math.hypot(vx, vy)
     if not speed:
         return []
@@ -254,7 +253,7 @@ def draw_rates(axes: Axes, partition: Partition) -> Floats:
     """V* on every cell; returns the borders of its bands."""
     scene = partition.scene
     view_square(axes, scene)
-    rates = [_rates(partition, cell, corners_of(cell.polygon.vertices)) for cell in partition.cells]
+    rates = [_rates(partition, cell, float_points(cell.polygon.vertices)) for cell in partition.cells]
     levels = _bands_of(np.concatenate(rates))
     for cell in partition.cells:
         _draw_bands_of_cell(axes, partition, cell, levels)
@@ -272,7 +271,7 @@ def _bands_of(rates: Floats) -> Floats:
 
 def _rates(partition: Partition, cell: Cell, points: Floats) -> Floats:
     """``V* = max 2 (c - c*) . v`` at points (m, 2) of the closed cell, as seen from inside."""
-    centre = np.array(floats(partition.scene.check.equilibrium))
+    centre = np.array(partition.scene.check.place)
     x, y = points.T
     rates = []
     for twist in cell.twists:
@@ -285,7 +284,7 @@ def _draw_bands_of_cell(axes: Axes, partition: Partition, cell: Cell, levels: Fl
     """Bands of V* on a cell, its border, and its number where there is room."""
     from matplotlib.tri import Triangulation
 
-    corners = corners_of(cell.polygon.vertices)
+    corners = float_points(cell.polygon.vertices)
     points, triangles = _triangles(corners, SPLIT if len(cell.twists) > 1 else 1)
     rates = np.clip(_rates(partition, cell, points), levels[0], levels[-1])
     if np.any(rates):
@@ -298,7 +297,7 @@ def _draw_bands_of_cell(axes: Axes, partition: Partition, cell: Cell, levels: Fl
     shape.set_gid(cell_mark(cell.index))
     x, y = corners.mean(axis=0).tolist()
     left, right = axes.get_xlim()
-    sides = around([floats(vertex) for vertex in cell.polygon.vertices])
+    sides = around([in_floats(vertex) for vertex in cell.polygon.vertices])
     if _clearance((x, y), sides) * POINTS / (right - left) >= LABEL:
         axes.text(x, y, str(cell.index), ha="center", va="center", color=DARK, bbox=PLATE, zorder=4)
 

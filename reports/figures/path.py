@@ -26,7 +26,6 @@ from nonsmooth.reports.figures.style import (
     TO_SHOW,
     centre_labels,
     drawn,
-    floats,
     legend_below,
     line_entry,
     mark_entry,
@@ -40,6 +39,7 @@ from nonsmooth.reports.figures.style import (
 from nonsmooth.reports.figures.wheels import draw_axis, draw_names, outline_of, placed
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.plane import in_floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def array_picture(
     scene: Scene, trajectory: Trajectory, title: str, ground: Ground, speeds: SpeedCurves | None = None
 ) -> PathPicture:
     """A path of an array over any ground, in the units of the scene."""
-    home = (*(float(x) for x in scene.check.equilibrium), 0.0)
+    home = (*scene.check.place, 0.0)
     labels, time = pose_labels(scene.units), time_label("t", scene.units)
     return PathPicture(trajectory, title, labels, time, ground, home, speeds)
 
@@ -353,7 +353,7 @@ def draw_cells(axes: Axes, partition: Partition, trajectory: Trajectory) -> None
     """The cells under a path, enlarged where it would be a dot in the square: the axes' numbers tell."""
     fill_cells(axes, partition)
     axes.set(aspect="equal", **centre_labels(partition.scene.units))
-    centre = np.array([float(x) for x in partition.scene.check.equilibrium])
+    centre = np.array(partition.scene.check.place)
     extent = float(np.abs(trajectory.array[:, :2] - centre).max())
     if 0 < extent < SMALL * float(partition.scene.check.radius):
         half = ENLARGED * extent
@@ -390,7 +390,7 @@ def _draw_rims(axes: Axes, model: ContactModel) -> None:
     for start, end in zip(model.positions - half, model.positions + half, strict=True):
         axes.plot(*zip(start, end, strict=True), **RIM)
     for k in np.flatnonzero(model.heads[:, 1]).tolist():
-        draw_axis(axes, floats(model.positions[k]), floats(model.axes[k]), float(np.hypot(*half[k])))
+        draw_axis(axes, in_floats(model.positions[k]), in_floats(model.axes[k]), float(np.hypot(*half[k])))
 
 
 def draw_centre(axes: Axes, scene: Scene) -> None:
@@ -460,7 +460,7 @@ def _draw_curves_of(curves: list[Axes], path: Trajectory, mark: str, last: float
 
 
 def _label(curves: list[Axes], partition: Partition) -> None:
-    units, home = partition.scene.units, (*(float(x) for x in partition.scene.check.equilibrium), 0.0)
+    units, home = partition.scene.units, (*partition.scene.check.place, 0.0)
     for k, axes in enumerate(curves):
         _draw_home(axes, home[k])
         axes.set_ylabel(pose_labels(units)[k])

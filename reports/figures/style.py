@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -152,25 +152,15 @@ def line_entry(label: str, **style: Any) -> Line2D:
 # ---- views ---------------------------------------------------------------------------------------
 
 
-def floats(point: tuple[object, object]) -> XY:
-    """A point of exact numbers as one of floats."""
-    return float(point[0]), float(point[1])  # type: ignore[arg-type]
-
-
-def corners_of(points: Iterable[tuple[object, object]]) -> Floats:
-    """Points of exact numbers as floats of shape (m, 2)."""
-    return np.array([floats(point) for point in points])
-
-
 def view_centre(axes: Axes, scene: Scene, half: float) -> None:
     """Equal axes for the centre of mass, in a square of this half-width about the checked point."""
-    x, y = floats(scene.check.equilibrium)
+    x, y = scene.check.place
     axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", **centre_labels(scene.units))
 
 
 def draw_checked_point(axes: Axes, scene: Scene) -> None:
     """A cross."""
-    axes.plot(*floats(scene.check.equilibrium), marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
+    axes.plot(*scene.check.place, marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
 
 
 def plain_number(value: float, place: int | None = None) -> str:
@@ -217,7 +207,7 @@ def require_drawable(scene: Scene) -> None:
     Raises:
         SceneError: where the square is too large, too small or too far away.
     """
-    radius, far = abs(float(scene.check.radius)), max(abs(float(x)) for x in scene.check.equilibrium)
+    radius, far = abs(float(scene.check.radius)), max(map(abs, scene.check.place))
     if not (1 / LARGEST <= radius <= LARGEST and far * RESOLUTION <= radius):
         expected = f"for a picture, a radius of {1 / LARGEST:g} to {LARGEST:g}, and {RESOLUTION:g} of the coordinates"
         raise SceneError(scene.origin, "check.radius", expected, StatedFact(decimal_text(scene.check.radius, 6)))

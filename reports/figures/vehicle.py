@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.fields.plane_arrays import turned
+from nonsmooth.analysis.fields.plane_arrays import float_points, turned
 from nonsmooth.reports.figures.style import (
     INK,
     LINES,
     Floats,
-    corners_of,
-    floats,
     legend_below,
     length_label,
     new_figure,
@@ -21,6 +19,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.figures.wheels import draw_wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,17 +46,17 @@ def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figu
 def draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
     """Wheels with slips and forces, the centre of mass and the instant centre."""
     scene = motion.vehicle.scene
-    places = corners_of(wheel.position for wheel in scene.wheels)
+    places = float_points(wheel.position for wheel in scene.wheels)
     half = 0.75 * float(np.ptp(places, axis=0).max())
     x, y = (places.min(axis=0) + places.max(axis=0)) / 2
     for wheel in scene.wheels:
         draw_wheel(axes, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
-    along = corners_of(wheel.unit_grip for wheel in scene.wheels)
+    along = float_points(wheel.unit_grip for wheel in scene.wheels)
     frames = np.stack([along, turned(along)], axis=1)
     fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
     _draw_arrows(axes, places, frames, motion.slips, fastest, 2 * half * REACH, LINES[1], "slip over the ground")
     _draw_arrows(axes, places, frames, motion.forces, 1.0, 2 * half * REACH, LINES[0], "friction force")
-    centre = floats(motion.vehicle.centre_of_mass)
+    centre = in_floats(motion.vehicle.centre_of_mass)
     axes.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
     if motion.icr is not None:
         axes.plot(*motion.icr, "o", color=LINES[2], fillstyle="none", label="instant centre")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.reports.figures.style import (
     INK,
     LABEL,
@@ -20,9 +21,7 @@ from nonsmooth.reports.figures.style import (
     TINT,
     XY,
     Floats,
-    corners_of,
     draw_checked_point,
-    floats,
     legend_below,
     length_label,
     line_entry,
@@ -36,6 +35,7 @@ from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,7 +62,7 @@ Segment: TypeAlias = tuple[XY, XY]
 def wheels_in_view(axes: Axes, wheels: Iterable[Wheel]) -> list[Wheel]:
     """The wheels whose points lie within the limits of the axes."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    places = [(wheel, *floats(wheel.position)) for wheel in wheels]
+    places = [(wheel, *in_floats(wheel.position)) for wheel in wheels]
     return [wheel for wheel, x, y in places if left <= x <= right and low <= y <= high]
 
 
@@ -76,7 +76,7 @@ def draw_axis(axes: Axes, place: XY, along: XY, half: float) -> None:
 
 def draw_rim(axes: Axes, wheel: Wheel, half: float, color: str = INK) -> None:
     """The rim as a thick line."""
-    (x, y), (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
+    (x, y), (dx, dy) = in_floats(wheel.position), in_floats(wheel.unit_direction)
     rim = ([x - half * dx, x + half * dx], [y - half * dy, y + half * dy])
     axes.plot(*rim, color=color, linewidth=RIM_WIDTH, solid_capstyle="butt", zorder=3)
 
@@ -93,10 +93,10 @@ def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named
         tip: where the arrowhead lies, in half-lengths of the rim.
         named: whether its name, or its number, is written.
     """
-    (x, y), (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
+    (x, y), (dx, dy) = in_floats(wheel.position), in_floats(wheel.unit_direction)
     draw_rim(axes, wheel, half)
     if wheel.axis is not None:
-        draw_axis(axes, (x, y), floats(wheel.unit_grip), half)
+        draw_axis(axes, (x, y), in_floats(wheel.unit_grip), half)
     sense = wheel.speed.sign()
     end = (x + tip * half * sense * dx, y + tip * half * sense * dy)
     if sense:
@@ -169,7 +169,7 @@ def outline_of(scene: Scene) -> Floats | None:
         angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
         middle = np.array([float(entry) for entry in scene.body.centroid])
         return middle + float(outline.radius) * np.column_stack([np.cos(angles), np.sin(angles)])
-    return corners_of(scene.body.vertices)
+    return float_points(scene.body.vertices)
 
 
 def placed(points: Floats, pose: Floats) -> Floats:
@@ -202,7 +202,7 @@ def array_figure(scene: Scene, tips: str = "") -> Figure:
     if tips:
         title_axes(axes, f"{one_line(scene.name)}: {tips}")
         hull = (
-            corners_of(support_polygon([wheel.position for wheel in scene.wheels]))
+            float_points(support_polygon([wheel.position for wheel in scene.wheels]))
             if scene.wheels
             else np.empty((0, 2))
         )
@@ -238,8 +238,8 @@ def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
         scene: the array.
         near: points (m, 2) that are shown, with the checked square; the whole array unless given.
     """
-    places = corners_of(wheel.position for wheel in whole(scene).wheels)
-    centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)
+    places = float_points(wheel.position for wheel in whole(scene).wheels)
+    centre, radius = np.array(scene.check.place), float(scene.check.radius)
     square = np.array([centre - radius, centre + radius])
     outline = outline_of(scene)
     body = np.empty((0, 2)) if outline is None else outline + centre
@@ -279,13 +279,13 @@ def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] 
     """
     wheels = whole(scene).wheels
     left, right = axes.get_xlim()
-    gap = nearest_gap(corners_of(wheel.position for wheel in wheels), right - left)
+    gap = nearest_gap(float_points(wheel.position for wheel in wheels), right - left)
     size, labels = wheel_labels(wheels, gap * points / (right - left))
     carrying = {wheel.index for wheel in scene.wheels}
     lines = _points_on(_rings(scene) if rings is None else rings) * points / (right - left)
     for wheel, name in zip(wheels, labels, strict=False):
         color = INK if wheel.index in carrying else IDLE_NAME
-        place, (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
+        place, (dx, dy) = in_floats(wheel.position), in_floats(wheel.unit_direction)
         near = lines - np.array(place) * points / (right - left)
         offsets = [name_offset(way, name, size) for way in ((dx, dy), (-dx, -dy))]
         if name_width(name, size) < SHORT_NAME * gap * points / (right - left):  # room beyond the ends of the rim too
@@ -305,7 +305,7 @@ def _beyond_ends(along: XY, backward: bool, half: float, name: str, size: float)
 
 def _rings(scene: Scene) -> list[Floats]:
     """The outline of the body at the checked point and the border of the checked square."""
-    centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)
+    centre, radius = np.array(scene.check.place), float(scene.check.radius)
     outline = outline_of(scene)
     rings = [centre + radius * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])]
     return rings if outline is None else [*rings, outline + centre]

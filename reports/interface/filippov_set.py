@@ -16,7 +16,7 @@ from nonsmooth.reports.studies.result import DataTable, Record, Result, short_li
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, short_text
-from nonsmooth.symbolic.numbers.plane import dot, minus
+from nonsmooth.symbolic.numbers.plane import dot, in_floats, minus
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,14 +94,14 @@ class FilippovSet(Result):
 
     def draw(self, ax: Axes) -> None:
         """The velocities as arrows from zero, their hull, and the cell of each."""
-        from nonsmooth.reports.figures.style import INK, PALETTE, TINT, floats
+        from nonsmooth.reports.figures.style import INK, PALETTE, TINT
 
-        corners = [floats(velocity) for velocity in support_polygon(self.velocities) or self.velocities[:1]]
+        corners = [in_floats(velocity) for velocity in support_polygon(self.velocities) or self.velocities[:1]]
         ax.fill(*zip(*corners, strict=True), facecolor=PALETTE[0], alpha=TINT)
         ax.fill(*zip(*corners, strict=True), facecolor="none", edgecolor=PALETTE[5], linewidth=2)
         cells: dict[tuple[float, float], list[str]] = {}
         for (cell, _), velocity in zip(self.members, self.velocities, strict=True):
-            cells.setdefault(floats(velocity), []).append(str(cell))
+            cells.setdefault(in_floats(velocity), []).append(str(cell))
         for tip, indices in cells.items():
             ax.annotate("", tip, (0, 0), arrowprops={"arrowstyle": "->", "color": INK, "shrinkA": 0, "shrinkB": 0})
             label = f"cell{'s' if len(indices) > 1 else ''} {', '.join(indices)}"

@@ -187,7 +187,7 @@ class FeedbackLoop:
 
     def _law_in(self, partition: Partition, own: StateLaw) -> StateLaw:
         """A law of poses in the scene's own coordinates."""
-        x, y = map(float, partition.scene.check.equilibrium)
+        x, y = partition.scene.check.place
         centred = {state.name: state for cell in self.partition.cells for state in cell.states}
 
         def law(state: ContactState) -> Speeds:

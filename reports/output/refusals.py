@@ -132,7 +132,7 @@ def require_resolved(scene: Scene) -> None:
     Raises:
         SceneError: of such a square.
     """
-    far, radius = max(abs(float(x)) for x in scene.check.equilibrium), scene.check.radius
+    far, radius = max(map(abs, scene.check.place)), scene.check.radius
     if far * RESOLUTION > float(radius):
         from nonsmooth.symbolic.numbers.number_text import decimal_text
 

@@ -34,6 +34,7 @@ from nonsmooth.symbolic.mechanics.springs import EqualSprings
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_text import decimal_latex, float_text
+from nonsmooth.symbolic.numbers.plane import in_floats
 
 ANSWERS = "answers"  # the section that shows the array first
 
@@ -89,7 +90,7 @@ def _heading(wheel: Wheel, units: Units) -> Math:
     """The direction of a rim: its vector, or its angle where the scene's angles are read in degrees."""
     if not units.in_degrees:
         return point(wheel.unit_direction)
-    x, y = (float(value) for value in wheel.direction)
+    x, y = in_floats(wheel.direction)
     angle = float_text(math.degrees(math.atan2(y, x)))
     return Math(rf"{decimal_latex(angle)}^\circ", f"{angle} deg")
 

@@ -359,7 +359,7 @@ def paths_section(subject: SystemSubject) -> Section:
     """Filippov solutions from four starts, followed from event to event."""
     system = subject.scene
     radius = float(system.check.radius)
-    middle = [float(value) for value in system.check.equilibrium]
+    middle = system.check.place
     rows: list[list[Entry]] = []
     for shares in STARTS:
         start = tuple(m + share * radius for m, share in zip(middle, shares, strict=True))

@@ -61,7 +61,7 @@ USUAL = (0.4, 0.8)
 def starts(partition: Partition) -> list[Start]:
     """STARTS places on a circle about the checked point, the usual one first, counterclockwise, at heading 0."""
     radius = float(partition.scene.check.radius)
-    x, y = (float(value) for value in partition.scene.check.equilibrium)
+    x, y = partition.scene.check.place
     places = []
     for k in range(STARTS):
         c, s = math.cos(2 * math.pi * k / STARTS), math.sin(2 * math.pi * k / STARTS)
@@ -72,7 +72,7 @@ def starts(partition: Partition) -> list[Start]:
 
 def typed_start(start: Start, scene: Scene) -> str:
     """``x,y,theta`` for ``--from``, which takes world coordinates; a report measures from the checked point."""
-    x, y = (centre + value for centre, value in zip(map(float, scene.check.equilibrium), start, strict=False))
+    x, y = (centre + value for centre, value in zip(scene.check.place, start, strict=False))
     names_unit = start[2] != 0 and unit_of_typed_angles(scene) is not AngleUnit.RADIAN
     return ",".join(map(float_text, (x, y, start[2]))) + "rad" * names_unit
 

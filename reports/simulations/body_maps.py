@@ -16,13 +16,13 @@ from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEn
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.reports.figures.style import (
     INK,
     LEGEND_LINE,
     POINTS_PER_INCH,
     TOLD_APART,
     centre_labels,
-    corners_of,
     draw_checked_point,
     draw_grid,
     grid_extent,
@@ -111,7 +111,7 @@ def build_body_map(scene: Scene, options: SimulateOptions) -> BodyMapResult:
 
 def _covered(scene: Scene) -> Scene:
     """The array under a disc that covers all wheels as long as its centre is over their hull, so until it tips."""
-    places = corners_of(wheel.position for wheel in scene.wheels)
+    places = float_points(wheel.position for wheel in scene.wheels)
     reach = Fraction(2 * float(np.hypot(*np.ptp(places, axis=0))))
     zero, one = scene.field.zero, scene.field.one
     return replace(scene, body=Body(Disc(scene.field(reach)), (zero, zero), (one, zero)))
@@ -272,7 +272,7 @@ class BodyMapResult(MapResult):
         tips, total = found.by(BodyEnd.TIPS), len(found.starts)
         at_once = tips & (found.times == 0)
         if at_once.any():
-            away = np.hypot(*(found.starts[:, :2] - [float(entry) for entry in self.scene.check.equilibrium]).T)
+            away = np.hypot(*(found.starts[:, :2] - self.scene.check.place).T)
             nearest = float_text(float(away[at_once].min()), 3)
             told = f"{int(at_once.sum())} of {total} starts; all nearer than {nearest}{unit} to the point stand"
             yield "tip where they start", f"{told}; {self._lines_under(at_once)}"
@@ -407,7 +407,7 @@ def _draw_bodies(axes: Axes, shown: BodyMapResult) -> None:
 def _draw_contacts(axes: Axes, shown: BodyMapResult) -> None:
     """Wheels as dots with their names, where there is room; the view stays."""
     limits = {"xlim": axes.get_xlim(), "ylim": axes.get_ylim()}
-    places = corners_of(wheel.position for wheel in shown.scene.wheels)
+    places = float_points(wheel.position for wheel in shown.scene.wheels)
     axes.plot(*places.T, linestyle="none", marker=".", markersize=3, color=INK, zorder=5)
     axes.set(**limits)
     draw_names(axes, shown.scene, AXES_SHARE * SIZE[0] / 2 * POINTS_PER_INCH)

@@ -396,7 +396,7 @@ def _cases(scene: Scene, text: str) -> Iterator[Failed]:
 
 def _grid(scene: Scene, count: int, heading: float) -> list[tuple[float, float, float]]:
     """Centres of equal squares that tile the checked one."""
-    x, y = map(float, scene.check.equilibrium)
+    x, y = scene.check.place
     radius = float(scene.check.radius)
     offsets = [radius * ((2 * k + 1) / count - 1) for k in range(count)]
     return [(x + a, y + b, heading) for b in offsets for a in offsets]
@@ -466,7 +466,7 @@ def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | N
 
 def _is_near(scene: Scene, path: Trajectory) -> bool:
     x, y = (float(value) for value in path.end.state[:2])
-    a, b = map(float, scene.check.equilibrium)
+    a, b = scene.check.place
     return math.hypot(x - a, y - b) <= float(accuracy_at_point(scene))
 
 

@@ -221,7 +221,7 @@ def follow_headings(scene: Scene, options: SimulateOptions) -> HeadingsResult:
     if not FEWEST <= count <= MOST:
         raise OptionError(f"--headings: required {FEWEST} to {MOST} headings in a full turn, received {count}")
     require_outline(scene)
-    x, y = map(float, scene.check.equilibrium) if options.start is None else options.pose[:2]
+    x, y = scene.check.place if options.start is None else options.pose[:2]
     with progress(f"{count} headings") as report:
         return from_headings(scene, (x, y), count, options.until, report)
 

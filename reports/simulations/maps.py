@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.reports.figures.style import (
@@ -28,7 +29,6 @@ from nonsmooth.reports.figures.style import (
     TIMES,
     TOLD_APART,
     Floats,
-    corners_of,
     draw_bar,
     draw_grid,
     grid_extent,
@@ -99,7 +99,7 @@ def parts_record(parts: Sequence[Part]) -> list[Record]:
 
 def within_accuracy(scene: Scene, places: Floats) -> NDArray[np.bool_]:
     """Which of the places (m, 2) at which bodies end are within the accuracy of the checked point; none is not."""
-    away = places - [float(value) for value in scene.check.equilibrium]
+    away = places - scene.check.place
     return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(scene)))
 
 
@@ -433,5 +433,5 @@ def _ends_legend(result: SettleMapResult) -> list[Patch]:
 
 def _draw_cell_borders(axes: Axes, partition: Partition) -> None:
     for cell in partition.cells:
-        corners = corners_of(cell.polygon.vertices)
+        corners = float_points(cell.polygon.vertices)
         axes.fill(*corners.T, facecolor="none", edgecolor=INK, alpha=0.4, linewidth=0.5, zorder=2)

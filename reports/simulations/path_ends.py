@@ -107,7 +107,7 @@ class ArrayPathEnd:
 
 def distance_from_point(scene: Scene, state: Any) -> float:
     """From the checked point (length)."""
-    x, y = map(float, scene.check.equilibrium)
+    x, y = scene.check.place
     return math.hypot(float(state[0]) - x, float(state[1]) - y)
 
 
@@ -248,4 +248,4 @@ def is_at_point(system: SwitchedSystem, state: Sequence[Any]) -> bool:
 
 def _distance(system: SwitchedSystem, state: Sequence[Any]) -> float:
     """From the checked point."""
-    return math.dist(list(map(float, state)), list(map(float, system.check.equilibrium)))
+    return math.dist(list(map(float, state)), system.check.place)

@@ -451,7 +451,7 @@ class ArrayPath(PathResult):
             raise ValueError("required a closed loop, received the scene's own speeds")
         at = [float(time) for time in (self.trajectory.times if times is None else times)]
         leading = self.trajectory.kinematics != Kinematics.EXACT
-        pivot = [float(x) for x in self.scene.check.equilibrium] if leading else None
+        pivot = self.scene.check.place if leading else None
         inputs = self.loop.inputs(self.partition)
         path, cells = self.trajectory, self.partition
         return build_frames(self._carrying, path, at, partition=cells, inputs=inputs, pivot=pivot).speeds
@@ -667,7 +667,7 @@ def _follow_driven(scene: Scene, options: SimulateOptions) -> DrivenPath:
         said = f"the feedback clause says {feedback.verdict}: {feedback.reason}"
         raise OptionError(f"{required} a certified law; {said}")
     loop = DrivenLoop(centred, feedback, options.gain)
-    (x, y), (start_x, start_y, theta) = map(float, scene.check.equilibrium), options.pose
+    (x, y), (start_x, start_y, theta) = scene.check.place, options.pose
     own = _until_other_wheels(loop, (start_x - x, start_y - y, theta), options.last)
     return DrivenPath(scene, own.shifted(x, y), loop=loop, own=own)
 

@@ -353,7 +353,7 @@ TONES = {Position.COMES_HOME: "good", Position.STAYS_NEAR: "fair", Heading.KEEPS
 
 def guessed_answers(partition: Partition) -> list[dict[str, Any]]:
     """Position and heading, as far as floats tell; each marked as provisional."""
-    point = tuple(float(value) for value in partition.scene.check.equilibrium)
+    point = partition.scene.check.place
     radius = float(partition.scene.check.radius)
     velocities, rates, turns = [], [], []
     for cell in partition.cells:

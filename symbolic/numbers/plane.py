@@ -18,6 +18,11 @@ E = TypeVar("E", bound=Any)  # a coordinate
 T = TypeVar("T")
 
 
+def in_floats(point: tuple[Any, Any]) -> tuple[float, float]:
+    """A point, or a vector, of exact numbers as one of floats."""
+    return float(point[0]), float(point[1])
+
+
 def turned(vector: tuple[E, E]) -> tuple[E, E]:
     """``J vector``: a quarter turn counterclockwise, ``J = [[0, -1], [1, 0]]``."""
     return -vector[1], vector[0]

@@ -56,6 +56,11 @@ class SystemCheck:
     quotient: tuple[PiecewiseExpression, PiecewiseExpression] | None = None
 
     @property
+    def place(self) -> tuple[float, ...]:
+        """The checked point in floats."""
+        return tuple(map(float, self.equilibrium))
+
+    @property
     def named_lyapunov(self) -> str | None:
         """The V that the scene names, but a quotient."""
         return None if self.is_default else self.lyapunov.text
