@@ -28,7 +28,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.fields.plane_arrays import Floats, cross, float_points
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, Footprint, PolygonShape
@@ -36,6 +35,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import around
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits

@@ -20,6 +20,7 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import XY
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
@@ -51,7 +52,7 @@ class SeenRest:
         edge: of the one under its edge, if there is one.
     """
 
-    place: tuple[float, float]
+    place: XY
     theta: float
     wheels: tuple[int, ...]
     edge: tuple[int, ...] = ()
@@ -238,7 +239,7 @@ class RestSearch:
         slopes = np.stack([*columns, rates[1] - rates[0]], axis=2)
         return (1 - share) * rates[0] + share * rates[1], slopes, known, rates
 
-    def _headings(self, without: Mask, wheel: int, place: tuple[float, float]) -> list[float]:
+    def _headings(self, without: Mask, wheel: int, place: XY) -> list[float]:
         """At which the wheel lies under the edge, and of the others exactly those of a set under the body."""
         x, y = (float(entry) for entry in self.model.positions[wheel] - place)
         found = []

@@ -33,6 +33,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import Pose
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest
@@ -435,7 +436,7 @@ class PathEnd:
     reason: BodyEnd
     starts: Numbers
     share: float
-    pose: tuple[float, float, float] | None = None
+    pose: Pose | None = None
     headings: tuple[float, float] | None = None
     where: str = ""
 

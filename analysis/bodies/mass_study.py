@@ -46,6 +46,7 @@ from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before
@@ -105,7 +106,7 @@ class MassStudy(ShortRepr):
         skipped: rules without a path, and why.
     """
 
-    start: tuple[float, float, float]
+    start: Pose
     until: float
     rows: tuple[MassRow, ...]
     limits: tuple[PathDistance, ...] | None
@@ -178,7 +179,7 @@ def mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float]
         nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
         nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up.
     """
-    x, y, theta = (float(value) for value in start)
+    x, y, theta = pose_in_floats(start)
     paths: dict[str, Trajectory] = {}
     skipped: dict[str, str] = {}
     limit = massless_rule(scene).name

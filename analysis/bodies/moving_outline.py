@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.symbolic.mechanics.body import Body, Disc
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 Numbers = NDArray[np.int_]
 

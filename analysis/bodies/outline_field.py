@@ -22,7 +22,6 @@ from nonsmooth.analysis.bodies.switching import subsets_of
 from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, sign_patterns
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.follow import Mode, Path
@@ -31,6 +30,7 @@ from nonsmooth.analysis.trajectories.smooth_path import MAX_EVENTS, MAX_WORK, Fi
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import counted_in_own_length
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 Wheels = frozenset[int]  # places in the scene's list of wheels

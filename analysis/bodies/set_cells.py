@@ -16,13 +16,13 @@ from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.fields.switched_field import Member, Surface, affine_surface
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import with_only
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import numbers_text
 from nonsmooth.symbolic.numbers.plane import around, cross
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 SAME_LINE = 1e-12  # unit normals, and offsets over the array's size, that differ by less are one line's
 

@@ -26,6 +26,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane import XY
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
@@ -335,7 +336,7 @@ class SetGuesses:
         self._size = float(np.ptp(self.model.positions, axis=0).max()) or 1.0
         self._motions = MotionsOnSets(self.model, self._size)
 
-    def of(self, wheels: Sequence[int], place: tuple[float, float]) -> SetGuess | None:
+    def of(self, wheels: Sequence[int], place: XY) -> SetGuess | None:
         """On some wheels, by their places in the list; None where the body tips or no motion is found."""
         carrying = np.zeros((1, self.model.wheels), bool)
         carrying[0, list(wheels)] = True

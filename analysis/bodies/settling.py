@@ -28,8 +28,7 @@ from nonsmooth.analysis.fields.contact_model import Floats, contact_model, with_
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-Pose = tuple[float, float, float]
+from nonsmooth.symbolic.numbers.plane import Pose
 
 # Tolerances beside those of a path that is shown; still larger ones take more steps where bodies are light.
 COARSER = 1e3

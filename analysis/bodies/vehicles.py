@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane import Vector, in_floats
+from nonsmooth.symbolic.numbers.plane import XY, Vector, in_floats
 
 MOST_EXACT = 12  # wheels up to which the cells of the rules with cells are built
 ROUNDING = 1e-9  # rate of turn times the length of the vehicle, relative to the speeds: below it a float is no turn
@@ -83,7 +83,7 @@ class VehicleMotion:
         return contact_model(self.vehicle.scene).slips(self.twists[0]) if self.is_unique else None
 
     @property
-    def icr(self) -> tuple[float, float] | None:
+    def icr(self) -> XY | None:
         """The instant centre of rotation ``J v/omega``; None where the vehicle does not turn, or moves in many ways."""
         vx, vy, omega = (float(value) for value in self.twists[0])
         return (-vy / omega, vx / omega) if self._turns else None

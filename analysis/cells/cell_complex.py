@@ -19,9 +19,9 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 2.0**-29

@@ -23,7 +23,6 @@ from flint import fmpq, fmpz
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.constraints import Triple
@@ -34,6 +33,7 @@ from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import float_text, short_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
 

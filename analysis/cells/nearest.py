@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     RowKind,
@@ -40,6 +39,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import dot
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:

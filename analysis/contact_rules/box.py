@@ -8,9 +8,9 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.fields.plane_arrays import Floats
     from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
     from nonsmooth.symbolic.mechanics.scene import Friction, Scene
+    from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 class BoxRule(CellRule, LimitedForces):

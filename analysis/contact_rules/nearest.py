@@ -8,8 +8,8 @@ from nonsmooth.analysis.cells.contact_rule import CellRule
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.analysis.fields.plane_arrays import Floats
     from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+    from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 class NearestRule(CellRule):

@@ -37,9 +37,9 @@ import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.minimizers.float_loads import affine_loads, hull_sides, loads_at
 from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.symbolic.numbers.plane_arrays import turned
 
 # ---- normal forces along a path ------------------------------------------------------------------
 #

@@ -23,13 +23,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.cells.contact_rule import ContactRule, SmoothRule
-from nonsmooth.analysis.fields.plane_arrays import float_points, turned
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, turned
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -52,6 +52,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import power_text
+from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, scaled_system
 
 POWERS = (-9, -6, -3, 3, 6, 9)  # of ten: other units of length or time
@@ -452,7 +453,7 @@ def feedback_rows(partition: Partition) -> Rows:
         yield _corrected_row(partition, gain, slow)
 
 
-def _feedback_start(partition: Partition) -> tuple[float, float, float]:
+def _feedback_start(partition: Partition) -> Pose:
     (x, y), radius = partition.scene.check.equilibrium, float(partition.scene.check.radius)
     return float(x) + PLACE[0] * radius, float(y) + PLACE[1] * radius, PLACE[2]
 

@@ -33,6 +33,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import XY, Pose
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -285,7 +286,7 @@ class MeasuredField:
     pieces: tuple[ReferencePiece, ...]
     exact: ConstantField | None  # over exact numbers; None where the field is not constant on polygons
     radius: float  # half-width of the checked square (length)
-    centre: tuple[float, float]
+    centre: XY
     slack: float  # distance within which a start counts as on a surface (length)
 
     @property
@@ -359,7 +360,7 @@ FIRST_CROSSINGS = {EventKind.CROSS, EventKind.SLIDE, EventKind.REST}  # events a
 class ExactPath:
     """The exact solution from one start, leading-order kinematics, up to the last time that is compared."""
 
-    start: tuple[float, float, float]
+    start: Pose
     until: float
     path: Trajectory
 
@@ -400,7 +401,7 @@ def reference_paths(partition: Partition) -> tuple[ConstantField, tuple[ExactPat
     return field, tuple(paths)
 
 
-def _unique_path(field: ConstantField, start: tuple[float, float, float]) -> ExactPath | None:
+def _unique_path(field: ConstantField, start: Pose) -> ExactPath | None:
     """The path from a start, up to shortly before it stops being the only one or leaves the square, and shortly after
     it has come to rest for good; None where it never is the only one.
     """

@@ -36,6 +36,7 @@ from nonsmooth.symbolic.mechanics.constraints import Row, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import XY
 
 # ---- the upper derivative ------------------------------------------------------------------------
 #
@@ -170,7 +171,7 @@ DIFFERENCES = Order(None, "the tolerance bounds a differenced gradient, which ho
 class ReferenceTwist:
     """A point, read exactly from floats, and the minimizing twist there in numbers of the field or in balls."""
 
-    point: tuple[float, float]
+    point: XY
     twist: tuple[Any, ...]
 
     def error(self, found: Floats) -> float:
@@ -213,14 +214,14 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
     return tuple(found)
 
 
-def _points(scene: Scene) -> Iterator[tuple[float, float]]:
+def _points(scene: Scene) -> Iterator[XY]:
     """Points of the checked square at random."""
     (x, y), radius = scene.check.equilibrium, float(scene.check.radius)
     for a, b in (np.random.default_rng(0).integers(-255, 256, (TRIED, 2)) / 256).tolist():
         yield float(x) + radius * a, float(y) + radius * b
 
 
-def _exactly(scene: Scene, point: tuple[float, float]) -> tuple[Number, Number]:
+def _exactly(scene: Scene, point: XY) -> tuple[Number, Number]:
     return scene.field(Fraction(point[0])), scene.field(Fraction(point[1]))
 
 

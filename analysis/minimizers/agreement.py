@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.minimum import minima_without_proof, proved
 from nonsmooth.analysis.minimizers.point_location import PointLocator
@@ -29,6 +28,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 RulePair: TypeAlias = tuple[str, str]
 

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.

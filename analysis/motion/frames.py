@@ -25,10 +25,10 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.cellwise_field import Speeds
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.analysis.fields.plane_arrays import float_points, turned
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, turned
 
 # ---- the spatial twist along a path, from the path alone -----------------------------------------
 #

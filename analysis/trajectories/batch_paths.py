@@ -19,7 +19,6 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.cells.moves import RaySpeeds, sliding
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
-from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.cell_motion import Free, line_times, times_back
 from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
@@ -34,6 +33,7 @@ from nonsmooth.analysis.trajectories.slides import (
 )
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.numbers.plane import cross, dot
+from nonsmooth.symbolic.numbers.plane_arrays import turned
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import Floats

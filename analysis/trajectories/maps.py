@@ -17,10 +17,10 @@ from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import Floats

@@ -11,7 +11,6 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from nonsmooth.reports.figures.path import marked
 from nonsmooth.reports.figures.style import Floats, length_label
 from nonsmooth.reports.figures.wheels import AXIS
 from nonsmooth.reports.formats.html import template_part
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.numbers.number_text import float_text
 
 WIDE = 1000.0  # width of the frame in the view box
@@ -90,7 +90,7 @@ class _Picture:
         return f"M0 0H{WIDE:g}V{self.height:g}H0Z"
 
     @property
-    def ticks(self) -> dict[str, list[dict[str, Any]]]:
+    def ticks(self) -> dict[str, list[Record]]:
         """Along both edges round coordinates, and where they are in the picture."""
         most = WIDE / self.scale / 4
         power = 10.0 ** math.floor(math.log10(most))
@@ -98,7 +98,7 @@ class _Picture:
         low, right = self.high - self.height / self.scale, self.left + WIDE / self.scale
         return {"x": self._marks(self.left, right, step, 0), "y": self._marks(low, self.high, step, 1)}
 
-    def _marks(self, first: float, last: float, step: float, axis: int) -> list[dict[str, Any]]:
+    def _marks(self, first: float, last: float, step: float, axis: int) -> list[Record]:
         values = step * np.arange(math.ceil(first / step), math.floor(last / step) + 1)
         return [{"at": self._point(np.array([value, value]))[axis], "text": float_text(value, 6)} for value in values]
 
@@ -113,7 +113,7 @@ class _Picture:
         return {name: round(size * self.rim, DIGITS) for name, size in (("ring", RING), ("body", BODY))}
 
     @property
-    def wheels(self) -> list[dict[str, Any]]:
+    def wheels(self) -> list[Record]:
         """Place, ends of the rim and of a friction axis of its own, number, and where that is written."""
         rows = []
         for k in self.film.shown:
@@ -158,7 +158,7 @@ class _Picture:
         return round(HEADING * self.rim, DIGITS)
 
     @property
-    def events(self) -> list[dict[str, Any]]:
+    def events(self) -> list[Record]:
         """The events that are marked: when, as part of the duration, and what."""
         duration = self.film.duration or 1.0
         return [
@@ -171,7 +171,7 @@ class _Picture:
             for event in marked(self.film.events)
         ]
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """What the script needs: everything that moves."""
         film, frames, shown = self.film, self.film.frames, self.film.shown
         return {

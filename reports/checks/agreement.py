@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules, intersect
 from nonsmooth.reports.figures.cells import draw_hatch
 from nonsmooth.reports.figures.style import (
@@ -25,6 +24,7 @@ from nonsmooth.reports.studies.result import DataTable, Record, Result, short_li
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text, short_text
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -116,7 +116,7 @@ def compare_scene(scene: Scene) -> ComparisonResult:
     return ComparisonResult(compare_rules(scene))
 
 
-def _shared_record(agreement: Agreement, first: str, second: str) -> dict[str, Any]:
+def _shared_record(agreement: Agreement, first: str, second: str) -> Record:
     shared = agreement.shared[first, second]
     return {
         **with_exact({"area": shared.area, "share": shared.share}),
@@ -167,7 +167,7 @@ def difference_text(difference: TwistDifference) -> str:
     return f"{shown}; {missing}" if difference.not_certified else shown
 
 
-def _difference_record(difference: TwistDifference) -> dict[str, Any]:
+def _difference_record(difference: TwistDifference) -> Record:
     return {
         "points": difference.points,
         "mean": difference.mean,

@@ -26,6 +26,7 @@ from nonsmooth.reports.studies.result import DataTable, Result, counted_words, s
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, contact_set, tipped, wheels_text
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import numbers_text, short_text
+from nonsmooth.symbolic.numbers.plane import XY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -210,7 +211,7 @@ class CheckResult(ArrayAnswers):
         return self.evidence.reason
 
     @property
-    def at(self) -> tuple[float, float]:
+    def at(self) -> XY:
         """The point that was checked."""
         x, y = self.scene.check.equilibrium
         return float(x), float(y)

@@ -60,7 +60,7 @@ class MeasurementResult(Result):
     def head(self) -> str:
         """What was measured, in one line."""
 
-    def row_records(self) -> list[dict[str, Any]]:
+    def row_records(self) -> list[Record]:
         """The rows; numbers that are none become null."""
         rows = self.run.rows
         return [{key: _plain(getattr(row, attribute)) for key, attribute in self.keys.items()} for row in rows]
@@ -171,15 +171,15 @@ class Precision(MeasurementResult):
         return [head, *map(_study_view, self.run.measured), *left]
 
 
-def _study_record(measured: Measured) -> dict[str, Any]:
+def _study_record(measured: Measured) -> Record:
     study, plan = measured.study, measured.plan
-    entry: dict[str, Any] = {"study": study.name, "title": study.title, "quantity": study.quantity}
+    entry: Record = {"study": study.name, "title": study.title, "quantity": study.quantity}
     if plan is None:
         return entry | {"reference": None, "left_out": measured.left_out}
     return entry | {"reference": plan.reference, "left_out": None, "note": plan.note}
 
 
-def _slope_records(measured: Measured) -> Iterator[dict[str, Any]]:
+def _slope_records(measured: Measured) -> Iterator[Record]:
     for slope in measured.slopes:
         entry = {"study": measured.of.name, "method": slope.method, "parameter": slope.parameter, "slope": slope.value}
         yield entry | {"expected": slope.order.expected, "from": slope.first, "to": slope.last, "why": slope.order.why}

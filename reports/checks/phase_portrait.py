@@ -36,7 +36,7 @@ SIZE = 6.4  # inches
 MESH = 161  # points in a row; odd, so that the middle is one
 LEVELS = 6  # of V
 FIELD, NULLCLINES, REGION, CURVE = "#999999", ("#E69F00", "#56B4E9"), "#0072B2", "#D55E00"
-BORDERS: dict[BorderKind, dict[str, Any]] = {
+BORDERS: dict[BorderKind, Record] = {
     BorderKind.SLIDING: {"color": INK, "linewidth": 2.6},
     BorderKind.REPELLING: {"color": INK, "linewidth": 1.4, "linestyle": (0, (5, 3))},
     BorderKind.CROSSING: {"color": CURVE, "linewidth": 1.0},
@@ -93,7 +93,7 @@ class PhasePortrait(Result):
         cells = [self._cell_record(*pair) for pair in zip(self.cells, self.fields, strict=True)]
         return {**head, **at, "cells": cells, "borders": [_border_record(part) for part in self.borders]}
 
-    def _cell_record(self, cell: FieldCell, field: StatedField) -> dict[str, Any]:
+    def _cell_record(self, cell: FieldCell, field: StatedField) -> Record:
         named = with_exact({"polygon": _corners(cell)})
         guards = [self._text(guard) for guard in cell.region.guards]
         return {**named, "guards": guards, "field": field.texts(self.system.states)}
@@ -136,7 +136,7 @@ def _corners(cell: FieldCell) -> tuple[Point, ...]:
     return tuple((x / w, y / w) for x, y, w in cell.region.generators)
 
 
-def _border_record(part: BorderPart) -> dict[str, Any]:
+def _border_record(part: BorderPart) -> Record:
     ends = {"from": part.start, "to": part.end}
     if part.is_exact:
         return {**with_exact(ends), "kind": str(part.kind)}

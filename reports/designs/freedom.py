@@ -16,6 +16,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.files.one_by_one import LAYOUTS, unit_of_speed, wheel_entry
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.plane import Vector, in_floats, minus, turned
@@ -96,11 +97,11 @@ class Freedom:
             raise ValueError(f"required an array of the symmetry {self.order}")
         return found
 
-    def document(self, base: Mapping[str, Any], scene: Scene, vector: Sequence[float]) -> dict[str, Any]:
+    def document(self, base: Mapping[str, Any], scene: Scene, vector: Sequence[float]) -> Record:
         """The scene document of a vector."""
         kept = {key: value for key, value in base.items() if key not in LAYOUTS}
         numbers, unit = iter(vector), unit_of_speed(base, scene)
-        tables: list[dict[str, Any]] = [{} for _ in scene.wheels]
+        tables: list[Record] = [{} for _ in scene.wheels]
         for orbit in self._orbits(scene):
             chosen = self._chosen(scene.wheels[orbit[0]], [next(numbers) for _ in range(self.numbers_per_wheel)])
             for step, place in enumerate(orbit):
@@ -138,7 +139,7 @@ class Freedom:
         return quarter_turns((field(q * q - p * p), field(2 * p * q)), quarters)
 
 
-def _measured(entry: dict[str, Any], wheel: Wheel) -> dict[str, Any]:
+def _measured(entry: Record, wheel: Wheel) -> Record:
     """The entry of a wheel as somebody who measures writes it: the heading in degrees, decimals where they are exact.
 
     The heading is rounded, and what is judged is the array of the document, so nothing is said of another one.

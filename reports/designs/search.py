@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.answers.answer import Pose
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -86,7 +87,7 @@ class Design:
         fewest: what is known of smaller choices, where wheels were chosen.
     """
 
-    document: dict[str, Any]
+    document: Record
     scene: Scene
     best: Evaluation
     base: Evaluation
@@ -106,7 +107,7 @@ class _Search:
     def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish) -> None:
         self._base, self._folder, self._scene, self._freedom, self._wish = base, folder, scene, freedom, wish
         self._known: dict[str, Evaluation] = {}
-        self.best: tuple[Evaluation, dict[str, Any], Scene] | None = None
+        self.best: tuple[Evaluation, Record, Scene] | None = None
 
     @property
     def checks(self) -> int:
@@ -122,7 +123,7 @@ class _Search:
             told(self.checks, self._wish.checks)
         return self._known[key].cost
 
-    def _judged(self, document: dict[str, Any]) -> Evaluation:
+    def _judged(self, document: Record) -> Evaluation:
         name = str(document.get("name") or self._scene.name)
         try:
             scene = build_scene(document, name, self._folder / f"{name}.toml")

@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
-from nonsmooth.symbolic.numbers.plane import cross, dot, in_floats
+from nonsmooth.symbolic.numbers.plane import XY, Pose, cross, dot, in_floats, pose_in_floats
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -116,7 +116,7 @@ class Export:
 
     scene: Scene
     given: Scene
-    place: tuple[float, float]
+    place: XY
     twist: Floats
     scale: float
     pace: float
@@ -326,9 +326,9 @@ class WorldExport:
     """
 
     scene: Scene
-    place: tuple[float, float]
+    place: XY
     path: Trajectory
-    axis: tuple[float, float]
+    axis: XY
     scale: float
     pace: float
 
@@ -338,9 +338,9 @@ class WorldExport:
         return float(self.path.end.t) / (self.pace * self.scale)
 
     @property
-    def file_end(self) -> tuple[float, float, float]:
+    def file_end(self) -> Pose:
         """``(x, y, theta)`` at its end, in the file; theta is zero at the start."""
-        x, y, theta = (float(value) for value in self.path.end.state)
+        x, y, theta = pose_in_floats(self.path.end.state)
         return *self._in_file((x, y)), theta
 
     @property
@@ -406,11 +406,11 @@ class WorldExport:
         low = any(float(mu) < LEAST_FRICTION for w in self.scene.wheels for mu in (w.friction.roll, w.friction.side))
         return [f"friction below {LEAST_FRICTION:g} is written as that, the least of the engine"] if low else []
 
-    def _in_file(self, point: tuple[float, float]) -> tuple[float, float]:
+    def _in_file(self, point: XY) -> XY:
         x, y = self._turned(point)
         return x / self.scale, y / self.scale
 
-    def _turned(self, vector: tuple[float, float]) -> tuple[float, float]:
+    def _turned(self, vector: XY) -> XY:
         """A vector of the scene along the file's axes."""
         (x, y), (c, s) = vector, self.axis
         return c * x + s * y, c * y - s * x
@@ -492,7 +492,7 @@ def _require_engine(scene: Scene) -> None:
         raise SceneError(scene.origin, "body.shape", expected, StatedFact(scene.body.words))
 
 
-def _axis(table: Scene) -> tuple[float, float]:
+def _axis(table: Scene) -> XY:
     """The friction axis of the first wheel whose friction differs along and across it; x where there is none.
 
     Raises:

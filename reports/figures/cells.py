@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
 from nonsmooth.analysis.minimizers.sampling import SampledField
 from nonsmooth.reports.figures.style import (
@@ -34,7 +33,6 @@ from nonsmooth.reports.figures.style import (
     PICTURE,
     POINTS_PER_INCH,
     TINT,
-    XY,
     Floats,
     draw_bar,
     draw_checked_point,
@@ -52,7 +50,8 @@ from nonsmooth.reports.figures.wheels import ARROW, Segment, draw_wheel, wheels_
 from nonsmooth.reports.output.document import cell_mark
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane import around, between, dot, in_floats, minus
+from nonsmooth.symbolic.numbers.plane import XY, around, between, dot, in_floats, minus
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.measurements.harness import Measured, ResultRow, Run
 from nonsmooth.reports.figures.style import LINES, legend_below, line_entry, mark_entry, new_figure
+from nonsmooth.symbolic.numbers.plane import XY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +26,7 @@ BELOW_ROUNDING = 1e-4  # of what counts as rounding: no errors are told apart be
 NOTHING, LARGEST = 1e-20, 10.0  # where the error of a case is drawn that is zero, and one that is larger or no number
 CASE_HEIGHT = 0.24  # inches
 
-Points = list[tuple[float, float]]
+Points = list[XY]
 
 
 def measurements_figure(head: str, run: Run, *, of_studies: bool) -> Figure:

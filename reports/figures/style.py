@@ -20,6 +20,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number_text import decimal_text
+from nonsmooth.symbolic.numbers.plane import XY
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.image import AxesImage
     from matplotlib.lines import Line2D
 
-XY: TypeAlias = tuple[float, float]
 Floats: TypeAlias = NDArray[np.float64]
 
 # ---- colors and sizes ----------------------------------------------------------------------------

@@ -9,6 +9,7 @@ import numpy as np
 from nonsmooth.proofs.checker.outside import place_of
 from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.reports.figures.style import INK
+from nonsmooth.symbolic.numbers.plane import XY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 MESH, BORDER, OUTER = "#999999", "#0072B2", "#D55E00"
 
 
-def draw_triangles(axes: Axes, basin: CertifiedBasin, at: tuple[float, float] = (0.0, 0.0)) -> None:
+def draw_triangles(axes: Axes, basin: CertifiedBasin, at: XY = (0.0, 0.0)) -> None:
     """The triangles of a basin about a point, its border, and polygons and lines from beyond which no start comes."""
     x, y = (basin.corners[:, :2] + at).T
     axes.triplot(x, y, basin.simplices, color=MESH, linewidth=0.3)
@@ -51,7 +52,7 @@ def _passed(hypotheses: dict[str, Any]) -> Floats:
     return np.concatenate([[ring[0] + first], ring, [ring[-1] + last]]).T
 
 
-def draw_array_basin(axes: Axes, basin: ArrayBasin, at: tuple[float, float]) -> None:
+def draw_array_basin(axes: Axes, basin: ArrayBasin, at: XY) -> None:
     """The triangles of a basin, and all sampled starts that come where bodies from these come."""
     axes.plot(*(basin.coming + at).T, ".", color=BORDER, markersize=1.5, label="sampled starts that come")
     draw_triangles(axes, basin.triangles, at)

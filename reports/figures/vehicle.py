@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.fields.plane_arrays import float_points, turned
 from nonsmooth.reports.figures.style import (
     INK,
     LINES,
@@ -20,6 +19,7 @@ from nonsmooth.reports.figures.style import (
 from nonsmooth.reports.figures.wheels import draw_wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.reports.figures.style import (
     INK,
     LABEL,
@@ -19,7 +18,6 @@ from nonsmooth.reports.figures.style import (
     PICTURE,
     POINTS_PER_INCH,
     TINT,
-    XY,
     Floats,
     draw_checked_point,
     legend_below,
@@ -35,7 +33,8 @@ from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane import in_floats
+from nonsmooth.symbolic.numbers.plane import XY, in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,7 +16,7 @@ from nonsmooth.reports.studies.result import DataTable, Record, Result, short_li
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, short_text
-from nonsmooth.symbolic.numbers.plane import dot, in_floats, minus
+from nonsmooth.symbolic.numbers.plane import XY, dot, in_floats, minus
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,7 +99,7 @@ class FilippovSet(Result):
         corners = [in_floats(velocity) for velocity in support_polygon(self.velocities) or self.velocities[:1]]
         ax.fill(*zip(*corners, strict=True), facecolor=PALETTE[0], alpha=TINT)
         ax.fill(*zip(*corners, strict=True), facecolor="none", edgecolor=PALETTE[5], linewidth=2)
-        cells: dict[tuple[float, float], list[str]] = {}
+        cells: dict[XY, list[str]] = {}
         for (cell, _), velocity in zip(self.members, self.velocities, strict=True):
             cells.setdefault(in_floats(velocity), []).append(str(cell))
         for tip, indices in cells.items():

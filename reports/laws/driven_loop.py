@@ -33,6 +33,7 @@ from nonsmooth.reports.laws.feedback_loop import GAIN, RISE_SLACK
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
 
 MOST_CONES = 4  # of directions of c: on the axis c = 0 all their planes meet, and the follower tries 3^m patterns of m
 REMEMBERED = 64  # places: where modes meet, several of them ask for one motion
@@ -83,11 +84,11 @@ class DrivenLoop:
         """The certified region in words; None where it is not known."""
         return None if self.reach is None else f"sqrt(V) < {self.reach:.6g}"
 
-    def holds(self, pose: tuple[float, float, float]) -> bool | None:
+    def holds(self, pose: Pose) -> bool | None:
         """Whether the certified region holds a start; None where it is not known."""
         return None if self.reach is None else self.value(pose) < self.reach**2
 
-    def words(self, pose: tuple[float, float, float]) -> list[str]:
+    def words(self, pose: Pose) -> list[str]:
         """Lines about the law, for a path from any start."""
         region = self.region_text or "near c*; how near is not known"
         lines = [f"feedback: {self.title}, k = {self.gain:g}", f"{self.formula}; certified for an exact pose: {region}"]
@@ -145,13 +146,13 @@ class DrivenLoop:
 
     def speeds(self, pose: Sequence[float]) -> list[float]:
         """The speeds of all wheels for a pose measured from the checked point."""
-        x, y, theta = (float(entry) for entry in pose)
+        x, y, theta = pose_in_floats(pose)
         own = np.array([x / self.length, y / self.length, theta])
         return [float(speed) * self.length for speed in self.held.speeds(own)]
 
     def value(self, pose: Sequence[float]) -> float:
         """V of a pose measured from the checked point."""
-        x, y, theta = (float(entry) for entry in pose)
+        x, y, theta = pose_in_floats(pose)
         return x * x + y * y + (self.length * theta) ** 2
 
     @cached_property
@@ -183,7 +184,7 @@ class DrivenLoop:
         self._refuse_contradiction(path)
         return path
 
-    def _followed(self, own: tuple[float, float, float], until: float) -> Trajectory:
+    def _followed(self, own: Pose, until: float) -> Trajectory:
         """The path, with l for the unit of length."""
         if self.is_sampled:
             return follow_held(self.held, own, until, self.errors)

@@ -34,6 +34,7 @@ from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.numbers.plane import XY, pose_in_floats
 
 GAIN = 1.0
 # A rise of V that may be the integrator's own, relative to V at the start: steps err by 1e-12, events by rounding.
@@ -206,7 +207,7 @@ class FeedbackLoop:
         cascade = self.feedback.cascade
         return cascade is not None and cascade.descent is not Descent.SLOW_TURNS
 
-    def refuse_contradiction(self, path: Trajectory, centre: tuple[float, float] = (0.0, 0.0)) -> None:
+    def refuse_contradiction(self, path: Trajectory, centre: XY = (0.0, 0.0)) -> None:
         """Compare a path with what is certified about its start; ``centre`` is the checked point in its coordinates.
 
         Within a region its function falls.  Without one the law is certified near the point only, and nothing is
@@ -235,8 +236,8 @@ class FeedbackLoop:
             )
 
 
-def _centred(state: State, centre: tuple[float, float]) -> tuple[float, float, float]:
-    x, y, theta = (float(value) for value in state)
+def _centred(state: State, centre: XY) -> tuple[float, float, float]:
+    x, y, theta = pose_in_floats(state)
     return x - centre[0], y - centre[1], theta
 
 

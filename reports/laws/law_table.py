@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.motion.saturation import demand
 from nonsmooth.proofs.answers.pose import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -38,6 +37,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text, lower_text, upper_text
+from nonsmooth.symbolic.numbers.plane_arrays import turned
 
 Floats: TypeAlias = tuple[float, ...]
 Floats2: TypeAlias = NDArray[np.float64]

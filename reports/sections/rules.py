@@ -31,6 +31,7 @@ from nonsmooth.reports.sections.contact import askew_slips
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Friction
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
+from nonsmooth.symbolic.numbers.plane import XY
 
 MOST_WHEELS = 24  # up to which the cells of rule box take a second or two; 36 wheels have some 450 cells
 
@@ -247,7 +248,7 @@ def ellipse_derivative_section(translation: EllipseTranslation) -> Section:
     return Section("Upper derivative", tuple(blocks))
 
 
-def _sampled_paragraph(samples: int, largest: float, at: tuple[float, float]) -> Block:
+def _sampled_paragraph(samples: int, largest: float, at: XY) -> Block:
     x, y = at
     place, rate = place_text((x, y)), float_text(largest)
     return paragraph(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, SupportsFloat
 
 import numpy as np
 
@@ -44,13 +44,13 @@ from nonsmooth.reports.simulations.simulate_options import SimulateOptions, unit
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import AngleUnit, Units
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, place_text
+from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
 
 if TYPE_CHECKING:
     from nonsmooth.reports.laws.driven_loop import DrivenLoop
 
 # ---- starts --------------------------------------------------------------------------------------
 
-Start: TypeAlias = tuple[float, float, float]  # x, y, theta
 
 STARTS = 24
 # Off the axes and diagonals, so that symmetric arrays have no tie there, in half-widths of the square from the
@@ -58,7 +58,7 @@ STARTS = 24
 USUAL = (0.4, 0.8)
 
 
-def starts(partition: Partition) -> list[Start]:
+def starts(partition: Partition) -> list[Pose]:
     """STARTS places on a circle about the checked point, the usual one first, counterclockwise, at heading 0."""
     radius = float(partition.scene.check.radius)
     x, y = partition.scene.check.place
@@ -70,7 +70,7 @@ def starts(partition: Partition) -> list[Start]:
     return places
 
 
-def typed_start(start: Start, scene: Scene) -> str:
+def typed_start(start: Pose, scene: Scene) -> str:
     """``x,y,theta`` for ``--from``, which takes world coordinates; a report measures from the checked point."""
     x, y = (centre + value for centre, value in zip(scene.check.place, start, strict=False))
     names_unit = start[2] != 0 and unit_of_typed_angles(scene) is not AngleUnit.RADIAN
@@ -111,7 +111,7 @@ def _trajectories(subject: ArraySubject) -> Section:
     return Section("Trajectories", (intro,), tuple(parts))
 
 
-def _first_section(subject: ArraySubject, start: Start, path: Trajectory, whole: Trajectory) -> Section:
+def _first_section(subject: ArraySubject, start: Pose, path: Trajectory, whole: Trajectory) -> Section:
     units = subject.scene.units
     place = place_text((*start[:2], shown_angle(units, start[2]))) + " deg" * (units.in_degrees and start[2] != 0)
     words = paragraph("From (x, y, theta) = {}:", Math(place, place))
@@ -119,7 +119,7 @@ def _first_section(subject: ArraySubject, start: Start, path: Trajectory, whole:
     return Section("Without feedback", blocks)
 
 
-def _starts_section(subject: ArraySubject, places: list[Start], paths: list[Trajectory]) -> Section:
+def _starts_section(subject: ArraySubject, places: list[Pose], paths: list[Trajectory]) -> Section:
     words = paragraph(
         "{} starts on a circle about the checked point, each until the body rests, leaves the square, or the time is "
         "over:",
@@ -131,7 +131,7 @@ def _starts_section(subject: ArraySubject, places: list[Start], paths: list[Traj
     )
 
 
-def _whole_path(field: ConstantField, start: Start) -> Trajectory:
+def _whole_path(field: ConstantField, start: Pose) -> Trajectory:
     """To the rest where there is one; once around where the path circles, and as far as can be seen to a limit."""
     path = simulate(field, start)
     last = path.pieces[-1] if path.pieces else None
@@ -148,7 +148,7 @@ def _cut(path: Trajectory, shown: Trajectory) -> Trajectory:
     return replace(shown, end=replace(shown.end, reason=path.end.reason))
 
 
-def _first_path(field: ConstantField, start: Start, whole: Trajectory) -> Trajectory:
+def _first_path(field: ConstantField, start: Pose, whole: Trajectory) -> Trajectory:
     """The path with some time of rest after it."""
     if whole.end.reason not in {EndReason.REST, EndReason.TURNING}:
         return whole
@@ -173,9 +173,9 @@ def _first_words(path: Trajectory, units: Units) -> list[Block]:
     return [paragraph(words, _number(first), kind, shown, end, theta, str(path.end.reason), unique)]
 
 
-def _shown_pose(state: Sequence[SupportsFloat], units: Units) -> tuple[float, float, float]:
+def _shown_pose(state: Sequence[SupportsFloat], units: Units) -> Pose:
     """A pose with its heading as people read it."""
-    x, y, theta = (float(value) for value in state)
+    x, y, theta = pose_in_floats(state)
     return x, y, shown_angle(units, theta)
 
 
@@ -201,7 +201,7 @@ def _short(value: SupportsFloat) -> str:
     return float_text(round(float(value), 12) + 0.0, 4)
 
 
-def _first_figure(subject: ArraySubject, start: Start, path: Trajectory) -> Figure:
+def _first_figure(subject: ArraySubject, start: Pose, path: Trajectory) -> Figure:
     partition = subject.cells.partition
     papers = " (the paper's Figure 4)" if is_paper_array(subject.scene) else ""
     options = ("--from", typed_start(start, subject.scene), "--until", float_text(path.end.t), "-o", "open-loop.pdf")
@@ -214,7 +214,7 @@ def _first_figure(subject: ArraySubject, start: Start, path: Trajectory) -> Figu
     )
 
 
-def _starts_figure(subject: ArraySubject, places: list[Start], paths: list[Trajectory]) -> Figure:
+def _starts_figure(subject: ArraySubject, places: list[Pose], paths: list[Trajectory]) -> Figure:
     units = subject.scene.units
     labels = [_label(k, start, path, units) for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)]
     return Figure(
@@ -227,13 +227,13 @@ def _starts_figure(subject: ArraySubject, places: list[Start], paths: list[Traje
     )
 
 
-def _label(number: int, start: Start, path: Trajectory, units: Units) -> str:
+def _label(number: int, start: Pose, path: Trajectory, units: Units) -> str:
     pose = [round(float(value), 12) + 0.0 for value in path.end.state]
     end = f"{pose_text(units, pose, 4)} at t = {_short(path.end.t)}"
     return f"{number}: from ({_short(start[0])}, {_short(start[1])}) to {end}"
 
 
-def _starts_table(places: list[Start], paths: list[Trajectory], units: Units) -> Block:
+def _starts_table(places: list[Pose], paths: list[Trajectory], units: Units) -> Block:
     rows: list[tuple[Entry, ...]] = [
         (
             str(k),
@@ -263,7 +263,7 @@ HALVINGS = 20  # of a start until it lies in the region, or, where that is not k
 class FollowedStart:
     """A start with its path in a closed loop."""
 
-    start: Start
+    start: Pose
     path: Trajectory
     until: float
 
@@ -300,13 +300,13 @@ def closed_loop_section(subject: ArraySubject) -> Section:
     return Section("With feedback", (words, _cells_ends(loop, paths), _cells_figure(subject, loop, paths[0])))
 
 
-def _quarters(subject: ArraySubject) -> list[Start]:
+def _quarters(subject: ArraySubject) -> list[Pose]:
     """Four places about the checked point, with headings of both signs."""
     places = starts(subject.cells.partition)[:: STARTS // QUARTERS]
     return [(x, y, HEADING * (-1) ** k) for k, (x, y, _) in enumerate(places)]
 
 
-def _path_from(subject: ArraySubject, loop: FeedbackLoop, start: Start) -> FollowedStart:
+def _path_from(subject: ArraySubject, loop: FeedbackLoop, start: Pose) -> FollowedStart:
     """The path from the start, moved nearer until it lies in the certified region, or else stays in the square."""
     if loop.region is not None:
         return _followed(subject, loop, _inside(loop, start))
@@ -318,7 +318,7 @@ def _path_from(subject: ArraySubject, loop: FeedbackLoop, start: Start) -> Follo
     return path
 
 
-def _followed(subject: ArraySubject, loop: FeedbackLoop, start: Start) -> FollowedStart:
+def _followed(subject: ArraySubject, loop: FeedbackLoop, start: Pose) -> FollowedStart:
     """The path to the first of the times at which the body is as good as home."""
     for until in TIMES:
         options = SimulateOptions(start=start, until=until, feedback=True)
@@ -330,7 +330,7 @@ def _followed(subject: ArraySubject, loop: FeedbackLoop, start: Start) -> Follow
 
 def _is_home(loop: FeedbackLoop, path: FollowedStart) -> bool:
     """Whether V, or the squared size of the pose where there is none, has fallen to a small part of what it was."""
-    x, y, theta = (float(value) for value in path.path.end.state)
+    x, y, theta = pose_in_floats(path.path.end.state)
     if loop.region is not None:
         return loop.region.value((x, y, theta)) < ARRIVED * loop.region.value(path.start)
     weight = float(loop.partition.scene.check.length) ** 2
@@ -338,7 +338,7 @@ def _is_home(loop: FeedbackLoop, path: FollowedStart) -> bool:
     return sizes[1] < ARRIVED * sizes[0]
 
 
-def _inside(loop: FeedbackLoop, start: Start) -> Start:
+def _inside(loop: FeedbackLoop, start: Pose) -> Pose:
     """The start in the certified region: the heading alone, then the place, are halved until they are."""
     region = loop.region
     if region is None:
@@ -355,7 +355,7 @@ def _inside(loop: FeedbackLoop, start: Start) -> Start:
     return _smaller((x, y, theta), 1)
 
 
-def _smaller(start: Start, factor: float) -> Start:
+def _smaller(start: Pose, factor: float) -> Pose:
     """A part of a start, as a command line would hold it."""
     x, y, theta = (float(float_text(value * factor)) for value in start)
     return x, y, theta
@@ -369,7 +369,7 @@ def _cells_ends(loop: FeedbackLoop, paths: list[FollowedStart]) -> Block:
 
 def _cells_row(loop: FeedbackLoop, path: FollowedStart, units: Units) -> tuple[Entry, ...]:
     end, region = path.path.end, loop.region
-    x, y, theta = (float(value) for value in end.state)
+    x, y, theta = pose_in_floats(end.state)
     first, last = ("" if region is None else float_text(region.value(p), 2) for p in (path.start, (x, y, theta)))
     # What rounding leaves of zero differs from machine to machine: it is shown as zero.
     place = [float_text(round(value, 12) + 0.0, 2) for value in _shown_pose((x, y, theta), units)]
@@ -481,7 +481,7 @@ def _loop_blocks(subject: ArraySubject, loop: DrivenLoop) -> list[Block]:
     return [said, _driven_ends(loop, paths), _driven_figure(subject, loop, paths[0])]
 
 
-def _driven_starts(loop: DrivenLoop) -> list[Start]:
+def _driven_starts(loop: DrivenLoop) -> list[Pose]:
     """One place for each direction, as a command line would hold it."""
     reach = loop.reach
     size = NEAR * float(loop.scene.check.radius) if reach is None else WITHIN * reach
@@ -489,7 +489,7 @@ def _driven_starts(loop: DrivenLoop) -> list[Start]:
     return [_start(loop, np.array(direction), size) for direction in chosen]
 
 
-def _start(loop: DrivenLoop, direction: Vector, size: float) -> Start:
+def _start(loop: DrivenLoop, direction: Vector, size: float) -> Pose:
     x, y, theta = size * direction / float(np.linalg.norm(direction))
     place = (float(float_text(float(x), 3)), float(float_text(float(y), 3)))
     return (*place, float(float_text(float(theta) / loop.length, 3)))

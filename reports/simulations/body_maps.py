@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEn
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.reports.figures.style import (
     INK,
     LEGEND_LINE,
@@ -54,6 +53,7 @@ from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -307,13 +307,13 @@ class BodyMapResult(MapResult):
         return f"{self.options.grid} x {self.options.grid} starts"
 
 
-def _record(one: PathEnd) -> dict[str, Any]:
+def _record(one: PathEnd) -> Record:
     pose = None if one.pose is None else list(one.pose)
     headings = None if one.headings is None else list(one.headings)
     return {"reason": one.reason.value, "share": one.share, "pose": pose, "headings": headings, "where": one.where}
 
 
-def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
+def _end(pose: list[float], found: BodyEnds, k: int) -> Record:
     x, y, theta = pose
     over = [int(wheel) for wheel in found.over[k] if wheel]
     reason, turning = ENDS[found.reasons[k]].value, float(found.turning[k])

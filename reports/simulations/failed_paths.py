@@ -35,6 +35,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
+from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,18 +96,18 @@ class FailedPath:
     """
 
     failed: Failed
-    start: tuple[float, float, float]
+    start: Pose
     path: Trajectory | None
     why_not: str = ""
     tips: float | None = None
     near: bool = False
 
     @property
-    def end(self) -> tuple[float, float, float] | None:
+    def end(self) -> Pose | None:
         """The last pose; None without a path to its end, and of a body that tips."""
         if self.path is None or self.does_tip or self.path.end.reason is EndReason.STEPS:
             return None
-        x, y, theta = (float(value) for value in self.path.end.state)
+        x, y, theta = pose_in_floats(self.path.end.state)
         return x, y, theta
 
     @property
@@ -394,7 +395,7 @@ def _cases(scene: Scene, text: str) -> Iterator[Failed]:
         yield from (Failed(group, kind) for kind in FailureKind)
 
 
-def _grid(scene: Scene, count: int, heading: float) -> list[tuple[float, float, float]]:
+def _grid(scene: Scene, count: int, heading: float) -> list[Pose]:
     """Centres of equal squares that tile the checked one."""
     x, y = scene.check.place
     radius = float(scene.check.radius)
@@ -407,9 +408,7 @@ def _long(scene: Scene) -> float:
     return ENOUGH * float(scene.check.radius) / fastest
 
 
-def _followed(
-    scene: Scene, failed: Failed, start: tuple[float, float, float], until: float, before: FailedPath
-) -> FailedPath:
+def _followed(scene: Scene, failed: Failed, start: Pose, until: float, before: FailedPath) -> FailedPath:
     """The path with wheels failed, or why there is none; ``before`` is that of the whole table."""
     lifted = failed.kind is FailureKind.LIFTED
     try:

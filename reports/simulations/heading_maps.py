@@ -29,6 +29,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.plane import XY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -75,7 +76,7 @@ class HeadingsResult(Result):
     """
 
     scene: Scene
-    place: tuple[float, float]
+    place: XY
     found: BodyEnds
 
     @cached_property
@@ -239,7 +240,7 @@ def require_outline(scene: Scene) -> None:
 
 def from_headings(
     scene: Scene,
-    place: tuple[float, float],
+    place: XY,
     count: int,
     until: float | None = None,
     report: OnStep | None = None,

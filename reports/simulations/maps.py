@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.plane_arrays import float_points
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.reports.figures.style import (
@@ -50,6 +49,7 @@ from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

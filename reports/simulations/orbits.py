@@ -148,7 +148,7 @@ class OrbitResult(Result):
             entry["exact"] = {"period": _ball(proof.period), "multipliers": [_ball(proof.multiplier)]}
         return entry
 
-    def _segment(self) -> dict[str, Any] | None:
+    def _segment(self) -> Record | None:
         """The segment of a return map that was enclosed."""
         found = self.proof.segment
         if found is None:

@@ -19,10 +19,12 @@ from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swing
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.plane import pose_in_floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DIGITS = 3
@@ -87,7 +89,7 @@ class ArrayPathEnd:
         """``at rest since 1.1 s``, ``creeps at 0.3 mm/s``, ``moving at 20 mm/s and turning at 3 deg/s``."""
         return _motion(self.ending, self.scene)
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """JSON-ready: ``motion, since, speed, turning, distance, accuracy, settles_after, swings``."""
         where = {"distance": self.distance, "accuracy": float(accuracy_at_point(self.scene))}
         return self.ending.record() | where | {"settles_after": self.settles_after, "swings": self.swings}
@@ -134,7 +136,7 @@ def degrees_text(theta: float) -> str:
 
 def pose_text(units: Units, state: Sequence[Any], digits: int) -> str:
     """``(180, 120) mm, heading 5 deg`` of a scene with degrees, ``(0.2, 0.4), theta = 0.3`` of others."""
-    x, y, theta = (float(value) for value in state)
+    x, y, theta = pose_in_floats(state)
     if not units.in_degrees:
         return f"{place_text((x, y), digits)}, theta = {float_text(theta, digits)}"
     return f"{place_text((x, y), digits)}{_unit(units.length)}, {heading_text(units, theta, digits=digits)}"
@@ -205,7 +207,7 @@ def settled_words(scene: Scene, body: Settled) -> str:
     return ", ".join(parts)
 
 
-def settled_record(scene: Scene, body: Settled) -> dict[str, Any]:
+def settled_record(scene: Scene, body: Settled) -> Record:
     """JSON-ready."""
     return {
         "status": "simulated",
@@ -228,7 +230,7 @@ def range_text(values: Floats) -> str:
 # ---- plain systems -------------------------------------------------------------------------------
 
 
-def system_end(system: SwitchedSystem, path: Trajectory) -> tuple[dict[str, Any], str]:
+def system_end(system: SwitchedSystem, path: Trajectory) -> tuple[Record, str]:
     """The record and the sentence of a path of a plain system."""
     end = ending(path)
     distance = _distance(system, path.end.state)

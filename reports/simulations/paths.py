@@ -54,6 +54,7 @@ from nonsmooth.symbolic.mechanics.contact_set import require_no_outline, standin
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
+from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
@@ -498,9 +499,9 @@ class ArrayPath(PathResult):
         return self.scene if self.partition is None else self.partition.scene
 
     @property
-    def _centred_start(self) -> tuple[float, float, float]:
+    def _centred_start(self) -> Pose:
         """The start, measured from the checked point."""
-        x, y, theta = (float(value) for value in self.trajectory.states[0])
+        x, y, theta = pose_in_floats(self.trajectory.states[0])
         at_x, at_y = self._carrying.check.equilibrium
         return x - float(at_x), y - float(at_y), theta
 
@@ -541,8 +542,8 @@ class DrivenPath(ArrayPath):
         return self.loop.scene
 
     @property
-    def _centred_start(self) -> tuple[float, float, float]:
-        x, y, theta = (float(value) for value in self.own.states[0])
+    def _centred_start(self) -> Pose:
+        x, y, theta = pose_in_floats(self.own.states[0])
         return x, y, theta
 
 
@@ -579,7 +580,7 @@ def follow_array(scene: Scene, options: SimulateOptions) -> ArrayPath:
     return ArrayPath(scene, path if contacts is None else contacts.until_change(path), partition, loop)
 
 
-def _with_inertia(scene: Scene, start: tuple[float, float, float]) -> Settled | str | None:
+def _with_inertia(scene: Scene, start: Pose) -> Settled | str | None:
     """What becomes of a body with inertia; None of scenes that do not say what gravity is."""
     if not has_dynamics(scene):
         return None
@@ -630,7 +631,7 @@ def _one_contact_set(scene: Scene, options: SimulateOptions) -> OneContactSet | 
     return _started_on(standing(scene), options.pose)
 
 
-def _started_on(scene: Scene, start: tuple[float, float, float]) -> OneContactSet:
+def _started_on(scene: Scene, start: Pose) -> OneContactSet:
     """The wheels that carry the body of an array.
 
     Raises:
@@ -672,7 +673,7 @@ def _follow_driven(scene: Scene, options: SimulateOptions) -> DrivenPath:
     return DrivenPath(scene, own.shifted(x, y), loop=loop, own=own)
 
 
-def _until_other_wheels(loop: DrivenLoop, start: tuple[float, float, float], until: float) -> Trajectory:
+def _until_other_wheels(loop: DrivenLoop, start: Pose, until: float) -> Trajectory:
     """The path; of a body with an outline until other wheels carry it."""
     if loop.scene.body is None:
         return loop.follow(start, until)

@@ -11,6 +11,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.output.refusals import LARGEST, LEAST, OptionError
 from nonsmooth.reports.output.study_options import LawName, Options, PathMethod, option
 from nonsmooth.symbolic.mechanics.units import AngleUnit
+from nonsmooth.symbolic.numbers.plane import Pose
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.mechanics.scene import Scene
@@ -169,7 +170,7 @@ class SimulateOptions(Options):
         return replace(self, start=start, heading=heading)
 
     @property
-    def pose(self) -> tuple[float, float, float]:
+    def pose(self) -> Pose:
         """The start of a body over an array; its heading may hold pi.
 
         Raises:

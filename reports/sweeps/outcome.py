@@ -21,7 +21,7 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks.records import failure_records
-from nonsmooth.reports.output.facts import exact_texts, floats
+from nonsmooth.reports.output.facts import Record, exact_texts, floats
 from nonsmooth.reports.output.refusals import beyond_floats_named
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
@@ -111,7 +111,7 @@ def _checked(scene: Scene) -> Outcome:
     }
 
 
-def _record(position: str, heading: str, pose: str, theorem4: str, why: str | None) -> dict[str, Any]:
+def _record(position: str, heading: str, pose: str, theorem4: str, why: str | None) -> Record:
     """A record without clauses and numbers."""
     answers = dict(zip(QUESTIONS, map(str, (position, heading, pose, theorem4)), strict=True))
     return {**answers, **dict.fromkeys(CLAUSES), **dict.fromkeys(NUMBERS), "exact": {}, "why": why}
@@ -173,7 +173,7 @@ def without_file(error: SceneError) -> str:
     return f"{error.key}: {str(error).partition(f'{error.key}: ')[2]}" if error.key else str(error)
 
 
-def _system_record(stability: str, why: str | None) -> dict[str, Any]:
+def _system_record(stability: str, why: str | None) -> Record:
     """A record without texts and numbers."""
     return {**dict.fromkeys(SYSTEM_COLUMNS), SYSTEM_QUESTIONS[0]: stability, "exact": {}, "why": why}
 
@@ -183,8 +183,8 @@ def _texts(result: StabilityResult) -> dict[str, str | None]:
     return {"method": str(result.method), "V": None if function is None else function.text}
 
 
-def _numbers(result: StabilityResult) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+def _numbers(result: StabilityResult) -> Record:
+    found: Record = {}
     reach = result.reach
     if reach.rate is not None and reach.rate_domain is not None and reach.rate.decay in RATES:
         found[RATES[reach.rate.decay]] = reach.rate.kappa
@@ -354,7 +354,7 @@ def _entry_of(axis: Axis) -> str | None:
     return str(last) if last in ("heading", "speed", "mu_roll", "mu_side") else None
 
 
-def cell_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) -> dict[str, Any]:
+def cell_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) -> Record:
     """What is proved of one cell, as a record that a store holds."""
     try:
         found = decided_statement(standing(base.scene(paths, entries)))

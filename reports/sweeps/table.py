@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from nonsmooth.proofs.answers.answer import Position, at_most
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.checks.records import FAILURE
 from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.studies.result import counted_words
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.outcome import (
@@ -35,7 +35,7 @@ TOLERANCE_NUMBERS = {"tolerance_radius": "all end within", "tolerance_factor": "
 HEADERS = {"kappa": "law's rate", **TOLERANCE_NUMBERS}
 
 
-def sweep_record(sweep: Sweep) -> dict[str, Any]:
+def sweep_record(sweep: Sweep) -> Record:
     """JSON with stable keys; equal sweeps give equal records, whatever was in the store."""
     plan = sweep.plan
     return {
@@ -51,7 +51,7 @@ def sweep_record(sweep: Sweep) -> dict[str, Any]:
     }
 
 
-def flat_rows(sweep: Sweep) -> Iterator[dict[str, Any]]:
+def flat_rows(sweep: Sweep) -> Iterator[Record]:
     """One mapping for each scene, as in the CSV file: numbers as floats, and what was varied as exact text too."""
     has_failures = any("failures" in outcome for outcome in sweep.outcomes)
     for k, outcome in enumerate(sweep.outcomes):
@@ -128,7 +128,7 @@ def _columns(sweep: Sweep) -> tuple[str, ...]:
     return SYSTEM_COLUMNS if sweep.base.is_system else (*QUESTIONS, *CLAUSES, *NUMBERS)
 
 
-def _values(sweep: Sweep, point: Point) -> dict[str, Any]:
+def _values(sweep: Sweep, point: Point) -> Record:
     """What was varied: floats, and the exact texts."""
     names = sweep.plan.names
     return {
@@ -137,12 +137,12 @@ def _values(sweep: Sweep, point: Point) -> dict[str, Any]:
     }
 
 
-def _row_record(sweep: Sweep, k: int, outcome: Outcome) -> dict[str, Any]:
+def _row_record(sweep: Sweep, k: int, outcome: Outcome) -> Record:
     values = _values(sweep, sweep.plan.point(k))
     return {**values, **outcome, "exact": {**values["exact"], **outcome["exact"]}}
 
 
-def _border_record(sweep: Sweep, border: Border) -> dict[str, Any]:
+def _border_record(sweep: Sweep, border: Border) -> Record:
     said = {"before": border.before, "there": border.there, "after": border.after}
     return {
         "path": sweep.plan.names[border.axis],
@@ -153,7 +153,7 @@ def _border_record(sweep: Sweep, border: Border) -> dict[str, Any]:
     }
 
 
-def _cell_record(sweep: Sweep, cell: CertifiedCell) -> dict[str, Any]:
+def _cell_record(sweep: Sweep, cell: CertifiedCell) -> Record:
     sides = dict(zip(sweep.plan.names, cell.sides, strict=True))
     numbers = {"ends_within": cell.ends_within, "starts_within": cell.starts_within}
     return {
@@ -176,7 +176,7 @@ def _cells_text(cells: Sequence[CertifiedCell]) -> str:
     return f"{count} of {len(cells)} cells of the grid are certified as a whole{where}"
 
 
-def _worst(outcome: Outcome) -> dict[str, Any]:
+def _worst(outcome: Outcome) -> Record:
     """The worst failure of a scene, for its row."""
     worst = next((failure for failure in outcome.get("failures", ()) if failure["worst"]), None)
     keys = {name: f"worst failure {name}" for name in FAILURE}

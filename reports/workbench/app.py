@@ -26,6 +26,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from nonsmooth.reports.output.console import own_version
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.processes import DiedError, LateError, StoppedError, WorkerPool
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.worker import CANCELLED, encoded, serve_page
@@ -379,12 +380,12 @@ class Routes:
         answer = await self._answer(name, body)
         return answer if isinstance(answer, Response) else JSONResponse(answer)
 
-    async def _answer(self, name: str, body: bytes) -> Response | dict[str, Any]:
+    async def _answer(self, name: str, body: bytes) -> Response | Record:
         """The one answer of a job, or why there is none."""
         if self._jobs.is_full:
             return refused(503, BUSY)
         async with aclosing(self._jobs.lines(name, body)) as lines:
-            answer: dict[str, Any] = json.loads(await anext(lines))
+            answer: Record = json.loads(await anext(lines))
         if answer.get("stage") == "error":
             return JSONResponse({"error": answer["message"], "key": answer["key"]}, 400)
         return answer

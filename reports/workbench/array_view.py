@@ -27,7 +27,7 @@ from nonsmooth.proofs.theorem4 import SEARCH_UNITS, judge_equilibria
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.output.facts import fact_lines, fact_record, floats
+from nonsmooth.reports.output.facts import Record, fact_lines, fact_record, floats
 from nonsmooth.reports.workbench.shapes import (
     body_record,
     cells_record,
@@ -42,7 +42,7 @@ from nonsmooth.reports.workbench.shapes import (
 from nonsmooth.symbolic.files.one_by_one import unit_of_speed
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, contact_set, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
+from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, minus
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.array import Array
 
 Announce: TypeAlias = Callable[[str], None]
-Stage: TypeAlias = dict[str, Any]
+Stage: TypeAlias = Record
 
 FAST_UNITS = 40_000  # of exact arithmetic for the cells of the first stage: a second or so
 LATER = "later"  # geometry that a second stage ``fast`` shows
@@ -68,7 +68,7 @@ QUESTIONS = {
 }
 
 
-def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> Iterator[Stage]:
+def array_stages(array: Array, request: Record, announce: Announce) -> Iterator[Stage]:
     """Everything that the request wants, one stage after the other.
 
     Raises:
@@ -250,7 +250,7 @@ def _field(scene: Scene) -> list[list[float | None]]:
     return [floats((*place, *velocity, rate)) for place, velocity, rate in rows]
 
 
-def _values(scene: Scene) -> dict[str, Any]:
+def _values(scene: Scene) -> Record:
     """What holds where the document states nothing."""
     square = square_record(scene)
     named = {key: {"value": square[key], "text": square["exact"][key]} for key in ("radius", "length")}
@@ -298,11 +298,11 @@ def facts_stage(result: CheckResult) -> Stage:
     return {"stage": "facts", "clauses": clauses}
 
 
-def _clause_record(name: str, found: ClauseResult) -> dict[str, Any]:
+def _clause_record(name: str, found: ClauseResult) -> Record:
     return {"key": name, "title": name, "verdict": str(found.verdict), "reason": found.reason, "facts": []}
 
 
-def answer_records(answers: Collection[Answer]) -> list[dict[str, Any]]:
+def answer_records(answers: Collection[Answer]) -> list[Record]:
     """Question, answer, how it looks, and why."""
     return [
         {
@@ -316,7 +316,7 @@ def answer_records(answers: Collection[Answer]) -> list[dict[str, Any]]:
     ]
 
 
-def tolerance_record(result: CheckResult) -> dict[str, Any]:
+def tolerance_record(result: CheckResult) -> Record:
     """What holds for every array within the tolerances: the disc in which bodies end, and the certified factor."""
     answer = robust_answer(result.evidence.scene, result.evidence.results)
     if answer is None:
@@ -329,7 +329,7 @@ def tolerance_record(result: CheckResult) -> dict[str, Any]:
     }
 
 
-def _other_record(other: OtherRule) -> dict[str, Any]:
+def _other_record(other: OtherRule) -> Record:
     answers = [
         {"key": answer.name, "answer": str(answer.verdict), "tone": answer.tone, "sentence": answer.sentence}
         for answer in other.answers
@@ -344,14 +344,12 @@ def _other_record(other: OtherRule) -> dict[str, Any]:
 # cell is that of a corner.  What is not clear beyond rounding is not guessed.
 
 
-XY: TypeAlias = tuple[float, float]
-
 CLEAR = 1e-9  # of the speeds and lengths at hand: what rounding makes of zero is well below
 MOST_MEMBERS = 12  # motions that meet at the point, of which all triples are tried
 TONES = {Position.COMES_HOME: "good", Position.STAYS_NEAR: "fair", Heading.KEEPS: "good", Heading.DRIFTS: "fair"}
 
 
-def guessed_answers(partition: Partition) -> list[dict[str, Any]]:
+def guessed_answers(partition: Partition) -> list[Record]:
     """Position and heading, as far as floats tell; each marked as provisional."""
     point = partition.scene.check.place
     radius = float(partition.scene.check.radius)
@@ -378,7 +376,7 @@ def _holds(away: Sequence[XY], radius: float) -> bool:
     return True
 
 
-def _answers(velocities: Sequence[XY], turns: Sequence[float], worst: float) -> list[dict[str, Any]]:
+def _answers(velocities: Sequence[XY], turns: Sequence[float], worst: float) -> list[Record]:
     scale = max((math.hypot(*velocity) for velocity in velocities), default=0.0)
     if not scale or len(velocities) > MOST_MEMBERS:
         return []
@@ -413,14 +411,14 @@ def _turns_at_rest(velocities: Sequence[XY], turns: Sequence[float], scale: floa
     return found
 
 
-def _guess_record(key: str, verdict: Position | Heading) -> dict[str, Any]:
+def _guess_record(key: str, verdict: Position | Heading) -> Record:
     return {"key": key, "answer": str(verdict), "tone": TONES[verdict], "provisional": True}
 
 
 # ---- where else bodies rest ----------------------------------------------------------------------
 
 
-def equilibria_record(array: Array) -> dict[str, Any]:
+def equilibria_record(array: Array) -> Record:
     """Every equilibrium as points (one, the ends of a segment, or the corners of an area) with its verdicts.
 
     ``searched`` is false where there was no search: under a rule without cells, and where it would take too long.
@@ -437,7 +435,7 @@ def equilibria_record(array: Array) -> dict[str, Any]:
     return {"searched": True, "equilibria": [_equilibrium_record(equilibrium) for equilibrium in judged]}
 
 
-def _equilibrium_record(equilibrium: JudgedEquilibrium) -> dict[str, Any]:
+def _equilibrium_record(equilibrium: JudgedEquilibrium) -> Record:
     found = equilibrium.found
     return {
         "place": str(found.place),

@@ -18,6 +18,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.reports.checks.cells import drawn
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.output.console import json_text
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.workbench.array_view import array_stages
 from nonsmooth.reports.workbench.documents import document_of, opened, read_toml, written
 from nonsmooth.reports.workbench.exact_edits import edited
@@ -30,11 +31,11 @@ from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
 
 Announce: TypeAlias = Callable[[str], None]
-Message: TypeAlias = dict[str, Any]
+Message: TypeAlias = Record
 Job: TypeAlias = Callable[[bytes, Announce], Iterator[Message]]
 
 MAX_TOML = 1 << 20  # characters
-STAGES: dict[SceneKind, Callable[[Any, dict[str, Any], Announce], Iterator[Message]]] = {
+STAGES: dict[SceneKind, Callable[[Any, Record, Announce], Iterator[Message]]] = {
     SceneKind.ARRAY: array_stages,
     SceneKind.SYSTEM: system_stages,
 }
@@ -106,7 +107,7 @@ def list_scenes(body: bytes, announce: Announce) -> Iterator[Message]:
     yield catalogue()
 
 
-def _table(request: Mapping[str, Any], key: str) -> dict[str, Any]:
+def _table(request: Mapping[str, Any], key: str) -> Record:
     found = request.get(key)
     if not isinstance(found, dict):
         raise RequestError(f"{key}: required a table", key)
@@ -202,7 +203,7 @@ _KINDS: dict[str, Callable[[Mapping[str, Any], Any], File]] = {
 # ---- what there is to choose from ----------------------------------------------------------------
 
 
-def catalogue() -> dict[str, Any]:
+def catalogue() -> Record:
     """Scenes and rules, each with one line about it."""
     kinds = {"array": builtin_descriptions(), "system": system_descriptions()}
     scenes = [
@@ -223,7 +224,7 @@ FAULT = "a fault of the program: the terminal of the workbench shows where"
 TOO_LARGE = "required a scene that fits into memory, received a larger one"
 
 
-def refusal(error: Exception) -> dict[str, Any]:
+def refusal(error: Exception) -> Record:
     """One clear line, and the key that it is about, if it is about one; a fault is written to the log."""
     match error:
         case SceneError():
@@ -240,5 +241,5 @@ def refusal(error: Exception) -> dict[str, Any]:
     return _message(FAULT)
 
 
-def _message(text: str, key: str | None = None) -> dict[str, Any]:
+def _message(text: str, key: str | None = None) -> Record:
     return {"stage": "error", "message": one_line(text), "key": key}

@@ -13,6 +13,7 @@ from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.sliding_edges import switching_stretches
 from nonsmooth.analysis.trajectories.result import Event, Trajectory, TrajectoryError
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.scene import LoadTable
@@ -37,9 +38,7 @@ def point(vector: Sequence[Any]) -> list[float]:
     return [float(value) for value in vector]
 
 
-def wheels_record(
-    scene: Scene, unit: Fraction, carrying: Collection[int], loads: Mapping[int, float]
-) -> list[dict[str, Any]]:
+def wheels_record(scene: Scene, unit: Fraction, carrying: Collection[int], loads: Mapping[int, float]) -> list[Record]:
     """Every wheel in its order: place, rim, speed, friction, load; exact texts beside what may be edited.
 
     ``unit`` is that in which the document states speeds, in lengths per second: so they are here, too.
@@ -68,7 +67,7 @@ def loads_at_point(scene: Scene) -> dict[int, float]:
     return {number: float(force) for number, force in zip(numbers, forces, strict=True)}
 
 
-def _wheel_record(wheel: Wheel, unit: Fraction, carries: bool, load: float | None) -> dict[str, Any]:
+def _wheel_record(wheel: Wheel, unit: Fraction, carries: bool, load: float | None) -> Record:
     x, y = point(wheel.position)
     speed = wheel.speed / unit
     return {
@@ -90,7 +89,7 @@ def _wheel_record(wheel: Wheel, unit: Fraction, carries: bool, load: float | Non
     }
 
 
-def body_record(scene: Scene) -> dict[str, Any] | None:
+def body_record(scene: Scene) -> Record | None:
     """The outline about the checked point; None for a body that lies on every wheel."""
     if scene.body is None:
         return None
@@ -108,7 +107,7 @@ def _outline(body: Body) -> list[list[float]]:
     return [[x + radius * cos(turn), y + radius * sin(turn)] for turn in turns]
 
 
-def square_record(scene: Scene) -> dict[str, Any]:
+def square_record(scene: Scene) -> Record:
     """The checked square and the characteristic length."""
     x, y = point(scene.check.equilibrium)
     check = scene.check
@@ -122,7 +121,7 @@ def square_record(scene: Scene) -> dict[str, Any]:
     }
 
 
-def contact_record(contact: ContactSet) -> dict[str, Any]:
+def contact_record(contact: ContactSet) -> Record:
     """Which wheels carry, and how far the body may move and turn before that changes."""
     return {
         "wheels": list(contact.wheels),
@@ -131,13 +130,13 @@ def contact_record(contact: ContactSet) -> dict[str, Any]:
     }
 
 
-def cells_record(partition: Partition) -> list[dict[str, Any]]:
+def cells_record(partition: Partition) -> list[Record]:
     """Every cell with its motion about the world's origin; equal motions share a number, for their colour."""
     motions = list(dict.fromkeys(cell.twists for cell in partition.cells))
     return [_cell_record(cell, motions.index(cell.twists)) for cell in partition.cells]
 
 
-def _cell_record(cell: Cell, motion: int) -> dict[str, Any]:
+def _cell_record(cell: Cell, motion: int) -> Record:
     twist = cell.twists[0]
     velocity = point(twist.pose_rate(cell.polygon.centre))
     return {
@@ -153,7 +152,7 @@ def _cell_record(cell: Cell, motion: int) -> dict[str, Any]:
     }
 
 
-def edges_record(partition: Partition) -> list[dict[str, Any]]:
+def edges_record(partition: Partition) -> list[Record]:
     """The stretches of edges on which bodies slide or rest, or which they may leave to both sides."""
     return [
         {"from": list(part.start), "to": list(part.end), "kind": EDGE_KINDS[str(part.kind)]}
@@ -175,7 +174,7 @@ SAMPLES = 160  # times at which a path is drawn
 MOST_EVENTS = 60  # events of one path that are sent; accumulating switches have no end
 
 
-def path_records(made: Array | System, request: Mapping[str, Any], announce: Announce) -> list[dict[str, Any]]:
+def path_records(made: Array | System, request: Mapping[str, Any], announce: Announce) -> list[Record]:
     """A record for each start; one that cannot be followed says why.
 
     Raises:
@@ -189,7 +188,7 @@ def path_records(made: Array | System, request: Mapping[str, Any], announce: Ann
     return records
 
 
-def _followed(made: Array | System, start: list[float], until: float) -> dict[str, Any]:
+def _followed(made: Array | System, start: list[float], until: float) -> Record:
     try:
         path = made.simulate(start, until)
         said = [path.ending[1], *path.beside()]
@@ -207,7 +206,7 @@ def _followed(made: Array | System, start: list[float], until: float) -> dict[st
         }
 
 
-def path_record(path: Trajectory, until: float) -> dict[str, Any]:
+def path_record(path: Trajectory, until: float) -> Record:
     """Times and states close enough together that curves look round; theta is zero for plain systems."""
     times, states = _dense(path, until)
     keep = np.isfinite(states).all(axis=1)
@@ -236,7 +235,7 @@ def _dense(path: Trajectory, until: float) -> tuple[Any, Any]:
     return finer, path.sample(finer.tolist())
 
 
-def _event_record(event: Event) -> dict[str, Any]:
+def _event_record(event: Event) -> Record:
     place = [float(value) for value in event.state]
     text = f"{event.kind}: {event.surface}" + (f"; {event.note}" if event.note else "")
     x, y = (*place, 0.0)[:2]

@@ -11,6 +11,7 @@ import numpy as np
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
 from nonsmooth.reports.interface.system import System
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.workbench.shapes import path_records, point
 from nonsmooth.symbolic.numbers.number_text import brief_text
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.checks.system_results import SystemCheckResult
     from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-Stage: TypeAlias = dict[str, Any]
+Stage: TypeAlias = Record
 
 FIELD = 21  # arrows in a row
 MESH = 121  # points in a row at which V is evaluated for its level sets
@@ -33,7 +34,7 @@ BORDERS = {
 TONES = {"asymptotically stable": "good", "stable": "fair", "unstable": "bad"}
 
 
-def system_stages(system: System, request: dict[str, Any], announce: Callable[[str], None]) -> Iterator[Stage]:
+def system_stages(system: System, request: Record, announce: Callable[[str], None]) -> Iterator[Stage]:
     """Everything that the request wants, one stage after the other."""
     began = time.perf_counter()
     yield {"stage": "fast", "kind": "system", **_portrait(system.system), "time": time.perf_counter() - began}
@@ -49,11 +50,11 @@ def is_planar(system: SwitchedSystem) -> bool:
     return len(system.states) == 2 and system.has_one_field
 
 
-def _portrait(system: SwitchedSystem) -> dict[str, Any]:
+def _portrait(system: SwitchedSystem) -> Record:
     """Field, borders and cells about the checked point, in the system's own coordinates."""
     centre, radius = point(system.check.equilibrium), float(system.check.radius)
     square = {"radius": radius, "exact": {"radius": brief_text(system.check.radius)}}
-    record: dict[str, Any] = {"states": list(system.states), "centre": centre, "square": square}
+    record: Record = {"states": list(system.states), "centre": centre, "square": square}
     if is_planar(system):
         portrait = PhasePortrait(system)
         record |= {"field": _arrows(portrait, centre, radius), "edges": _borders(portrait, centre)}
@@ -70,7 +71,7 @@ def _arrows(portrait: PhasePortrait, centre: list[float], radius: float) -> list
     return rows
 
 
-def _borders(portrait: PhasePortrait, centre: list[float]) -> list[dict[str, Any]]:
+def _borders(portrait: PhasePortrait, centre: list[float]) -> list[Record]:
     x, y = centre
     return [
         {
@@ -82,7 +83,7 @@ def _borders(portrait: PhasePortrait, centre: list[float]) -> list[dict[str, Any
     ]
 
 
-def _verdict(result: SystemCheckResult) -> dict[str, Any]:
+def _verdict(result: SystemCheckResult) -> Record:
     """What ``nonsmooth check`` says, as one answer; level sets of the V that proves it."""
     evidence, verdict = result.evidence, result.verdict
     answer = {
@@ -93,7 +94,7 @@ def _verdict(result: SystemCheckResult) -> dict[str, Any]:
         "sentence": result.reason,
     }
     facts = [{"label": row["what"], "text": row["found"]} for row in result.rows()]
-    shown: dict[str, Any] = {"V": result.lyapunov, "level_sets": [], "region": []}
+    shown: Record = {"V": result.lyapunov, "level_sets": [], "region": []}
     if is_planar(evidence.scene):
         shown |= _level_sets(evidence)
     return {
@@ -107,7 +108,7 @@ def _verdict(result: SystemCheckResult) -> dict[str, Any]:
     }
 
 
-def _level_sets(result: StabilityResult) -> dict[str, Any]:
+def _level_sets(result: StabilityResult) -> Record:
     """Curves of constant V on the square where it is proved, and the border of the certified region; in floats."""
     from matplotlib.figure import Figure
 
@@ -125,7 +126,7 @@ def _level_sets(result: StabilityResult) -> dict[str, Any]:
         drawn = axes.contour(line + x, line + y, potential, levels=levels)
         return [np.asarray(curve).tolist() for curves in drawn.allsegs for curve in curves if len(curve)]
 
-    found: dict[str, Any] = {"level_sets": curves(np.linspace(0, float(potential.max()), LEVELS + 2)[1:-1].tolist())}
+    found: Record = {"level_sets": curves(np.linspace(0, float(potential.max()), LEVELS + 2)[1:-1].tolist())}
     if region is not None and region.falls:
         found["region"] = curves([float(region.level)])
     return found

@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.processes import serve
 
 Announce: TypeAlias = Callable[[str], None]
@@ -45,7 +46,7 @@ def _lines(job: bytes, look_up: Callable[[], None]) -> Iterator[bytes]:
         yield encoded(message)
 
 
-def answers(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any]]:
+def answers(name: str, body: bytes, look_up: Announce) -> Iterator[Record]:
     """The answers of a job; whatever is wrong with it is one of them.
 
     Args:
@@ -65,6 +66,6 @@ def answers(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any
     yield {"stage": "done"}
 
 
-def encoded(message: dict[str, Any]) -> bytes:
+def encoded(message: Record) -> bytes:
     """A message as one line of JSON."""
     return json.dumps(message, allow_nan=False, separators=(",", ":")).encode() + b"\n"

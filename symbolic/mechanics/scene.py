@@ -35,7 +35,7 @@ from nonsmooth.symbolic.numbers.coefficients import as_fraction, rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.plane import Vector, cross, dot, in_floats, minus, turned
+from nonsmooth.symbolic.numbers.plane import XY, Vector, cross, dot, in_floats, minus, turned
 from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # ---- the length l that weighs headings against places --------------------------------------------
@@ -366,7 +366,7 @@ class CheckedSquare:
     wider: Number | None = dataclasses.field(default=None, compare=False)
 
     @property
-    def place(self) -> tuple[float, float]:
+    def place(self) -> XY:
         """The checked point in floats."""
         return in_floats(self.equilibrium)
 

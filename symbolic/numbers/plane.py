@@ -1,26 +1,34 @@
 """Vectors of the plane: products, the quarter turn, and whether zero lies in a convex hull.
 
 Over exact numbers, floats and other numbers that know their sign; for float arrays with the coordinates last see
-:mod:`nonsmooth.analysis.fields.plane_arrays`.
+:mod:`nonsmooth.symbolic.numbers.plane_arrays`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.numbers.number import Number, sign
 
 Vector: TypeAlias = tuple[Number, Number]
+XY: TypeAlias = tuple[float, float]
+Pose: TypeAlias = tuple[float, float, float]  # x, y, theta (radian)
 
 
 E = TypeVar("E", bound=Any)  # a coordinate
 T = TypeVar("T")
 
 
-def in_floats(point: tuple[Any, Any]) -> tuple[float, float]:
+def in_floats(point: tuple[Any, Any]) -> XY:
     """A point, or a vector, of exact numbers as one of floats."""
     return float(point[0]), float(point[1])
+
+
+def pose_in_floats(state: Iterable[Any]) -> Pose:
+    """``(x, y, theta)`` of exact numbers as floats."""
+    x, y, theta = map(float, state)
+    return x, y, theta
 
 
 def turned(vector: tuple[E, E]) -> tuple[E, E]:

@@ -29,7 +29,6 @@ from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace, fin
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.fields.plane_arrays import Floats
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.body_table import rectangle
@@ -39,6 +38,7 @@ from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero

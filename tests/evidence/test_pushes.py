@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.fields.plane_arrays import turned
+from nonsmooth.symbolic.numbers.plane_arrays import turned
 from tests.evidence.limit_surfaces import exponents, fit_surface, monomials
 from tests.evidence.pushed_body import Contacts, Push, Tip, masons_vote, push, random_push
 from tests.evidence.pushes import (

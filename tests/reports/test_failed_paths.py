@@ -15,7 +15,6 @@ from matplotlib.patches import Circle
 import nonsmooth as ns
 from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
-from nonsmooth.analysis.fields.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.answers.failures import stopped, without
 from nonsmooth.proofs.robust.decide import decided_statement
@@ -24,6 +23,7 @@ from nonsmooth.reports.simulations.sampled_tables import SampledTablesResult, dr
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import turned
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
