@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from nonsmooth.reports.derivations.derivation import ReportResult as ReportResult
     from nonsmooth.reports.designs.design import DesignResult as DesignResult
     from nonsmooth.reports.interface.array import Array as Array
+    from nonsmooth.reports.interface.array import Wheel as Wheel
+    from nonsmooth.reports.interface.array import load as load
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
-    from nonsmooth.reports.interface.load import load as load
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
-    from nonsmooth.reports.interface.wheel import Wheel as Wheel
-    from nonsmooth.reports.laws.law_program import LawResult as LawResult
+    from nonsmooth.reports.laws.law_languages import LawResult as LawResult
     from nonsmooth.reports.simulations.maps import MapResult as MapResult
     from nonsmooth.reports.simulations.masses import MassResult as MassResult
     from nonsmooth.reports.simulations.orbits import OrbitResult as OrbitResult
@@ -54,7 +54,7 @@ _MODULES = {
     "FieldResult": "reports.checks.cells",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
-    "LawResult": "reports.laws.law_program",
+    "LawResult": "reports.laws.law_languages",
     "MapResult": "reports.simulations.maps",
     "MassResult": "reports.simulations.masses",
     "Means": "reports.sweeps.sweep",
@@ -70,10 +70,10 @@ _MODULES = {
     "SystemCheckResult": "reports.checks.system_results",
     "Vehicle": "reports.interface.vehicle",
     "VehicleResult": "reports.checks.vehicles",
-    "Wheel": "reports.interface.wheel",
+    "Wheel": "reports.interface.array",
     "builtin_scenes": "symbolic.files.documents",
     "builtin_vehicles": "symbolic.files.documents",
-    "load": "reports.interface.load",
+    "load": "reports.interface.array",
     "widget": "reports.workbench.widget",
 }
 _PACKAGES = ("analysis", "proofs", "reports", "symbolic")

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.reports.engine.mjcf import SETTLING
+from nonsmooth.reports.simulations.mjcf import SETTLING
 
 NUMBER = r"[-+0-9.e]+"
 

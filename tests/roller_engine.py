@@ -23,8 +23,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.interface.wheel import Wheel
+from nonsmooth.reports.interface.array import Array, Wheel
 
 GRAVITY = 9.81
 HALF, THICK = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere

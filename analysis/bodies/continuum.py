@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.symbolic.files.body_table import rectangle
-from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
+from nonsmooth.symbolic.files.layouts import LINEAR_KINDS
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane

@@ -28,7 +28,7 @@ from nonsmooth.analysis.bodies.motions_on_sets import (
     widest_gaps,
 )
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCells
+from nonsmooth.analysis.bodies.outline_field import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.symbolic.mechanics.contact_set import require_springs

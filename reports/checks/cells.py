@@ -43,7 +43,7 @@ class CellsResult(Result):
 
     def facts(self) -> Record:
         """The JSON record of ``nonsmooth partition --json``."""
-        from nonsmooth.reports.checks.records import partition_record
+        from nonsmooth.reports.checks.answers import partition_record
 
         return partition_record(self.partition)
 

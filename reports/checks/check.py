@@ -412,8 +412,8 @@ def _summary_line(scene: Any, options: CheckOptions, *, records: bool) -> Summar
     """One scene among many; one that is refused stops no other."""
     from nonsmooth.analysis.cells.partition import RefusalError
     from nonsmooth.proofs.answers.answers import exit_status
+    from nonsmooth.reports.checks.answers import CHECK_SCHEMA
     from nonsmooth.reports.checks.check_results import NONE, REFUSED, SummaryLine, TippedResult
-    from nonsmooth.reports.checks.records import CHECK_SCHEMA
     from nonsmooth.symbolic.mechanics.contact_set import TipsError
 
     if scene.kind is SceneKind.SYSTEM:

@@ -16,8 +16,7 @@ from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
 from nonsmooth.proofs.findings.verdicts import Theorem4, said
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
-from nonsmooth.reports.checks.answers import answers_record
-from nonsmooth.reports.checks.records import CHECK_SCHEMA, check_record, checks_record
+from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answers_record, check_record, checks_record
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.progress import progress, steps
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.proofs.answers.heading import HeadingsOfRest
-    from nonsmooth.reports.laws.law_program import LawResult
+    from nonsmooth.reports.laws.law_languages import LawResult
     from nonsmooth.symbolic.mechanics.contact_set import TipsError
     from nonsmooth.symbolic.mechanics.scene import Scene
 
@@ -241,7 +240,7 @@ class CheckResult(ArrayAnswers):
             NoLawError: where the feedback clause certifies none, or the array has none of this name.
             ValueError: for another name.
         """
-        from nonsmooth.reports.laws.law_program import law_of
+        from nonsmooth.reports.laws.law_languages import law_of
         from nonsmooth.reports.output.study_options import LawName
 
         return law_of(self.evidence, LawName(name))
@@ -269,7 +268,7 @@ class CheckResult(ArrayAnswers):
         """The wheels, and the certified triangles among the sampled starts that come."""
         super().draw(ax)
         if self.basin is not None:
-            from nonsmooth.reports.figures.triangles import draw_array_basin
+            from nonsmooth.reports.figures.cells import draw_array_basin
 
             draw_array_basin(ax, self.basin, self.at)
 

@@ -23,7 +23,6 @@ from nonsmooth.proofs.system_facts import (
     system_facts,
 )
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.reports.exchange.exports import EXPORTS
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.facts import Record, fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
@@ -40,6 +39,51 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.system_audit import AuditResult
     from nonsmooth.proofs.systems.findings import ExaminedFunction
     from nonsmooth.reports.exchange.formulas import FieldFormulas
+
+
+# ---- files for other programs --------------------------------------------------------------------
+#
+# Files of a decided plain system for other programs: provers (.smt2, .kyx), and the field with V (.py, .c).
+
+
+PROGRAM_LANGUAGES = {".py": "python", ".c": "c"}
+
+
+def _program(result: Any, ending: str) -> bytes:
+    return result.formulas().program(PROGRAM_LANGUAGES[ending]).encode()
+
+
+def _problem(result: Any, ending: str) -> bytes:
+    """The inequalities that the certificate of a check of a plain system rests on.
+
+    Raises:
+        NoCertificateError: where there is no certificate.
+        SceneError: for a verdict that rests on no inequality.
+    """
+    from nonsmooth.proofs.checker.descriptions import describe
+    from nonsmooth.reports.exchange.obligations import keymaerax_text, obligations_of, smtlib_text
+
+    certificate = result.certificate()
+    states = " and ".join(f"z{k} of {name}" for k, name in enumerate(result.evidence.scene.states))
+    head = [f"{result.evidence.scene.name}: written by nonsmooth. What its certificate states:"]
+    head += [f"  {line}" for line in describe(certificate["statement"])]
+    head += [f"In displacements from the point over the half-width of the checked cube: {states},"]
+    head += ["or what the certificate names in place of a state (a root, sine and cosine)."]
+    head += ["A query with weights w is about all mixtures of fields that are tangent to a surface: sliding."]
+    text = smtlib_text if ending == ".smt2" else keymaerax_text
+    return text(obligations_of(certificate, result.evidence.scene.origin), head).encode()
+
+
+EXPORTS: Mapping[str, Callable[[Any, str], bytes]] = {
+    ".smt2": _problem,
+    ".kyx": _problem,
+    ".py": _program,
+    ".c": _program,
+}
+
+
+# ---- results -------------------------------------------------------------------------------------
+
 
 SYSTEM_SCHEMA = "nonsmooth-check/1"
 AUDIT_SCHEMA = "nonsmooth-audit/1"
@@ -189,7 +233,7 @@ class SystemCheckResult(FactResult):
 
             draw_portrait(ax, PhasePortrait(system, self.evidence))
         else:
-            from nonsmooth.reports.figures.triangles import draw_triangles
+            from nonsmooth.reports.figures.cells import draw_triangles
 
             draw_triangles(ax, basin)
         x, y = system.states

@@ -62,9 +62,9 @@ def export(
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.reports.engine.mjcf import export_scene, export_world
-    from nonsmooth.reports.exchange.exports import EXPORTS
+    from nonsmooth.reports.checks.system_results import EXPORTS
     from nonsmooth.reports.output.files import output_path, write_whole
+    from nonsmooth.reports.simulations.mjcf import export_scene, export_world
     from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_document
     from nonsmooth.symbolic.files.scene_file import build_scene
     from nonsmooth.symbolic.files.vehicle_file import build_vehicle

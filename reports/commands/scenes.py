@@ -14,7 +14,7 @@ def scenes(json: Json = False) -> int:
 
     kinds = builtin_descriptions(), system_descriptions(), vehicle_descriptions()
     if json:
-        from nonsmooth.reports.checks.records import scenes_record
+        from nonsmooth.reports.checks.answers import scenes_record
 
         write_json(scenes_record({name: text for kind in kinds for name, text in kind.items()}))
     else:

@@ -13,19 +13,34 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.reports.checks.subject import ArraySubject, Invocation, ReportSubject
-from nonsmooth.reports.derivations.brief import brief_document
-from nonsmooth.reports.derivations.parts import chosen_parts, names_of, sections_of, subject_of
+from nonsmooth.reports.derivations.parts import brief_document, chosen_parts, names_of, sections_of, subject_of
 from nonsmooth.reports.formats.html import render_html
-from nonsmooth.reports.formats.json import derivation_record
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.console import json_text, write
-from nonsmooth.reports.output.document import Block, Document, Paragraph, findings
+from nonsmooth.reports.output.document import (
+    Block,
+    Bullets,
+    Code,
+    Display,
+    Document,
+    Figure,
+    Inline,
+    Listing,
+    Math,
+    Paragraph,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    findings,
+)
+from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.files import make_folder, write_whole
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import option_named, refusals_named, require_resolved
 from nonsmooth.reports.output.study_options import Options, option
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
@@ -33,6 +48,7 @@ from nonsmooth.symbolic.messages.scene_kind import SceneKind
 if TYPE_CHECKING:
     from nonsmooth.symbolic.mechanics.scene import Scene
     from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
 
 REPORT_FORMATS = (".html", ".tex", ".md", ".json")
 
@@ -309,3 +325,58 @@ def _given(**options: Any) -> tuple[str, ...]:
         elif value not in (None, False):
             given += [flag, str(value)]
     return tuple(given)
+
+
+# ---- the report as JSON --------------------------------------------------------------------------
+#
+# Reports as JSON: the document's blocks in order, beside the exact records of the results.
+
+
+DERIVATION_SCHEMA = "nonsmooth-derivation/1"
+
+
+def derivation_record(document: Document, records: Record) -> Record:
+    """The document and the records of the results it reports (``check``, ``partition``)."""
+    sections = [_section(section) for section in document.sections]
+    return {"schema": DERIVATION_SCHEMA, "title": document.title, **records, "sections": sections}
+
+
+def _section(section: Section) -> Record:
+    return {
+        "title": section.title,
+        "blocks": [_block(block) for block in section.blocks],
+        "subsections": [_section(subsection) for subsection in section.subsections],
+    }
+
+
+def _block(block: Block) -> Record:
+    match block:
+        case Paragraph(text):
+            return {"kind": "paragraph", "text": _text(text)}
+        case Display(formula):
+            return {"kind": "formula", **_inline(formula)}
+        case Bullets(items):
+            return {"kind": "list", "items": [_text(item) for item in items]}
+        case Table():
+            rows = [[_text(entry) for entry in row] for row in block.rows]
+            return {"kind": "table", "header": [_text(entry) for entry in block.header], "rows": rows}
+        case Listing(text):
+            return {"kind": "listing", "text": text}
+        case Figure():
+            return {"kind": "figure", "key": block.key, "caption": _text(block.caption), "command": block.command}
+
+
+def _text(text: Text) -> list[Any]:
+    return [_inline(part) for part in text]
+
+
+def _inline(part: Inline) -> Any:
+    match part:
+        case Math(latex, plain):
+            return {"latex": latex, "plain": plain}
+        case Code(text):
+            return {"code": text}
+        case Verdict(text):
+            return {"verdict": text}
+        case str():
+            return part

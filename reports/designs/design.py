@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from nonsmooth.proofs.answers.answer import Answer
-    from nonsmooth.reports.designs.objective import Evaluation
-    from nonsmooth.reports.designs.search import Design, Fewest, Wish
+    from nonsmooth.reports.designs.search import Design, Evaluation, Fewest, Wish
     from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 
 Held = TypeVar("Held")  # what Python holds of a scene: a :class:`nonsmooth.Array`

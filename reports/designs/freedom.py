@@ -17,7 +17,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.reports.output.facts import Record
-from nonsmooth.symbolic.files.one_by_one import LAYOUTS, unit_of_speed, wheel_entry
+from nonsmooth.symbolic.files.scene_file import LAYOUTS, unit_of_speed, wheel_entry
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.plane import Vector, in_floats, minus, turned
 

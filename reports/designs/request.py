@@ -11,11 +11,9 @@ from typing import Any
 
 from nonsmooth.proofs.answers.answer import require_dynamics
 from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Orbits, largest_symmetry, orbits_of
-from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
-from nonsmooth.reports.designs.search import Design, Fewest, Told, Wish, find_design
+from nonsmooth.reports.designs.search import OBJECTIVES, Design, Evaluation, Fewest, Told, Wish, evaluate, find_design
 from nonsmooth.reports.simulations.heading_maps import require_outline
-from nonsmooth.symbolic.files.one_by_one import one_by_one
-from nonsmooth.symbolic.files.scene_file import build_scene
+from nonsmooth.symbolic.files.scene_file import build_scene, one_by_one
 from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.mechanics.contact_set import standing

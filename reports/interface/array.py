@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Self
 from nonsmooth.reports.checks.check import ALL_RULES, AUTO, CHECK, CheckOptions
 from nonsmooth.reports.designs.design import DesignOptions
 from nonsmooth.reports.interface.scene import PythonScene
-from nonsmooth.reports.interface.wheel import Wheel
 from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.simulations.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
@@ -26,10 +25,48 @@ if TYPE_CHECKING:
     from nonsmooth.reports.checks.check_results import CheckResult
     from nonsmooth.reports.designs.design import DesignResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
+    from nonsmooth.reports.interface.system import System
     from nonsmooth.reports.simulations.maps import MapResult
     from nonsmooth.reports.simulations.masses import MassResult
     from nonsmooth.reports.simulations.paths import PathResult
     from nonsmooth.symbolic.mechanics.scene import Scene
+
+
+# ---- one wheel -----------------------------------------------------------------------------------
+#
+# One driven wheel, as Python describes it.
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """One driven wheel.
+
+    Attributes:
+        position: ``(x, y)`` in the unit of length.
+        heading: of the rim: ``"inward"``, ``"outward"``, an angle, or a direction ``(a, b)``; None for its field.
+        speed: of the rim (length/second); None for 1, or for the array's field.
+        mu_roll: friction along the friction axis; None for the array's.
+        mu_side: friction across it; None for the array's.
+        speed_limit: the largest speed of its drive (length/second); None for the array's.
+        axis: the friction axis, as a heading is written; None for the array's, which is the rim unless it names one.
+        contact: its contact rule, ``"ellipse"`` or ``"roller"``, in an array whose wheels differ; None for the array's.
+    """
+
+    position: Sequence[Any]
+    heading: Any = None
+    speed: Any = None
+    mu_roll: Any = None
+    mu_side: Any = None
+    speed_limit: Any = None
+    axis: Any = None
+    contact: str | None = None
+
+    def table(self) -> dict[str, Any]:
+        """The ``[[wheel]]`` table of a scene file."""
+        return table(vars(self))
+
+
+# ---- arrays --------------------------------------------------------------------------------------
 
 # Where a keyword of `with_` stands in a scene file.
 _PLACES = {
@@ -438,3 +475,20 @@ def placed(document: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, A
         (section,) = _PLACES[name]
         changed[section] = {**changed.get(section, {}), key: entry(value)}
     return changed
+
+
+# ---- reading -------------------------------------------------------------------------------------
+
+
+def load(source: str | Path) -> Array | System:
+    """An array or a plain system from a scene file (TOML) or a built-in name; see ``nonsmooth scenes``.
+
+    Raises:
+        SceneError: for whatever cannot be used.
+    """
+    from nonsmooth.reports.interface.system import System
+    from nonsmooth.symbolic.files.documents import read_document
+
+    document, _, path = read_document(source)
+    named = {"name": path.stem, **document}
+    return System.of_document(named) if "system" in document else Array.of_document(named, path.parent)

@@ -12,7 +12,7 @@ from nonsmooth.reports.checks.vehicles import VehicleResult
 from nonsmooth.reports.output.entries import table
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.interface.wheel import Wheel
+    from nonsmooth.reports.interface.array import Wheel
     from nonsmooth.symbolic.mechanics.vehicles import Vehicle as ExactVehicle
 
 

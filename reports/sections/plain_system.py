@@ -23,10 +23,16 @@ from nonsmooth.proofs.system_facts import (
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method, PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
-from nonsmooth.reports.checks import references
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
-from nonsmooth.reports.checks.references import Reference
-from nonsmooth.reports.checks.subject import ReportPart, ReportSubject
+from nonsmooth.reports.checks.subject import (
+    BACCIOTTI_CERAGIOLI,
+    FILIPPOV,
+    HOMOGENEITY,
+    SHEVITZ_PADEN,
+    Reference,
+    ReportPart,
+    ReportSubject,
+)
 from nonsmooth.reports.checks.system_results import SystemCheckResult, system_answers
 from nonsmooth.reports.output.document import (
     Block,
@@ -120,8 +126,8 @@ class SystemSubject(ReportSubject):
     @property
     def works(self) -> list[Reference]:
         """Filippov, the authors of the derivatives of V, and of leading terms where these decide."""
-        works = [references.FILIPPOV, references.SHEVITZ_PADEN, references.BACCIOTTI_CERAGIOLI]
-        return [*works, references.HOMOGENEITY] if self.result.by(Method.LEADING) is not None else works
+        works = [FILIPPOV, SHEVITZ_PADEN, BACCIOTTI_CERAGIOLI]
+        return [*works, HOMOGENEITY] if self.result.by(Method.LEADING) is not None else works
 
 
 def verdict_section(subject: SystemSubject) -> Section:

@@ -232,7 +232,7 @@ def _value(where: str, text: str, *, is_angle: bool, unit: AngleUnit | None = An
     Raises:
         OptionError: for anything else.
     """
-    from nonsmooth.symbolic.files.start_values import read_start_angle, read_start_value
+    from nonsmooth.symbolic.files.scene_values import read_start_angle, read_start_value
     from nonsmooth.symbolic.messages.scene_error import requirement, shown
 
     try:

@@ -24,9 +24,8 @@ from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictio
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.proofs.theorem4_result import Contradiction
-from nonsmooth.reports.checks.answers import contradiction_lines
+from nonsmooth.reports.checks.answers import contradiction_lines, contradictions_record
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait, draw_borders, draw_potential
-from nonsmooth.reports.checks.records import contradictions_record
 from nonsmooth.reports.figures.style import (
     INK,
     TIMES,

@@ -20,6 +20,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
@@ -125,12 +126,17 @@ class Result(ABC):
     def to_xarray(self) -> Any:
         """The rows as an xarray Dataset over :meth:`dimensions` (extra ``nonsmooth[tables]``).
 
+        Where the rows are not all combinations of their values, each once (starts at random, two rows at the time of a
+        jump), there is one dimension, ``row``.
+
         Raises:
             ImportError: where pandas or xarray are not installed.
         """
-        from nonsmooth.reports.exchange.tables import dataset
-
-        return dataset(self.to_dataframe(), self.dimensions())
+        frame, dimensions = self.to_dataframe(), list(self.dimensions())
+        is_grid = prod(frame[name].nunique(dropna=False) for name in dimensions) == len(frame)
+        if is_grid and not frame.duplicated(dimensions).any():
+            return frame.set_index(dimensions).to_xarray()
+        return frame.rename_axis("row").to_xarray()
 
     def figure(self) -> Figure:
         """The picture of a file."""

@@ -17,12 +17,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
-from nonsmooth.reports.sweeps.values import Entry
+from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepPlan
 from nonsmooth.symbolic.files.key_paths import Path as KeyPath
 from nonsmooth.symbolic.files.key_paths import with_value
-from nonsmooth.symbolic.files.one_by_one import one_by_one
-from nonsmooth.symbolic.files.scene_file import build_scene, wheel_table
+from nonsmooth.symbolic.files.scene_file import build_scene, one_by_one, wheel_table
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError

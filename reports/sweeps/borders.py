@@ -16,8 +16,7 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, questions_of
-from nonsmooth.reports.sweeps.sweep_plan import Point, SweepPlan
-from nonsmooth.reports.sweeps.values import Range, Value, Values, WrittenValue
+from nonsmooth.reports.sweeps.sweep_plan import Point, Range, SweepPlan, Value, Values, WrittenValue
 
 WITHIN = Fraction(1, 10**9)  # of the axis: how near the two sides of a border come
 MOST = 4  # borders that one edge of the grid is searched for

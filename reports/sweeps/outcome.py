@@ -20,12 +20,11 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.reports.checks.records import failure_records
+from nonsmooth.reports.checks.answers import failure_records
 from nonsmooth.reports.output.facts import Record, exact_texts, floats
 from nonsmooth.reports.output.refusals import beyond_floats_named
 from nonsmooth.reports.sweeps.base import Base
-from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
-from nonsmooth.reports.sweeps.values import Entry, SweepError, Value, WrittenValue
+from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPlan, Value, WrittenValue
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from nonsmooth.reports.sweeps.outcome import Outcome
-from nonsmooth.reports.sweeps.values import SweepError
+from nonsmooth.reports.sweeps.sweep_plan import SweepError
 
 FORMAT = 0x6E736D31  # "nsm1" in the header of the file: a store of this program, format 1
 PATIENCE = 60.0  # seconds to wait for another sweep that writes

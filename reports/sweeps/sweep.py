@@ -27,8 +27,7 @@ from nonsmooth.reports.sweeps.outcome import (
     questions_of,
 )
 from nonsmooth.reports.sweeps.store import Store
-from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan
-from nonsmooth.reports.sweeps.values import Entry, SweepError
+from nonsmooth.reports.sweeps.sweep_plan import LARGE, Entry, Point, SweepError, SweepPlan
 from nonsmooth.reports.sweeps.workers import Task, Work, Workers, local_workers
 
 SAMPLES = 4  # scenes by which the time of a large sweep is estimated; the first one is not counted

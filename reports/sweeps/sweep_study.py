@@ -16,9 +16,8 @@ from nonsmooth.reports.studies.result import DataTable, Record, Result, short_li
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.sweeps.base import Base, base_of, with_wheels
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
-from nonsmooth.reports.sweeps.sweep_plan import SweepPlan, read_plan
+from nonsmooth.reports.sweeps.sweep_plan import SweepError, SweepPlan, read_plan
 from nonsmooth.reports.sweeps.table import counted, flat_rows, sweep_blocks, sweep_record
-from nonsmooth.reports.sweeps.values import SweepError
 from nonsmooth.reports.sweeps.workers import processors
 
 if TYPE_CHECKING:

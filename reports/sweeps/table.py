@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from nonsmooth.proofs.answers.answer import Position, at_most
 from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.reports.checks.records import FAILURE
+from nonsmooth.reports.checks.answers import FAILURE
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.studies.result import counted_words

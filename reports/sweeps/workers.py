@@ -25,7 +25,7 @@ from typing import Any, NamedTuple, Protocol
 from nonsmooth.reports.output.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base, program_hash
 from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcome_of, refused
-from nonsmooth.reports.sweeps.values import Entry, SweepError
+from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError
 from nonsmooth.symbolic.files.key_paths import Path
 
 AHEAD = 2  # scenes under way for each worker, so that none waits for the next

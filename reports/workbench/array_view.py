@@ -39,7 +39,7 @@ from nonsmooth.reports.workbench.shapes import (
     square_record,
     wheels_record,
 )
-from nonsmooth.symbolic.files.one_by_one import unit_of_speed
+from nonsmooth.symbolic.files.scene_file import unit_of_speed
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, contact_set, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, minus

@@ -21,7 +21,7 @@ from nonsmooth.reports.workbench.documents import (
     short_entry,
 )
 from nonsmooth.reports.workbench.requests import RequestError
-from nonsmooth.symbolic.files.one_by_one import unit_of_speed
+from nonsmooth.symbolic.files.scene_file import unit_of_speed
 from nonsmooth.symbolic.files.scene_values import Numbers, read_angle, read_exact
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_kind import SceneKind

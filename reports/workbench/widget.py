@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.interface.load import load
+from nonsmooth.reports.interface.array import load
 from nonsmooth.reports.interface.scene import PythonScene
 
 if TYPE_CHECKING:

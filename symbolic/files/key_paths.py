@@ -16,9 +16,9 @@ from fractions import Fraction
 from types import UnionType
 from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
+from nonsmooth.symbolic.files.layouts import Uniform
 from nonsmooth.symbolic.files.scene_document import SceneDocument
 from nonsmooth.symbolic.files.scene_values import Angle, TomlTable, keys_of, tables_in
-from nonsmooth.symbolic.files.velocity_fields import Uniform
 from nonsmooth.symbolic.formulas.expression import Expression
 from nonsmooth.symbolic.messages.scene_error import MAX_SHOWN, SceneError
 

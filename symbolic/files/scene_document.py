@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, PlainValidator, StrictStr
 
 from nonsmooth.symbolic.files.body_table import BodyTable
-from nonsmooth.symbolic.files.layouts import Grid, Ring, RuleName, WheelTable
+from nonsmooth.symbolic.files.layouts import AnyField, Grid, HeadingField, Ring, RuleName, WheelTable
 from nonsmooth.symbolic.files.load_values import Loads
 from nonsmooth.symbolic.files.scene_values import (
     PLANE,
@@ -22,7 +22,6 @@ from nonsmooth.symbolic.files.scene_values import (
     PairField,
     TomlTable,
 )
-from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.mechanics.rule import DEFAULT_RULE
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Tolerance

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 from pydantic import Field, StrictInt
 
 from nonsmooth.symbolic.files.documents import builtin_vehicles, deep_nesting_refused, read_document
-from nonsmooth.symbolic.files.layouts import Own, WheelPlace, WheelTable
+from nonsmooth.symbolic.files.layouts import Own, Uniform, WheelPlace, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
     ContactTable,
     DriveTable,
@@ -36,7 +36,6 @@ from nonsmooth.symbolic.files.scene_values import (
     angles,
     field_of,
 )
-from nonsmooth.symbolic.files.velocity_fields import Uniform
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_contact
 from nonsmooth.symbolic.mechanics.body import default_radius
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene, Wheel, default_length

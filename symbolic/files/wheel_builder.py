@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from nonsmooth.symbolic.files.layouts import Own, WheelPlace
+from nonsmooth.symbolic.files.layouts import INWARD, LINEAR_KINDS, Own, WheelPlace
 from nonsmooth.symbolic.files.load_values import build_loads
 from nonsmooth.symbolic.files.scene_document import ContactTable, SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
-from nonsmooth.symbolic.files.velocity_fields import INWARD, LINEAR_KINDS
 from nonsmooth.symbolic.mechanics.body import ContinuousField, chosen, default_radius
 from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Wheel, WheelNumber, default_length

@@ -16,9 +16,8 @@ from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace, read_name
+from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Heading, Own, WheelPlace, read_heading, read_name
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
-from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.mechanics.rule import read_rule
 from nonsmooth.symbolic.mechanics.units import AngleUnit
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, is_meant, requirement

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.engine.mjcf import export_scene
+from nonsmooth.reports.simulations.mjcf import export_scene
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.mechanics.scene import Scene

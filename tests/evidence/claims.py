@@ -18,8 +18,8 @@ from nonsmooth.analysis.bodies.continuum import PolygonOnField, predict
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.reports.checks.answers import check_record
 from nonsmooth.reports.checks.equilibrium_headings import headings_record
-from nonsmooth.reports.checks.records import check_record
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
 from nonsmooth.symbolic.mechanics.body import ContinuousField, PolygonShape

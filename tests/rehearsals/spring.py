@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from nonsmooth.reports.checks import check
-from nonsmooth.reports.checks.references import FILIPPOV, Reference
-from nonsmooth.reports.checks.subject import ReportPart, ReportSubject
+from nonsmooth.reports.checks.subject import FILIPPOV, Reference, ReportPart, ReportSubject
 from nonsmooth.reports.derivations import derivation, parts
 from nonsmooth.reports.interface import load as interface_load
 from nonsmooth.reports.interface.scene import PythonScene

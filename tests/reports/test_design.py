@@ -284,7 +284,7 @@ def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> No
 
 def test_a_design_for_headings_that_return(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     """The value is the widest arc that ``simulate --headings`` finds; a body without a shape has none."""
-    monkeypatch.setattr("nonsmooth.reports.designs.objective.HEADINGS", 8)
+    monkeypatch.setattr("nonsmooth.reports.designs.search.HEADINGS", 8)
     found = invoke("design", "carton-on-6x6", "--rule", "ellipse", "--maximize", "heading", "--checks", "1", "--json")
     sampled = invoke("simulate", "carton-on-6x6", "--rule", "ellipse", "--headings", "8", "--json").record
     widths = [math.degrees(arc["last"] - arc["first"]) for arc in sampled["arcs"] if arc["returns"]]

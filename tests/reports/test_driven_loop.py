@@ -34,7 +34,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.feedback_loop import build_loop
-from nonsmooth.reports.laws.law_program import law_of
+from nonsmooth.reports.laws.law_languages import law_of
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.paths import follow_array, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions

@@ -18,7 +18,7 @@ from nonsmooth.reports.checks.check_results import CheckResult
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.document import Document, Section
-from nonsmooth.reports.sections.answers import _headings
+from nonsmooth.reports.sections.opening import _headings
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.numbers.number_text import lower_text

@@ -25,7 +25,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import in_scene, rim_speeds
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.feedback_loop import build_loop
-from nonsmooth.reports.laws.law_program import law_of
+from nonsmooth.reports.laws.law_languages import law_of
 from nonsmooth.reports.laws.law_table import LawKind
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.files.documents import builtin_scenes

@@ -29,8 +29,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.feedback_loop import build_loop
-from nonsmooth.reports.laws.law_languages import Language
-from nonsmooth.reports.laws.law_program import LawResult, law_of
+from nonsmooth.reports.laws.law_languages import Language, LawResult, law_of
 from nonsmooth.reports.laws.law_table import LawKind, NoLawError
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.paths import follow_array

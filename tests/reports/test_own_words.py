@@ -22,8 +22,7 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.figures.wheels import wheel_labels
 from nonsmooth.reports.sweeps import outcome as outcomes
 from nonsmooth.symbolic.files.documents import read_document
-from nonsmooth.symbolic.files.one_by_one import one_by_one
-from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.scene_file import load_scene, one_by_one
 from nonsmooth.symbolic.formulas.surfaces import constant
 from nonsmooth.symbolic.mechanics.scene import WheelNumber
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -28,8 +28,7 @@ from nonsmooth.analysis.measurements.harness import (
 )
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import STUDIES
-from nonsmooth.reports.checks.measurements import Precision
-from nonsmooth.reports.figures.measurements import measurements_figure
+from nonsmooth.reports.checks.measurements import Precision, measurements_figure
 from nonsmooth.reports.output.console import INTERRUPTED
 from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene

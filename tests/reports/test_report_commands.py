@@ -20,13 +20,12 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.checks.subject import ArraySubject, Invocation
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.derivations.brief import brief_document
 from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
-from nonsmooth.reports.derivations.parts import names_of
+from nonsmooth.reports.derivations.parts import brief_document, names_of
 from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.reports.output.document import Bullets, Document, Math, Paragraph, Section, Table, plain_text
 from nonsmooth.reports.output.prose import with_formulas
-from nonsmooth.reports.sections.answers import answers_section
+from nonsmooth.reports.sections.opening import answers_section
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_builder import build_system

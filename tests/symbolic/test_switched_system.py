@@ -28,7 +28,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.start_values import read_start_angle, read_start_value
+from nonsmooth.symbolic.files.scene_values import read_start_angle, read_start_value
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
 from nonsmooth.symbolic.files.system_file import load_system

@@ -28,9 +28,8 @@ from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.outcome import Outcome
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep import Means, Runner, run_sweep
-from nonsmooth.reports.sweeps.sweep_plan import read_plan
+from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError, read_plan
 from nonsmooth.reports.sweeps.sweep_study import SweepResult
-from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.reports.sweeps.workers import DEATHS, DIED, InProcess, ProcessPool, Task, Work
 from nonsmooth.symbolic.files.documents import read_document
 from tests.reports.conftest import Invoke

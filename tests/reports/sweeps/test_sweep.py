@@ -25,8 +25,7 @@ from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_plan
 from nonsmooth.reports.sweeps.table import flat_rows, sweep_blocks
 from nonsmooth.symbolic.files.documents import read_document
-from nonsmooth.symbolic.files.one_by_one import one_by_one
-from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.scene_file import load_scene, one_by_one
 from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke

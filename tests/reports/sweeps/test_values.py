@@ -28,8 +28,7 @@ from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.borders import simplest_fraction
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
-from nonsmooth.reports.sweeps.sweep_plan import SweepPlan, read_plan
-from nonsmooth.reports.sweeps.values import Range, SweepError, read_values
+from nonsmooth.reports.sweeps.sweep_plan import Range, SweepError, SweepPlan, read_plan, read_values
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.key_paths import find_path, numeric_paths, path_text, with_value
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.proofs.clauses.workspace import unheard
 from nonsmooth.reports.checks.check import check_scene
-from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.interface.load import load
+from nonsmooth.reports.interface.array import Array, load
 from nonsmooth.reports.workbench import array_view
 from nonsmooth.reports.workbench.array_view import fast_stage
 from nonsmooth.reports.workbench.documents import canonical, document_of, opened, read_toml, written

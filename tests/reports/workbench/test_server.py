@@ -15,7 +15,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Browser
 
-from nonsmooth.reports.interface.load import load
+from nonsmooth.reports.interface.array import load
 from nonsmooth.reports.workbench.documents import document_of, opened
 from nonsmooth.reports.workbench.worker import answers
 from tests.browser import needs_chromium

@@ -1,1 +1,0 @@
-"""Scenes as files of the physics engine MuJoCo."""
