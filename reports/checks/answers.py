@@ -20,7 +20,6 @@ from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.output.document import Table, table, without_empty_columns
 from nonsmooth.reports.output.facts import Record, as_record, fact_record, with_exact
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, place_text, real_text, short_text
@@ -146,7 +145,13 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
     others = () if answered is None else answered.others
     headings = None if answered is None else answered.headings
     points = None if answered is None else answered.rest_points
-    chosen: Record = {} if points is None else {"rest_points": [_rest_point_record(point) for point in points]}
+    chosen: Record = {}
+    if points is not None:
+        entries = (
+            {"points": Quantity(p.points), "position": p.position and str(p.position), "within": Quantity(p.within)}
+            for p in points
+        )
+        chosen["rest_points"] = list(map(as_record, entries))
     outlined: Record = {}
     if headings is not None:
         from nonsmooth.reports.checks.equilibrium_headings import headings_record
@@ -159,11 +164,6 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
         **chosen,
         "other_rules": {other.name: _other_record(other) for other in others} or None,
     }
-
-
-def robust_record(answered: Answers | None) -> Record | None:
-    """JSON of what holds within the tolerances; null where none are stated, or nobody asked."""
-    return None if answered is None or answered.robust is None else _answer_record(answered.robust)
 
 
 def _answer_record(answer: Answer) -> Record:
@@ -184,11 +184,6 @@ def _destinations_record(destinations: Destinations) -> Record:
         for found in destinations.found
     ]
     return {"sampled_starts": destinations.starts, "found": entries}
-
-
-def _rest_point_record(point: RestPoint) -> Record:
-    position = None if point.position is None else str(point.position)
-    return as_record({"points": Quantity(point.points), "position": position, "within": Quantity(point.within)})
 
 
 def _rest_points_text(points: Sequence[RestPoint], unit: str) -> str:
@@ -294,7 +289,7 @@ def check_record(
         **with_exact({"radius": scene.check.radius, "length": scene.field(scene.check.length)}),
         "contact_set": fact_record(contact_facts(result)),
         "answers": answers_record(answers_of(result), answered),
-        "robust": robust_record(answered),
+        "robust": None if answered is None or answered.robust is None else _answer_record(answered.robust),
         "contact_states": _census_record(result),
         **{clause.name: _clause_record(result, clause) for clause, _ in result.clauses},
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
@@ -365,15 +360,12 @@ def states_record(partition: Partition) -> list[Record]:
         {
             "rows": state.row_names,
             **with_exact({"twist": state.twist}),
-            "control_fields": None if len(state.rows) > 3 else _control_fields_record(state),
+            "control_fields": None
+            if len(state.rows) > 3
+            else [{"wheel": w, **with_exact({"field": own})} for w, own in sorted(state.control_fields.items())],
         }
         for state in partition.states
     ]
-
-
-def _control_fields_record(state: ContactState) -> list[Record]:
-    fields = sorted(state.control_fields.items())
-    return [{"wheel": wheel, **with_exact({"field": field})} for wheel, field in fields]
 
 
 def scenes_record(descriptions: dict[str, str]) -> Record:

@@ -274,18 +274,16 @@ def _under_one_rule(
             around=options.headings,
             announce=announce if alone else lambda step: announce(f"rule {scene.contact.rule}: {step}"),
         )
-    failures = _failures(result, announce) if options.fail else None
+    failures = None
+    if options.fail:
+        from nonsmooth.proofs.answers.failures import failures_of
+
+        announce("any one wheel failed")
+        failures = failures_of(result.scene)
     result = replace(result, required=options.required, shows_evidence=options.evidence)
     if options.region not in (RegionSearch.AUTO, RegionSearch.NONE):
         result = result.with_triangles(str(options.region))
     return replace(result, continuum=continuum, failures=failures)
-
-
-def _failures(result: CheckResult, announce: Announce) -> Any:
-    from nonsmooth.proofs.answers.failures import failures_of
-
-    announce("any one wheel failed")
-    return failures_of(result.scene)
 
 
 def _predictions(scene: Scene) -> tuple[Prediction, ...]:

@@ -80,17 +80,14 @@ def _open_text(undecided: Sequence[OpenHeadings], units: Units) -> str:
         counted = [f"{len(ranges)} ranges, {_heading(sum(ranges), units)} {units.angle} together"] if ranges else []
         single = len(undecided) - len(ranges)
         counted += [f"{single} single headings"] if single else []
-        why = ", ".join(f"{reason} ({count})" for reason, count in _reasons(undecided))
+        reasons = Counter(one.reason for one in undecided if one.reason)
+        why = ", ".join(f"{reason} ({count})" for reason, count in reasons.most_common(MOST_REASONS))
         return f"{' and '.join(counted)} (--json lists them){f': {why}' if why else ''}"
     texts = [
         _heading(float(one.low), units) if one.edge else f"{_below(one.low, units)} to {_above(one.high, units)}"
         for one in undecided
     ]
     return f"theta = {', '.join(texts)}"
-
-
-def _reasons(undecided: Sequence[OpenHeadings]) -> list[tuple[str, int]]:
-    return Counter(one.reason for one in undecided if one.reason).most_common(MOST_REASONS)
 
 
 def row(entry: HeadingOfRest, units: Units) -> tuple[str, str, str, str, str, str]:

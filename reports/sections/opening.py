@@ -48,7 +48,6 @@ from nonsmooth.symbolic.numbers.number_text import decimal_latex, float_text
 from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.heading import HeadingsOfRest
 
 
@@ -123,21 +122,17 @@ def array_figure(subject: ArraySubject) -> Figure:
     )
 
 
-def _units(scene: Scene) -> str:
-    units = scene.units
-    if not units.length:
-        return "lengths and times in the units of the scene"
-    return f"lengths in {units.length}, times in {units.time}, angles in {units.angle}"
-
-
 def conventions_section(scene: Scene) -> Section:
     """Frames, coordinates, and what is checked."""
     centre, radius = point(scene.check.equilibrium), number(scene.check.radius)
     square = Math(
         rf"\lvert x - x^* \rvert, \lvert y - y^* \rvert \le {radius.latex}", f"|x - x*|, |y - y*| <= {radius.plain}"
     )
+    units, stated = scene.units, "lengths and times in the units of the scene"
+    if units.length:
+        stated = f"lengths in {units.length}, times in {units.time}, angles in {units.angle}"
     items = [
-        prose(f"World frame; {_units(scene)}; `J = [[0, -1], [1, 0]]` turns by a quarter counterclockwise."),
+        prose(f"World frame; {stated}; `J = [[0, -1], [1, 0]]` turns by a quarter counterclockwise."),
         prose("Reference point of the body: its centre of mass `c = (x, y)`; orientation `theta`."),
         prose(
             "Spatial twist `xi = (v, omega)`: the body point now at p moves with `v + omega J p`. Pose rate: "
@@ -152,7 +147,7 @@ def conventions_section(scene: Scene) -> Section:
         prose("R1 is the roll row of wheel 1, S1 its side row."),
     ]
     if rule_of(scene).needs_loads:
-        items.append(prose("Normal forces: {}.", _load_model(scene)))
+        items.append(prose("Normal forces: {}.", (scene.contact.loads or EqualSprings()).words))
     if any(scene.check.equilibrium):
         items.append(
             prose(
@@ -161,11 +156,6 @@ def conventions_section(scene: Scene) -> Section:
             )
         )
     return Section("Conventions", (Bullets(tuple(items)),))
-
-
-def _load_model(scene: Scene) -> str:
-    """Which normal forces are taken."""
-    return (scene.contact.loads or EqualSprings()).words
 
 
 # ---- the last section ----------------------------------------------------------------------------
@@ -211,7 +201,8 @@ def answers_section(subject: ArraySubject) -> Section:
     )
     stated = stated_answers(subject.result, answered)
     said = answers_table(stated.answers)
-    goes = _destinations(answered.destinations)
+    header = ("a body that starts in the square", "sampled share", "near there", "heading")
+    goes = [] if answered.destinations is None else [destinations_table(answered.destinations, header)]
     headings = _headings(answered.headings)
     return Section("Answers", (intro, said, _items(subject, stated), *goes, *headings, array_figure(subject)))
 
@@ -249,14 +240,6 @@ def _other_rule(other: OtherRule) -> Text:
 
 def _verdict(answer: Answer) -> Verdict:
     return Verdict(str(answer.verdict), Tone(answer.tone))
-
-
-def _destinations(destinations: Destinations | None) -> list[Table]:
-    """Where bodies go that start all over the square."""
-    if destinations is None:
-        return []
-    header = ("a body that starts in the square", "sampled share", "near there", "heading")
-    return [destinations_table(destinations, header)]
 
 
 def _headings(headings: HeadingsOfRest | None) -> list[Block]:

@@ -193,7 +193,7 @@ def cells_section(subject: SystemSubject) -> Section:
         "a polynomial in the states and in sines and cosines of them" if subject.scene.names else "a polynomial",
     )
     rows = [row for k, cell in enumerate(subject.cells) for row in _cell_rows(k, cell, subject)]
-    header: list[Entry] = ["cell", "corners", *(rate_name(name) for name in states)]
+    header: list[Entry] = ["cell", "corners", *(Math(rf"\dot{{{state_latex(name)}}}", f"{name}'") for name in states)]
     return Section("Cells", (words, table(header, rows, (0.07, 0.41, 0.26, 0.26))))
 
 
@@ -252,19 +252,15 @@ def _middle(part: BorderPart) -> Point:
 
 def point_section(subject: SystemSubject) -> Section:
     """Whether the checked point is an equilibrium: 0 in the hull of the fields of all cells that hold it."""
-    values = values_at_origin(subject.cells)
+    values = [point(value) for value in values_at_origin(subject.cells)]
+    latex, plain = r",\allowbreak\ ".join(value.latex for value in values), ", ".join(value.plain for value in values)
     words = paragraph(
         "At the checked point F is the convex hull of the values of the fields of all cells that touch it: {}. "
         "The point is an equilibrium if 0 is in this hull; here that {}.",
-        _values_text(values),
+        Math(latex, plain),
         str(subject.result.equilibrium),
     )
     return Section("The checked point", (words,))
-
-
-def _values_text(values: Sequence[Point]) -> Math:
-    parts = [point(value) for value in values]
-    return Math(r",\allowbreak\ ".join(part.latex for part in parts), ", ".join(part.plain for part in parts))
 
 
 # ---- what decides --------------------------------------------------------------------------------
@@ -401,10 +397,6 @@ def _no_picture(subject: SystemSubject) -> str:
     return _several_fields(subject) or ("" if is_known else beyond)
 
 
-def _no_leading(subject: SystemSubject) -> str:
-    return "" if subject.result.by(Method.LEADING) is not None else "what decides are not the leading terms"
-
-
 SYSTEM_PARTS = (
     ReportPart("verdict", verdict_section),
     ReportPart("system", system_section),
@@ -412,7 +404,11 @@ SYSTEM_PARTS = (
     ReportPart("borders", borders_section, _several_fields),
     ReportPart("point", point_section),
     ReportPart("lyapunov", lyapunov_section),
-    ReportPart("leading-terms", leading_section, _no_leading),
+    ReportPart(
+        "leading-terms",
+        leading_section,
+        lambda subject: "" if subject.result.by(Method.LEADING) else "what decides are not the leading terms",
+    ),
     ReportPart("portrait", portrait_section, _no_picture),
     ReportPart("trajectories", paths_section, _several_fields),
 )
@@ -465,11 +461,6 @@ def stated_math(field: StatedField, states: Sequence[str]) -> tuple[Math, ...]:
     return tuple(
         _polynomial_math(rate, field.names(states), [*map(state_latex, states), *latex]) for rate in field.rates
     )
-
-
-def rate_name(state: str) -> Math:
-    """``x'``."""
-    return Math(rf"\dot{{{state_latex(state)}}}", f"{state}'")
 
 
 def _power(symbol: str, exponent: int) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb
 
 from nonsmooth.analysis.cells.filippov import CellDerivative
-from nonsmooth.proofs.clauses.clause import Clause, Witness
+from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
@@ -194,7 +194,8 @@ def _translation_blocks(translation: TranslationResult) -> tuple[Block, ...]:
         )
         blocks.append(bound)
     if translation.witness is not None:
-        blocks.append(_translation_witness(translation.witness))
+        words, witness = "Witness: at `c` = {} the upper derivative `V*` is {} ({}).", translation.witness
+        blocks.append(paragraph(words, point(witness.point), number(witness.value), witness.meaning))
     if translation.fan is not None:
         blocks += _fan_blocks(translation.fan)
     return tuple(blocks)
@@ -207,11 +208,6 @@ def _fan_blocks(fan: FanResult) -> list[Block]:
         return [said]
     growth = float_text(math.sqrt(float(fan.squared_overshoot)))
     return [said, paragraph("Near the point the distance of a solution grows at most {}-fold on its way.", growth)]
-
-
-def _translation_witness(witness: Witness) -> Block:
-    words = "Witness: at `c` = {} the upper derivative `V*` is {} ({})."
-    return paragraph(words, point(witness.point), number(witness.value), witness.meaning)
 
 
 def _rotation_blocks(rotation: RotationResult) -> tuple[Block, ...]:

@@ -106,7 +106,7 @@ def _trajectories(subject: ArraySubject) -> Section:
         "where the speeds are the scene's own."
     )
     parts = [_first_section(subject, places[0], first, paths[0]), _starts_section(subject, places, paths)]
-    if not without_cell_law(subject):
+    if rule_of(subject.scene).keeps_rows and not without_law(subject):
         parts.append(closed_loop_section(subject))
     return Section("Trajectories", (intro,), tuple(parts))
 
@@ -297,7 +297,10 @@ def closed_loop_section(subject: ArraySubject) -> Section:
         f"{GAIN:g}",
         f"{TIMES[-1]:g}",
     )
-    return Section("With feedback", (words, _cells_ends(loop, paths), _cells_figure(subject, loop, paths[0])))
+    value = "V" if loop.region is None or loop.feedback.cascade is None else "W"
+    units = loop.partition.scene.units
+    ends = _ends_table(value, "how it ended", [_cells_row(loop, path, units) for path in paths], units)
+    return Section("With feedback", (words, ends, _cells_figure(subject, loop, paths[0])))
 
 
 def _quarters(subject: ArraySubject) -> list[Pose]:
@@ -361,12 +364,6 @@ def _smaller(start: Pose, factor: float) -> Pose:
     return x, y, theta
 
 
-def _cells_ends(loop: FeedbackLoop, paths: list[FollowedStart]) -> Block:
-    value = "V" if loop.region is None or loop.feedback.cascade is None else "W"
-    units = loop.partition.scene.units
-    return _ends_table(value, "how it ended", [_cells_row(loop, path, units) for path in paths], units)
-
-
 def _cells_row(loop: FeedbackLoop, path: FollowedStart, units: Units) -> tuple[Entry, ...]:
     end, region = path.path.end, loop.region
     x, y, theta = pose_in_floats(end.state)
@@ -416,11 +413,6 @@ def _law_of_cells(subject: ArraySubject) -> FeedbackResult:
     if not isinstance(feedback, FeedbackResult):
         raise TypeError(f"required rule nearest, received {subject.scene.contact.rule}")
     return feedback
-
-
-def without_cell_law(subject: ArraySubject) -> str:
-    """Why the scene has no certified law of cells; empty where it has."""
-    return without_law(subject) if rule_of(subject.scene).keeps_rows else "the law is one for rule nearest"
 
 
 def without_law(subject: ArraySubject) -> str:
@@ -478,7 +470,9 @@ def _loop_blocks(subject: ArraySubject, loop: DrivenLoop) -> list[Block]:
         words = "The closed loop with `k` = {}, the law sampled and its speeds held in between, as a controller does; "
         words += "switches are not located:"
     said = paragraph(words, f"{GAIN:g}")
-    return [said, _driven_ends(loop, paths), _driven_figure(subject, loop, paths[0])]
+    units = loop.scene.units
+    ends = _ends_table("V", "switches", [_driven_row(loop, path, units) for path in paths], units)
+    return [said, ends, _driven_figure(subject, loop, paths[0])]
 
 
 def _driven_starts(loop: DrivenLoop) -> list[Pose]:
@@ -493,11 +487,6 @@ def _start(loop: DrivenLoop, direction: Vector, size: float) -> Pose:
     x, y, theta = size * direction / float(np.linalg.norm(direction))
     place = (float(float_text(float(x), 3)), float(float_text(float(y), 3)))
     return (*place, float(float_text(float(theta) / loop.length, 3)))
-
-
-def _driven_ends(loop: DrivenLoop, paths: list[FollowedStart]) -> Block:
-    units = loop.scene.units
-    return _ends_table("V", "switches", [_driven_row(loop, path, units) for path in paths], units)
 
 
 def _driven_row(loop: DrivenLoop, path: FollowedStart, units: Units) -> tuple[Entry, ...]:

@@ -128,11 +128,6 @@ class Export:
         return np.array([vx * self.pace, vy * self.pace, omega * self.pace * self.scale])
 
     @property
-    def creep_bound(self) -> float:
-        """The largest speed of a conforming solver at rest (metre/second)."""
-        return CONFORMS * SPEED
-
-    @property
     def motion(self) -> Motion:
         """Rest, a turn about the centre of mass, or anything else."""
         x, y = self.place
@@ -221,7 +216,7 @@ class Export:
             *self.differences(),
             f"predicted twist (v_x, v_y, omega): {vx!r} {vy!r} {omega!r}",
             f"predicted motion: {self.motion}",
-            f"creep bound: {self.creep_bound!r}",
+            f"creep bound: {CONFORMS * SPEED!r}",
             f"A solver conforms if after {SETTLING:g} s the free joint's velocity is the predicted twist within "
             f"{CONFORMS:g} of its largest entry,",
             "or, where rest is predicted, no entry is above the creep bound.",

@@ -161,12 +161,10 @@ def in_unit(name: str, unit: str) -> str:
 
 def _settles(scene: Scene, after: float) -> str:
     accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + _unit(scene.units.length)
-    return f"within {accuracy} of its end {_since(after, _time(scene))}"
-
-
-def _since(after: float, second: str) -> str:
-    """``after 0.8 s``; a body that is there where it starts does not come there."""
-    return f"after {float_text(after, DIGITS)}{second}" if after else "already at the start"
+    when = (
+        f"after {float_text(after, DIGITS)}{_time(scene)}" if after else "already at the start"
+    )  # it does not come there
+    return f"within {accuracy} of its end {when}"
 
 
 def _swings(count: int) -> str:

@@ -319,10 +319,6 @@ def _by_method(field: Any, start: tuple[float, ...], options: SimulateOptions) -
 # ---- arrays --------------------------------------------------------------------------------------
 
 
-def _film(path: ArrayPath, ending: str) -> bytes:
-    return path.film(ending)
-
-
 @dataclass(frozen=True, repr=False)
 class ArrayPath(PathResult):
     """A path of a body over an array.
@@ -343,7 +339,10 @@ class ArrayPath(PathResult):
     loop: FeedbackLoop | DrivenLoop | None = None
     heavy: Settled | str | None = None
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {**FORMATS, **dict.fromkeys(FILMS, _film)}
+    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
+        **FORMATS,
+        **dict.fromkeys(FILMS, lambda path, ending: path.film(ending)),
+    }
 
     @property
     def name(self) -> str:

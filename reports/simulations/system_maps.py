@@ -125,17 +125,13 @@ class SystemMap(MapResult):
     def contradictions(self) -> tuple[Contradiction, ...]:
         """Where the paths contradict what is proved; then nobody may rely on either."""
         half = float(self.portrait.system.check.radius)
-        follow = self._followed_too if self._draws_all else None
+        # Along borders that repel, and curved ones, solutions may leave that no path shows: there none is followed too.
+        curved = any(cell.region.guards for cell in self.portrait.cells)
+        kinds = {part.kind for part in self.portrait.borders}
+        draws_all = not curved and kinds <= {BorderKind.CROSSING, BorderKind.SLIDING}
+        follow = self._followed_too if draws_all else None
         seen = FollowedStarts(self.starts, self.ends, self.until, half, follow)
         return tuple(contradictions_of_map(self.portrait.stability, seen))
-
-    @property
-    def _draws_all(self) -> bool:
-        """Whether paths show all that solutions do: along borders that repel one may leave that no path shows."""
-        curved = any(cell.region.guards for cell in self.portrait.cells)
-        return not curved and all(
-            part.kind in (BorderKind.CROSSING, BorderKind.SLIDING) for part in self.portrait.borders
-        )
 
     def _followed_too(self, starts: Floats) -> Floats:
         with progress(f"{len(starts)} starts beside the point") as report:

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, Self
 from nonsmooth.reports.checks import check
 from nonsmooth.reports.checks.subject import FILIPPOV, Reference, ReportPart, ReportSubject
 from nonsmooth.reports.derivations import derivation, parts
-from nonsmooth.reports.interface import load as interface_load
+from nonsmooth.reports.interface import array as interface_array
 from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.output.document import Block, Section, findings
 from nonsmooth.reports.output.prose import paragraph
@@ -145,7 +145,7 @@ class PythonSpring(PythonScene):
 
 def branches() -> dict[tuple[Any, str], Callable[..., Any]]:
     """What stands in the product in place of a function, by its module and name: the same with a branch."""
-    load_any, check_array, load = system_file.load_any, check._check_array, interface_load.load
+    load_any, check_array, load = system_file.load_any, check._check_array, interface_array.load
     subject_of, parts_of = parts.subject_of, parts.parts_of
 
     def any_loaded(source: Any, **changes: Any) -> Any:
@@ -171,5 +171,5 @@ def branches() -> dict[tuple[Any, str], Callable[..., Any]]:
         (parts, "subject_of"): subject_named,
         (derivation, "subject_of"): subject_named,  # imported from there
         (parts, "parts_of"): parts_named,
-        (interface_load, "load"): loaded,
+        (interface_array, "load"): loaded,
     }
