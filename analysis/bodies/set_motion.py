@@ -26,7 +26,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane import XY
+from nonsmooth.symbolic.numbers.plane import XY, pose_in_floats
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
@@ -49,7 +49,7 @@ class SetMotion:
             nonsmooth.analysis.cells.loads.LoadError: where they do not.
         """
         self.model, self._loads = model, MovingLoads(model, pose[:2])
-        self._minimizer = path_minimizer(model)
+        self._minimizer = DraggedMinimizer(model) if needs_drag(model) else WarmMinimizer(model)
         self._quick = SmoothNewton(model) if model.has_whole_ellipses else None
         dragged = self._minimizer.dragged if isinstance(self._minimizer, DraggedMinimizer) else None
         self._cut = None if dragged is None or dragged.shape is not CutEllipse else CutNewton(dragged)
@@ -299,11 +299,6 @@ def with_drag(loads: Floats) -> Floats:
     return np.concatenate([loads, np.full(3, DRAG * loads.sum())])
 
 
-def path_minimizer(model: ContactModel) -> WarmMinimizer:
-    """The minimizer at loads (n,), one after the other along a path: of D, plus drag where the twist may jump."""
-    return DraggedMinimizer(model) if needs_drag(model) else WarmMinimizer(model)
-
-
 # ---- what a body does on one set of wheels at one centre of mass ---------------------------------
 #
 # In floats: a guess for ball arithmetic to prove.
@@ -343,16 +338,11 @@ class SetGuesses:
         found = self._motions.at(carrying, np.array([place]))
         if not found.known[0]:
             return None
-        vx, vy, omega = _spatial(found.rates[0], np.array(place), self._size)
-        twist = np.array([vx, vy, omega])
+        (vx, vy, turning), (x, y) = found.rates[0], place
+        omega = turning / self._size
+        twist = np.array([vx + omega * y, vy - omega * x, omega])
         loaded = tuple(bool(found.loads[0, k] > 0) for k in wheels)
-        return SetGuess((float(vx), float(vy), float(omega)), loaded, _nearly_stuck(self.model, twist, wheels))
-
-
-def _spatial(rate: Floats, place: Floats, size: float) -> Floats:
-    """``(v, omega)`` of a rate ``(c', size theta')``."""
-    omega = rate[2] / size
-    return np.array([rate[0] + omega * place[1], rate[1] - omega * place[0], omega])
+        return SetGuess(pose_in_floats(twist), loaded, _nearly_stuck(self.model, twist, wheels))
 
 
 def _nearly_stuck(model: ContactModel, twist: Floats, wheels: Sequence[int]) -> tuple[bool, ...]:

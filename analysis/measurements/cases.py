@@ -349,15 +349,12 @@ def _start_row(measured: MeasuredField, case: str, parameter: str, point: Floats
     start = (*(point + measured.radius * move).tolist(), *measured.place(0, 0)[2:])
     why = "slack and rounding times amplification"
     row, bound, path = _path_row(measured, case, parameter, start, measured.slack, why)
-    if (row.ok and bound <= RESOLVED) or not _branches_at_start(path):
+    if (row.ok and bound <= RESOLVED) or not any(
+        event.kind is EventKind.NONUNIQUE and not event.t for event in path.events
+    ):
         return row
     ok = row.error is not None and math.isfinite(row.error)
     return replace(row, outcome="not unique, as it says", ok=ok, note=SAID)
-
-
-def _branches_at_start(path: Trajectory) -> bool:
-    """Whether the path says at its start that others leave it: the start counts as on a surface."""
-    return any(event.kind is EventKind.NONUNIQUE and not event.t for event in path.events)
 
 
 def beside_surfaces(measured: MeasuredField) -> list[tuple[Floats, Floats]]:

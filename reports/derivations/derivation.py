@@ -117,7 +117,9 @@ class ReportResult(Result):
 
     def facts(self) -> Record:
         """The JSON form of the report."""
-        return derivation_record(self.document, self.subject.records)
+        sections = [_section(section) for section in self.document.sections]
+        head = {"schema": DERIVATION_SCHEMA, "title": self.document.title}
+        return {**head, **self.subject.records, "sections": sections}
 
     def table(self) -> DataTable:
         """One line for each section."""
@@ -333,12 +335,6 @@ def _given(**options: Any) -> tuple[str, ...]:
 
 
 DERIVATION_SCHEMA = "nonsmooth-derivation/1"
-
-
-def derivation_record(document: Document, records: Record) -> Record:
-    """The document and the records of the results it reports (``check``, ``partition``)."""
-    sections = [_section(section) for section in document.sections]
-    return {"schema": DERIVATION_SCHEMA, "title": document.title, **records, "sections": sections}
 
 
 def _section(section: Section) -> Record:

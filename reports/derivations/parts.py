@@ -132,10 +132,6 @@ def _no_cells(subject: ArraySubject) -> str:
     return "" if has_cells else f"rule {subject.scene.contact.rule} has no cells with one twist each"
 
 
-def _no_ellipse(subject: ArraySubject) -> str:
-    return FOR_SMOOTH_RULES if isinstance(subject.result, CellCheck) else ""
-
-
 def _no_whole_partition(subject: ArraySubject) -> str:
     if isinstance(subject.result, CellCheck) and not subject.result.partition.complete:
         return "cells away from the point were not built, and no verdict needs them"
@@ -149,7 +145,7 @@ def _unknown_loads(subject: ArraySubject) -> str:
 
 
 def _no_situation(subject: ArraySubject) -> str:
-    return _no_ellipse(subject) or _unknown_loads(subject)
+    return FOR_SMOOTH_RULES if isinstance(subject.result, CellCheck) else _unknown_loads(subject)
 
 
 def _not_the_papers(subject: ArraySubject) -> str:

@@ -60,7 +60,8 @@ def formulas_of_sympy(states: Sequence[Any], rhs: Any, parameters: Sequence[Any]
     sides = list(rhs)
     if isinstance(rhs, MatrixBase) or not any(isinstance(side, Sequence | MatrixBase) for side in sides):
         return walker.read(sides)
-    return walker.read_several([list(side) for side in sides])
+    walker.written = [walker.read(list(side), f"rhs[{j}]").written for j, side in enumerate(sides, 1)]
+    return walker
 
 
 def _name(symbol: Any) -> str:
@@ -84,11 +85,6 @@ class SympyFormulas:
     def read(self, sides: Sequence[Any], key: str = "rhs") -> SympyFormulas:
         """Write one right-hand side."""
         self.written = [self.formula(side, f"{key}[{k}]") for k, side in enumerate(sides, 1)]
-        return self
-
-    def read_several(self, lists: Sequence[Sequence[Any]]) -> SympyFormulas:
-        """Write several right-hand sides."""
-        self.written = [self.read(sides, f"rhs[{j}]").written for j, sides in enumerate(lists, 1)]
         return self
 
     def formula(self, expression: Any, key: str) -> str:

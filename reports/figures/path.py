@@ -165,7 +165,12 @@ def wheels_picture(
 def centre_picture(scene: Scene, trajectory: Trajectory, law: str) -> PathPicture:
     """A path of a closed loop about the checked point."""
     title = f"{one_line(scene.name)}: rule {scene.contact.rule}, {law}"
-    return array_picture(scene, trajectory, title, lambda axes: draw_centre(axes, scene))
+
+    def ground(axes: Axes) -> None:
+        axes.set(aspect="equal", **centre_labels(scene.units))
+        axes.margins(0.2)
+
+    return array_picture(scene, trajectory, title, ground)
 
 
 def system_picture(system: SwitchedSystem, switching: SignField, trajectory: Trajectory, title: str) -> PathPicture:
@@ -208,7 +213,8 @@ def path_figure(picture: PathPicture) -> Figure:
     if has_plane:
         draw_plane(figure.add_subplot(grid[:states, 1]), picture)
     title_figure(figure, picture.title)
-    _explain(figure, picture)
+    entries = _entries(picture, curves=True)
+    legend_below(figure, entries, min(len(entries), IN_A_ROW))
     return figure
 
 
@@ -294,12 +300,6 @@ def label_plane(axes: Axes, picture: PathPicture) -> None:
     """A title and a legend for a path that is drawn alone."""
     title_axes(axes, picture.title)
     axes.legend(handles=_entries(picture, curves=False), fontsize="x-small", framealpha=0.8)
-
-
-def _explain(figure: Figure, picture: PathPicture) -> None:
-    """The legend of all lines and marks."""
-    entries = _entries(picture, curves=True)
-    legend_below(figure, entries, min(len(entries), IN_A_ROW))
 
 
 def _entries(picture: PathPicture, *, curves: bool) -> list[Line2D]:
@@ -391,12 +391,6 @@ def _draw_rims(axes: Axes, model: ContactModel) -> None:
         axes.plot(*zip(start, end, strict=True), **RIM)
     for k in np.flatnonzero(model.heads[:, 1]).tolist():
         draw_axis(axes, in_floats(model.positions[k]), in_floats(model.axes[k]), float(np.hypot(*half[k])))
-
-
-def draw_centre(axes: Axes, scene: Scene) -> None:
-    """The checked point."""
-    axes.set(aspect="equal", **centre_labels(scene.units))
-    axes.margins(0.2)
 
 
 def draw_surfaces(axes: Axes, system: SwitchedSystem, switching: SignField, trajectory: Trajectory) -> None:

@@ -244,7 +244,10 @@ def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
     body = np.empty((0, 2)) if outline is None else outline + centre
     rim = _rim(places, np.concatenate([places, square, body] if near is None else [square, near]))
     shown = [places - 3 * rim, places + 3 * rim, square, body] if near is None else [square, near]
-    _set_view(axes, np.concatenate(shown))
+    corners = np.concatenate(shown)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    (x, y), half = (low + high) / 2, 0.53 * float((high - low).max())
+    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
     _draw_square(axes, centre, radius)
     draw_checked_point(axes, scene)
     if len(body):
@@ -334,12 +337,6 @@ def _rim(places: Floats, shown: Floats) -> float:
     """Half of a rim's length: small beside the view and beside the distance of neighbours."""
     width = float(np.ptp(shown, axis=0).max())
     return min(LARGEST_RIM * width, nearest_gap(places, width) * RIM_SHARE)
-
-
-def _set_view(axes: Axes, shown: Floats) -> None:
-    low, high = shown.min(axis=0), shown.max(axis=0)
-    middle, half = (low + high) / 2, 0.53 * float((high - low).max())
-    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
 
 
 def _draw_square(axes: Axes, centre: Floats, radius: float) -> None:

@@ -71,7 +71,8 @@ def _text(text: Text) -> str:
 def _inline(part: Inline) -> str:
     match part:
         case Math(latex, _):
-            return f"${_one_line(latex)}$"  # a bar inside mathematics would end a table's column
+            line = " ".join(latex.replace(r"\allowbreak", "").split()).replace("|", r"\vert ")
+            return f"${line}$"  # a bar inside mathematics would end a table's column
         case Code(text):
             fence = "``" if "`" in text else "`"
             return f"{fence}{text.replace('|', chr(92) + '|')}{fence}"
@@ -79,10 +80,6 @@ def _inline(part: Inline) -> str:
             return f"**{_escaped(text)}**"
         case str():
             return _escaped(part)
-
-
-def _one_line(latex: str) -> str:
-    return " ".join(latex.replace(r"\allowbreak", "").split()).replace("|", r"\vert ")
 
 
 def _escaped(text: str) -> str:

@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.feedback_laws import (
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.motion.saturation import limited_law, with_saturation
-from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, TurnRegion, find_cascade
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
@@ -201,12 +201,6 @@ class FeedbackLoop:
 
         return law
 
-    @property
-    def theta_decays(self) -> bool:
-        """Whether the certified law takes theta to zero from everywhere, whatever c does."""
-        cascade = self.feedback.cascade
-        return cascade is not None and cascade.descent is not Descent.SLOW_TURNS
-
     def refuse_contradiction(self, path: Trajectory, centre: XY = (0.0, 0.0)) -> None:
         """Compare a path with what is certified about its start; ``centre`` is the checked point in its coordinates.
 
@@ -217,8 +211,10 @@ class FeedbackLoop:
             ContradictionError: where V (or theta) rises along the path, or the body leaves the checked square.
         """
         region = self.region
-        poses = [_centred(state, centre) for state in path.states]
-        known = self.theta_decays if region is None else region.contains(poses[0])
+        poses = [pose_in_floats(state) for state in path.array - (*centre, 0.0)]
+        cascade = self.feedback.cascade
+        decays = cascade is not None and cascade.descent is not Descent.SLOW_TURNS  # theta, whatever c does
+        known = decays if region is None else region.contains(poses[0])
         if not (self.is_certified and known):
             return
         values = np.array([pose[2] ** 2 if region is None else region.value(pose) for pose in poses])
@@ -234,11 +230,6 @@ class FeedbackLoop:
                 f"the feedback clause certifies that {falling} falls under the {self.law} law{where}",
                 f"the path from ({start}), as it was computed, {seen}",
             )
-
-
-def _centred(state: State, centre: XY) -> tuple[float, float, float]:
-    x, y, theta = pose_in_floats(state)
-    return x - centre[0], y - centre[1], theta
 
 
 def certified_law(feedback: FeedbackResult) -> LawName | None:

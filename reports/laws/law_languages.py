@@ -43,17 +43,6 @@ class Language(StrEnum):
     STRUCTURED_TEXT = ".st"
 
 
-def law_program(law: LawTable, at: str, language: Language = Language.PYTHON) -> str:
-    """The text of the program.
-
-    Args:
-        law: the law.
-        at: the checked point, in words.
-        language: in which.
-    """
-    return LANGUAGES[language](law, header(law, at, language))
-
-
 def header(law: LawTable, at: str, language: Language) -> list[str]:
     """What whoever runs the program must know: scene, law, units, region, rate, largest speeds."""
     units = law.scene.units
@@ -569,7 +558,7 @@ class LawResult(Result):
         chosen = known.get(language.lower().removeprefix("."))
         if chosen is None:
             raise ValueError(f"law: required a language among python, c, st, received {language[:60]!r}")
-        return law_program(self.law, self.at, chosen)
+        return LANGUAGES[chosen](self.law, header(self.law, self.at, chosen))
 
     def comments(self) -> str:
         """What whoever programs a machine from the table must know, in lines that begin with ``#``: see ``header``."""

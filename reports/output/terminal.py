@@ -205,13 +205,9 @@ def _block_view(block: Block) -> RenderableType:
             return Text(plain_text(text))
         case Table(header, rows, widths):
             names = [plain_text(name) for name in header]
-            shown = header_table(*names, widest=names[_widest(widths)]) if header else two_columns()
+            widest = max(range(len(widths)), key=lambda k: (widths[k], k))  # the last of equal ones
+            shown = header_table(*names, widest=names[widest]) if header else two_columns()
             for row in rows:
                 shown.add_row(*(verdict_text(plain_text(entry)) for entry in row))
             return shown
     raise TypeError(f"required a paragraph or a table, received {type(block).__name__}")
-
-
-def _widest(widths: Sequence[float]) -> int:
-    """The column with the largest share of the line; the last of equal ones."""
-    return max(range(len(widths)), key=lambda k: (widths[k], k))

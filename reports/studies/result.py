@@ -175,8 +175,8 @@ class Result(ABC):
         write_views(self.views())
 
     def _repr_html_(self) -> str:
-
-        return notebook_html(self.blocks())
+        """Paragraphs and tables; every text is escaped."""
+        return "".join(map(_block, self.blocks()))
 
 
 def own_axes(ax: Axes | None) -> Axes:
@@ -262,11 +262,6 @@ def counted_words(groups: Iterable[tuple[str, Iterable[str]]]) -> str:
 
 
 # ---- notebooks -----------------------------------------------------------------------------------
-
-
-def notebook_html(blocks: Iterable[Block]) -> str:
-    """Paragraphs and tables; every text is escaped."""
-    return "".join(_block(block) for block in blocks)
 
 
 def _block(block: Block) -> str:

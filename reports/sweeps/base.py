@@ -155,9 +155,5 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Decimal):
         return f"{Fraction(value)}" if value.is_finite() else str(value)
     if isinstance(value, str):
-        return _fraction_text(value)
+        return f"{Fraction(value)}" if _PLAIN.fullmatch(value) else value
     return value if isinstance(value, bool | int | None) else str(value)
-
-
-def _fraction_text(text: str) -> str:
-    return f"{Fraction(text)}" if _PLAIN.fullmatch(text) else text

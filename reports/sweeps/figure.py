@@ -139,12 +139,6 @@ def axis_label(axis: Axis, document: Mapping[str, Any]) -> str:
     return f"{axis.name} [{unit}]" if length and unit else axis.name
 
 
-def _with_unit(sweep: Sweep, name: str) -> str:
-    """What a number is called, with the unit of one that is a length."""
-    length = sweep.base.document.get("units", {}).get("length")
-    return f"{CURVES[name]} [{length}]" if length and name in LENGTHS else CURVES[name]
-
-
 def _label(sweep: Sweep, place: int) -> str:
     return axis_label(sweep.plan.axes[place], sweep.base.document)
 
@@ -220,7 +214,9 @@ def _draw_curve(axes: Axes, sweep: Sweep, name: str) -> None:
             places.append(place)
             values.append(float("nan"))
     axes.plot(places, values, ".-", color=INK, linewidth=1, clip_on=False)  # whole dots at both ends
-    axes.set_ylabel(_with_unit(sweep, name), fontsize="small")
+    length = sweep.base.document.get("units", {}).get("length")
+    unit = f" [{length}]" if length and name in LENGTHS else ""
+    axes.set_ylabel(CURVES[name] + unit, fontsize="small")
     for border in sweep.borders or ():
         axes.axvline(_place_of(border), color="0.7", linewidth=0.8, zorder=0)
 

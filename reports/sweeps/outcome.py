@@ -14,7 +14,7 @@ from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
-from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity, Theorem4
+from nonsmooth.proofs.findings.verdicts import Certainty, Quantity, Theorem4
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
@@ -120,16 +120,10 @@ def _number(check: Check, answers: Mapping[str, Answer], place: str, key: str) -
     """One number of an answer or a clause; None where it has none, and where it would be sampled."""
     if place == "translation" and not isinstance(check, CellCheck):
         return None
-    facts = answers[place].facts if place in answers else tuple(_clause_facts(check, place))
+    clauses = (clause for clause, _ in check.clauses if clause.name == place)
+    facts = answers[place].facts if place in answers else (fact for own in clauses for fact in check.facts(own))
     value = next((fact.value for fact in facts if fact.key == key), None)
     return value.value if isinstance(value, Quantity) else value
-
-
-def _clause_facts(check: Check, name: str) -> Iterator[Fact]:
-    """What one clause says."""
-    for clause, _ in check.clauses:
-        if clause.name == name:
-            yield from check.facts(clause)
 
 
 # ---- plain systems -------------------------------------------------------------------------------

@@ -13,8 +13,8 @@ import secrets
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -117,13 +117,17 @@ class Store:
         return database
 
     def _read(self, keys: Sequence[str]) -> Iterator[tuple[str, Outcome]]:
-        for some in _portions(keys):
+        for first in range(0, len(keys), AT_ONCE):  # as many as one query can hold
+            some = keys[first : first + AT_ONCE]
             marks = ",".join("?" * len(some))
             rows = self._database.execute(f"SELECT key, outcome FROM outcomes WHERE key IN ({marks})", some)
             yield from ((key, json.loads(text)) for key, text in rows)
 
     def _claimed(self, keys: Sequence[str]) -> set[str]:
-        with self._transaction():
+        with self._database:
+            self._database.execute(
+                "BEGIN IMMEDIATE"
+            )  # the right to write from here on: two sweeps never claim one scene
             dead = "owner NOT IN (SELECT owner FROM sweeps WHERE seen > ?)"
             self._database.execute(f"DELETE FROM claims WHERE {dead}", (time.time() - LEASE,))
             finished = set(dict(self._read(keys)))
@@ -133,13 +137,6 @@ class Store:
                 self._database.execute("SELECT owner FROM claims WHERE key = ?", (key,)).fetchone() for key, _ in wanted
             ]
         return {key for (key, _), owner in zip(wanted, owners, strict=True) if owner == (self._owner,)}
-
-    @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        """One that holds the right to write from its beginning, so that two sweeps never claim one scene."""
-        with self._database:
-            self._database.execute("BEGIN IMMEDIATE")
-            yield
 
     def _sound(self, work: Callable[[], Result]) -> Result:
         """The result of work on the file.
@@ -183,10 +180,3 @@ class Heart:
         while not self._ended.wait(LEASE / 5):
             with suppress(sqlite3.Error), closing(sqlite3.connect(self._path, timeout=LEASE)) as database:
                 self.beat(database)
-
-
-def _portions(keys: Iterable[str]) -> Iterator[list[str]]:
-    """The keys in lists that one query can hold."""
-    listed = list(keys)
-    for first in range(0, len(listed), AT_ONCE):
-        yield listed[first : first + AT_ONCE]

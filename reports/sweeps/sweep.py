@@ -117,7 +117,8 @@ def run_sweep(base: Base, plan: SweepPlan, means: Means, report: ProgressCall = 
     work = Work(scenes, tuple(axis.path for axis in plan.axes), means.fail is not None)
     with _runner(work, means, report) as runner:
         outcomes = runner.outcomes((entries_of(plan, k) for k in range(plan.size)), plan.size)
-        _require_one_answer(outcomes)
+        if all(outcome[questions_of(outcome)[0]] == REFUSED for outcome in outcomes):
+            raise SweepError(f"vary: required a scene that can be checked, received {outcomes[0]['why']}")
         borders = _borders(plan, outcomes, runner) if means.borders else None
         checked = runner.checked
     proved = None if cells is None else _certified(cells, means, report)
@@ -173,16 +174,6 @@ def _borders(plan: SweepPlan, outcomes: Sequence[Outcome], runner: Runner) -> tu
         return runner.outcomes(scenes, len(points), "borders")
 
     return find_borders(plan, outcomes, ask)
-
-
-def _require_one_answer(outcomes: Sequence[Outcome]) -> None:
-    """A sweep without any answer is a mistake of its user.
-
-    Raises:
-        SweepError: with the first reason.
-    """
-    if all(outcome[questions_of(outcome)[0]] == REFUSED for outcome in outcomes):
-        raise SweepError(f"vary: required a scene that can be checked, received {outcomes[0]['why']}")
 
 
 def _estimate(base: Base, plan: SweepPlan, means: Means) -> str:

@@ -288,10 +288,13 @@ def read_plan(
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise SweepError(f"vary: required each number once, received {twice} twice")
-    if draws is None:
-        _require_counts(axes)
-    else:
-        _require_draws(axes, draws)
+    if draws is not None and not 1 <= draws <= MAX_DRAWS:
+        raise SweepError(f"random: required 1 to {MAX_DRAWS} draws, received {draws}")
+    for axis in axes:
+        if isinstance(axis.values, Range) and (axis.values.count is None) is (draws is None):
+            kinds = ("start:stop:count, or random draws", "start:stop")
+            required, received = kinds if draws is None else ("start:stop for random draws", "start:stop:count")
+            raise SweepError(f"vary {axis.name}: required {required}, received {received}")
     return SweepPlan(axes, draws, seed)
 
 
@@ -299,17 +302,3 @@ def _axes(vary: Mapping[str, str], document: Mapping[str, Any], file: str) -> It
     for name, text in vary.items():
         path = find_path(name, document, file)
         yield Axis(path_text(path, document), path, read_values(text, f"vary {name}"))
-
-
-def _require_counts(axes: Sequence[Axis]) -> None:
-    for axis in axes:
-        if isinstance(axis.values, Range) and axis.values.count is None:
-            raise SweepError(f"vary {axis.name}: required start:stop:count, or random draws, received start:stop")
-
-
-def _require_draws(axes: Sequence[Axis], draws: int) -> None:
-    if not 1 <= draws <= MAX_DRAWS:
-        raise SweepError(f"random: required 1 to {MAX_DRAWS} draws, received {draws}")
-    for axis in axes:
-        if isinstance(axis.values, Range) and axis.values.count is not None:
-            raise SweepError(f"vary {axis.name}: required start:stop for random draws, received start:stop:count")

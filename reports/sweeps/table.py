@@ -203,7 +203,12 @@ def _answers_table(sweep: Sweep) -> Block:
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
         entries = [str(value.entry) for value in sweep.plan.point(k)]
         answers = [outcome[name] for name in sweep.questions]
-        rows.append([*entries, *answers, *([_failure_text(outcome)] if failures else _number_texts(outcome, rates))])
+        more = ["" if outcome[name] is None else float_text(outcome[name], 4) for name in rates]
+        if failures:
+            worst = _worst(outcome)
+            name = worst["worst failure"]
+            more = ["" if name is None else f"{name}: {worst['worst failure position']}"]
+        rows.append([*entries, *answers, *more])
     widest = titles[min(2, len(titles) - 1)]
     return table(header, rows, tuple(2.0 if name == widest else 1.0 for name in header))
 
@@ -218,26 +223,14 @@ def _short_name(name: str, taken: Sequence[str]) -> str:
 
 def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
     """The numbers beside the answers that some scene has."""
-    names = SYSTEM_NUMBERS if sweep.base.is_system else _array_numbers(sweep)
+    names: Sequence[str] = SHOWN_NUMBERS  # of arrays: how fast, unless tolerances vary or bodies come near
+    if sweep.base.is_system:
+        names = SYSTEM_NUMBERS
+    elif any(name.startswith("tolerance.") for name in sweep.plan.names):
+        names = tuple(TOLERANCE_NUMBERS)
+    elif any(outcome["position"] == Position.COMES_NEAR for outcome in sweep.outcomes):
+        names = NEAR_NUMBERS
     return tuple(name for name in names if any(outcome[name] is not None for outcome in sweep.outcomes))
-
-
-def _array_numbers(sweep: Sweep) -> tuple[str, ...]:
-    """The numbers of arrays: what tolerances allow, where these vary; how near bodies come; else how fast."""
-    if any(name.startswith("tolerance.") for name in sweep.plan.names):
-        return tuple(TOLERANCE_NUMBERS)
-    comes_near = any(outcome["position"] == Position.COMES_NEAR for outcome in sweep.outcomes)
-    return NEAR_NUMBERS if comes_near else SHOWN_NUMBERS
-
-
-def _number_texts(outcome: Outcome, names: Sequence[str]) -> list[str]:
-    return ["" if outcome[name] is None else float_text(outcome[name], 4) for name in names]
-
-
-def _failure_text(outcome: Outcome) -> str:
-    worst = _worst(outcome)
-    name, position = worst["worst failure"], worst["worst failure position"]
-    return "" if name is None else f"{name}: {position}"
 
 
 def _borders_blocks(sweep: Sweep) -> Iterator[Block]:

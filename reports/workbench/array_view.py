@@ -390,7 +390,9 @@ def _answers(velocities: Sequence[XY], turns: Sequence[float], worst: float) -> 
         guesses.append(("position", Position.STAYS_NEAR))
     clear = max(map(abs, drift)) > CLEAR * max(1.0, *map(abs, turns))
     guesses.append(("heading", Heading.DRIFTS if clear else Heading.KEEPS))
-    return [_guess_record(key, verdict) for key, verdict in guesses]
+    return [
+        {"key": key, "answer": str(verdict), "tone": TONES[verdict], "provisional": True} for key, verdict in guesses
+    ]
 
 
 def _turns_at_rest(velocities: Sequence[XY], turns: Sequence[float], scale: float) -> list[float]:
@@ -409,10 +411,6 @@ def _turns_at_rest(velocities: Sequence[XY], turns: Sequence[float], scale: floa
         if abs(total) > CLEAR and all(weight / total >= -CLEAR for weight in weights):
             found.append(sum(weight * turn for weight, (_, turn) in zip(weights, three, strict=True)) / total)
     return found
-
-
-def _guess_record(key: str, verdict: Position | Heading) -> Record:
-    return {"key": key, "answer": str(verdict), "tone": TONES[verdict], "provisional": True}
 
 
 # ---- where else bodies rest ----------------------------------------------------------------------
