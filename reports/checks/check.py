@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import notice, progress, steps
@@ -108,8 +108,8 @@ class CheckOptions(Options):
 class CheckStudy(SceneStudy[CheckOptions]):
     """A check of one scene or of many."""
 
-    options: ClassVar[type[Any]] = CheckOptions
-    changes: ClassVar[Sequence[str]] = (*SceneStudy.changes, "accuracy")
+    options = CheckOptions
+    changes = (*SceneStudy.changes, "accuracy")
 
     def load(self, scene: Sequence[str], options: CheckOptions, **changes: Any) -> list[AnyScene]:
         """The scenes that are named."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -26,7 +26,7 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.facts import Record, fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
-from nonsmooth.reports.studies.result import FORMATS, DataTable, Result, short_lines
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.systems.switched_system import PLANE
@@ -74,7 +74,7 @@ def _problem(result: Any, ending: str) -> bytes:
     return text(obligations_of(certificate, result.evidence.scene.origin), head).encode()
 
 
-EXPORTS: Mapping[str, Callable[[Any, str], bytes]] = {
+EXPORTS: Formats = {
     ".smt2": _problem,
     ".kyx": _problem,
     ".py": _program,
@@ -162,7 +162,7 @@ class SystemCheckResult(FactResult):
         hint: what a longer search may find; empty without.
     """
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {**FORMATS, **EXPORTS}
+    formats: ClassVar[Formats] = {**FORMATS, **EXPORTS}
 
     evidence: StabilityResult
     shows_evidence: bool = False

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from nonsmooth.reports.figures.wheels import draw_wheel
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record, exact_texts, floats
 from nonsmooth.reports.output.refusals import RefusedError
-from nonsmooth.reports.studies.result import FORMATS, DataTable, Result
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result
 from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
@@ -64,7 +64,7 @@ class VehicleResult(Result):
     vehicle: Vehicle
     spin: float | None = None
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
+    formats: ClassVar[Formats] = {
         **FORMATS,
         YAML: lambda found, ending: found.controller_lines().encode(),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from nonsmooth.reports.output.refusals import RefusedError, refusals_named
 from nonsmooth.reports.output.study_options import Options, option
@@ -26,7 +26,7 @@ class AuditOptions(Options):
 class Audit(SceneStudy[AuditOptions]):
     """Whether somebody's function is a Lyapunov function."""
 
-    options: ClassVar[type[Any]] = AuditOptions
+    options = AuditOptions
 
     def run(self, scene: Any, options: AuditOptions) -> Result:
         """Decide it, and verify the evidence."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.clauses.every_load.possible_twists import PossibleTwist
 from nonsmooth.reports.output.document import Block, Paragraph, table
@@ -43,8 +43,8 @@ class PartitionOptions(Options):
 class PartitionStudy(SceneStudy[PartitionOptions]):
     """The cells of an array or of a plain system, or a sampled field."""
 
-    options: ClassVar[type[Any]] = PartitionOptions
-    files: ClassVar[str] = "Draw them, instead of a table: .svg, .png or .pdf."
+    options = PartitionOptions
+    files = "Draw them, instead of a table: .svg, .png or .pdf."
 
     def endings(self, options: PartitionOptions) -> Collection[str]:
         """Pictures."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.output.refusals import RefusedError
 from nonsmooth.reports.output.study_options import Options, complete_study, option
@@ -37,8 +37,8 @@ class PrecisionOptions(Options):
 class PrecisionStudy(SceneStudy[PrecisionOptions]):
     """Studies of error against run time."""
 
-    options: ClassVar[type[Any]] = PrecisionOptions
-    files: ClassVar[str] = "Rows: .json or .csv; log-log figure: .svg, .png or .pdf."
+    options = PrecisionOptions
+    files = "Rows: .json or .csv; log-log figure: .svg, .png or .pdf."
 
     def refuse(self, asked: StudyRequest[PrecisionOptions], path: Path | None) -> None:
         """Refuse numbers that measure nothing, and studies that there are not."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 from nonsmooth.reports.output.study_options import Options
 from nonsmooth.reports.studies.result import Result
@@ -13,8 +13,8 @@ from nonsmooth.reports.studies.study_command import command
 class StressStudy(SceneStudy[Options]):
     """Cases in which a careless method fails."""
 
-    options: ClassVar[type[Any]] = Options
-    files: ClassVar[str] = "Rows: .json or .csv; picture: .svg, .png or .pdf."
+    options = Options
+    files = "Rows: .json or .csv; picture: .svg, .png or .pdf."
 
     def run(self, scene: Any, options: Options) -> Result:
         """Measure; finished rows are kept where somebody interrupts."""

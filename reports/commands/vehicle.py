@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from nonsmooth.reports.output.refusals import RefusedError, refusals_named
 from nonsmooth.reports.output.study_options import Options, VehicleText, option
@@ -27,11 +27,9 @@ class VehicleOptions(Options):
 class VehicleStudy(SceneStudy[VehicleOptions]):
     """The motion of a vehicle."""
 
-    options: ClassVar[type[Any]] = VehicleOptions
-    changes: ClassVar[tuple[str, ...]] = ("rule",)
-    files: ClassVar[str] = (
-        "Picture: .svg, .png or .pdf; .csv, .json; parameters of the vehicle's diff_drive_controller: .yaml."
-    )
+    options = VehicleOptions
+    changes = ("rule",)
+    files = "Picture: .svg, .png or .pdf; .csv, .json; parameters of the vehicle's diff_drive_controller: .yaml."
 
     def endings(self, options: VehicleOptions) -> Collection[str]:
         """Parameters of a controller too."""

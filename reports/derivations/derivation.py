@@ -6,7 +6,7 @@ holds no times and no dates, so equal input gives equal bytes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -40,7 +40,7 @@ from nonsmooth.reports.output.files import make_folder, write_whole
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import option_named, refusals_named, require_resolved
 from nonsmooth.reports.output.study_options import Options, option
-from nonsmooth.reports.studies.result import DataTable, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Formats, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
@@ -67,7 +67,7 @@ class ReportResult(Result):
     subject: ReportSubject
     headline: str = ""
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = dict.fromkeys(
+    formats: ClassVar[Formats] = dict.fromkeys(
         REPORT_FORMATS, lambda report, ending: render_report(report, ending).encode()
     )
 
@@ -274,8 +274,8 @@ class NamedScene(NamedTuple):
 class DeriveStudy(SceneStudy[DeriveOptions]):
     """The derivation report."""
 
-    options: ClassVar[type[Any]] = DeriveOptions
-    files: ClassVar[str] = "Report: .html, .tex, .md or .json."
+    options = DeriveOptions
+    files = "Report: .html, .tex, .md or .json."
 
     def endings(self, options: DeriveOptions) -> Collection[str]:
         """Those of reports."""

@@ -16,7 +16,7 @@ from nonsmooth.reports.output.files import output_path
 from nonsmooth.reports.output.progress import notice, progress
 from nonsmooth.reports.output.refusals import option_named
 from nonsmooth.reports.output.study_options import Options, option
-from nonsmooth.reports.studies.result import DataTable, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Formats, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_file import build_scene
@@ -25,8 +25,6 @@ from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.reports.designs.search import Design, Evaluation, Fewest, Wish
     from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
@@ -97,9 +95,7 @@ class DesignResult(Result, Generic[Held]):
     wish: Wish
     array: Held | None = None
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
-        ".toml": lambda found, ending: toml_text(found.design.document).encode()
-    }
+    formats: ClassVar[Formats] = {".toml": lambda found, ending: toml_text(found.design.document).encode()}
 
     @property
     def is_found(self) -> bool:
@@ -264,8 +260,8 @@ class DesignResult(Result, Generic[Held]):
 class DesignStudy(SceneStudy[DesignOptions]):
     """A search for a better array."""
 
-    options: ClassVar[type[Any]] = DesignOptions
-    changes: ClassVar[Sequence[str]] = tuple(name for name in SceneStudy.changes if name != "exact")
+    options = DesignOptions
+    changes = tuple(name for name in SceneStudy.changes if name != "exact")
 
     def load(self, scene: Any, options: DesignOptions, *, allow_outside: bool = False, **changes: Any) -> GivenArray:
         """The given array."""

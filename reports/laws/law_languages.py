@@ -10,19 +10,19 @@ and list it in :data:`LANGUAGES`.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from pprint import pformat
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable, law_table
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.study_options import LawName
-from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Record, Result, short_lines
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, short_text
 
 if TYPE_CHECKING:
@@ -529,7 +529,7 @@ class LawResult(Result):
     law: LawTable
     at: str
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
+    formats: ClassVar[Formats] = {
         **{str(each): lambda found, ending: found.program(Language(ending)).encode() for each in Language},
         ".csv": lambda found, ending: found.comments().encode() + FORMATS[".csv"](found, ending),
     }

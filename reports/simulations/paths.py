@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -49,7 +49,7 @@ from nonsmooth.reports.simulations.path_ends import (
     system_end,
 )
 from nonsmooth.reports.simulations.simulate_options import POSE, SimulateOptions
-from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import require_no_outline, standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
@@ -339,7 +339,7 @@ class ArrayPath(PathResult):
     loop: FeedbackLoop | DrivenLoop | None = None
     heavy: Settled | str | None = None
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
+    formats: ClassVar[Formats] = {
         **FORMATS,
         **dict.fromkeys(FILMS, lambda path, ending: path.film(ending)),
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.output.files import FILMS
@@ -40,8 +40,8 @@ OF_ARRAYS = (
 class Simulate(SceneStudy[SimulateOptions]):
     """Filippov solutions of arrays and of plain systems, one by one or many."""
 
-    options: ClassVar[type[Any]] = SimulateOptions
-    files: ClassVar[str] = (
+    options = SimulateOptions
+    files = (
         "Samples: .csv or .json; picture: .svg, .png or .pdf; of one path of an array also the motion itself: .html (a "
         "page with a slider) or .gif."
     )

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.output.document import Block
 
 Record: TypeAlias = dict[str, Any]
+Formats: TypeAlias = Mapping[str, Callable[[Any, str], bytes]]  # from a result, and an ending, to a file
 
 
 class DataTable(NamedTuple):
@@ -49,7 +50,7 @@ class DataTable(NamedTuple):
 class Result(ABC):
     """What a study has found."""
 
-    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]]  # by the ending of a file; :data:`FORMATS` unless told
+    formats: ClassVar[Formats]  # by the ending of a file; :data:`FORMATS` unless told
 
     @abstractmethod
     def facts(self) -> Record:
@@ -227,7 +228,7 @@ def _picture(result: Result, ending: str) -> bytes:
     return figure_bytes(result.figure, ending)
 
 
-FORMATS: dict[str, Callable[[Any, str], bytes]] = {
+FORMATS: Formats = {
     ".csv": _csv,
     ".json": _json,
     ".parquet": _parquet,

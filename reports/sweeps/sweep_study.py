@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.output.document import Block
 from nonsmooth.reports.output.entries import entry
@@ -139,12 +139,10 @@ class SweepResult(Result):
 class SweepStudy(SceneStudy[SweepOptions]):
     """Many scenes that differ in a few numbers."""
 
-    options: ClassVar[type[Any]] = SweepOptions
-    files: ClassVar[str] = (
-        "Table: .csv, .parquet (needs pyarrow) or .json; picture over one or two numbers: .svg, .png or .pdf."
-    )
+    options = SweepOptions
+    files = "Table: .csv, .parquet (needs pyarrow) or .json; picture over one or two numbers: .svg, .png or .pdf."
 
-    changes: ClassVar[Sequence[str]] = tuple(name for name in SceneStudy.changes if name != "exact")
+    changes = tuple(name for name in SceneStudy.changes if name != "exact")
 
     def load(self, scene: Any, options: SweepOptions, *, allow_outside: bool = False, **changes: Any) -> Base:
         """The scene before anything varies."""
