@@ -76,7 +76,7 @@ class _Path:
         self.pieces = [piece for (start, end), piece in spans if end > start]
         self.spans = [span for span, _ in spans if span[1] > span[0]]
         self.starts = np.array([start for start, _ in self.spans])
-        self.times = np.array([float(time) for time in trajectory.times])
+        self.times = trajectory.t
         self.states = trajectory.array
 
     def poses(self, times: Floats) -> Floats:

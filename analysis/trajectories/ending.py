@@ -69,7 +69,7 @@ def places(path: Trajectory, times: Floats) -> Floats:
     """States (m, n) at times, between the samples of methods that keep no pieces."""
     if path.pieces:
         return path.sample(times)
-    known, states = np.array([float(t) for t in path.times]), path.array
+    known, states = path.t, path.array
     return np.column_stack([np.interp(times, known, column) for column in states.T])
 
 

@@ -223,6 +223,23 @@ class Trajectory(ShortRepr):
         )
 
     @property
+    def t(self) -> NDArray[np.float64]:
+        """Sample times (m,) as floats."""
+        return np.array(_floats(self.times))
+
+    def dense(self, count: int, until: float = math.inf) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Sample times with ``count`` more, evenly up to a last time, and the states there: arcs look round.
+
+        The samples themselves where there are no pieces.
+        """
+        times = self.t
+        if not self.pieces:
+            return times, self.array
+        even = np.linspace(times[0], min(float(times[-1]), until), count)
+        finer = np.unique(np.concatenate([times[np.isfinite(times)], even]))
+        return finer, self.sample(finer.tolist())
+
+    @property
     def array(self) -> NDArray[np.float64]:
         """Sampled states (m, n) as floats."""
         return np.array([_floats(state) for state in self.states])

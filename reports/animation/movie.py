@@ -12,7 +12,16 @@ import numpy as np
 from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import RATE, Film
 from nonsmooth.reports.figures.path import MARKERS, PATH, marked
-from nonsmooth.reports.figures.style import INK, INKED, LABEL, POINTS_PER_INCH, length_label, wrapped
+from nonsmooth.reports.figures.style import (
+    INK,
+    INKED,
+    LABEL,
+    POINTS_PER_INCH,
+    length_label,
+    line_entry,
+    mark_entry,
+    wrapped,
+)
 from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, nearest_gap, placed, wheel_labels
 from nonsmooth.symbolic.numbers.plane import in_floats
 
@@ -108,9 +117,13 @@ class Stage:
 
     def _points(self, length: float) -> float:
         """A length of the plane in points of the figure, as a diameter."""
-        left, right, low, high = self.film.view
-        pixels = min(PLANE[2] * SIZE[0] / (right - left), PLANE[3] * SIZE[1] / (high - low))
-        return 2 * length * pixels * 72
+        return 2 * length * _scale(self.film) * POINTS_PER_INCH
+
+
+def _scale(film: Film) -> float:
+    """Inches of the figure for each unit of length of the plane."""
+    left, right, low, high = film.view
+    return min(PLANE[2] * SIZE[0] / (right - left), PLANE[3] * SIZE[1] / (high - low))
 
 
 def _plane(figure: Figure, film: Film) -> Any:
@@ -156,9 +169,10 @@ def _name_wheels(axes: Any, film: Film) -> None:
     """The names or numbers of the wheels outside of their rings, as their distances allow."""
     from matplotlib.patheffects import withStroke
 
-    (left, right, low, high), shown = film.view, [film.scene.wheels[k] for k in film.shown]
-    scale = min(PLANE[2] * SIZE[0] / (right - left), PLANE[3] * SIZE[1] / (high - low)) * POINTS_PER_INCH
-    size, labels = wheel_labels(shown, nearest_gap(film.places[film.shown], right - left) * scale)
+    (left, right, *_), shown = film.view, [film.scene.wheels[k] for k in film.shown]
+    size, labels = wheel_labels(
+        shown, nearest_gap(film.places[film.shown], right - left) * (_scale(film) * POINTS_PER_INCH)
+    )
     for wheel, label in zip(shown, labels, strict=False):
         x, y = in_floats(wheel.position)
         away = (RING + 0.3) * film.rim
@@ -178,20 +192,18 @@ def _draw_time_line(figure: Figure, film: Film) -> None:
 
 def _explain(figure: Figure, film: Film) -> None:
     """The legend."""
-    from matplotlib.lines import Line2D
-
     ring: Any = {"marker": "o", "linestyle": "none", "markerfacecolor": "none", "markersize": 9}
     slips = figure.axes[0].scatter([], [], s=81, edgecolor=SLIP, facecolor="none", label="carries, slips", **SLIPPING)
     entries = [
-        Line2D([], [], label="carries, sticks", markeredgecolor=STICK, markeredgewidth=2, **ring),
+        line_entry("carries, sticks", markeredgecolor=STICK, markeredgewidth=2, **ring),
         slips,
-        Line2D([], [], label="slip", color=SLIP, marker=r"$\rightarrow$", linestyle="none", markersize=10),
-        Line2D([], [], label="speed of the rim", color=INK, marker=r"$\rightarrow$", linestyle="none", markersize=10),
-        Line2D([], [], label="checked point", color=INK, marker="+", linestyle="none", markersize=9),
-        Line2D([], [], label="body and heading", color=PATH, marker="o", linewidth=2),
+        mark_entry(r"$\rightarrow$", "slip", color=SLIP, markersize=10),
+        mark_entry(r"$\rightarrow$", "speed of the rim", markersize=10),
+        mark_entry("+", "checked point", markersize=9),
+        line_entry("body and heading", color=PATH, marker="o", linewidth=2),
     ]
     if any(film.scene.wheels[k].axis is not None for k in film.shown):
-        entries.append(Line2D([], [], label="friction axis", color=AXIS_COLOR, linewidth=1.2))
+        entries.append(line_entry("friction axis", color=AXIS_COLOR, linewidth=1.2))
     if len(film.shown) < len(film.places):
-        entries.append(Line2D([], [], linestyle="none", label=f"{len(film.shown)} of {len(film.places)} wheels"))
+        entries.append(line_entry(f"{len(film.shown)} of {len(film.places)} wheels", linestyle="none"))
     figure.legend(handles=entries, loc="lower center", ncols=3, frameon=False, fontsize="small")

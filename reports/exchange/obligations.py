@@ -119,7 +119,7 @@ def _of_claim(claim: Claim, theorem: str) -> Iterator[Obligation]:
         yield _with_weights(claim, name)
         return
     for number, own in enumerate(claim.inequalities, 1):
-        hypotheses = [*_guards(own, claim), *(("=", term(h), ZERO) for h in own.zeros.values())]
+        hypotheses = _held(own, claim)
         marked = name if len(claim.inequalities) == 1 else f"{name} [{number}]"
         yield _obligation(claim, marked, (), hypotheses, term(own.value), _border([own], claim))
 
@@ -130,7 +130,7 @@ def _with_weights(claim: Claim, name: str) -> Obligation:
     hypotheses: list[Term] = [(">=", weight, ZERO) for weight in weights]
     hypotheses.append(("=", _joined("+", weights), Fraction(1)))
     for weight, own in zip(weights, claim.inequalities, strict=True):
-        held = dict.fromkeys([*_guards(own, claim), *(("=", term(h), ZERO) for h in own.zeros.values())])
+        held = dict.fromkeys(_held(own, claim))
         if held:
             hypotheses.append(("or", ("=", weight, ZERO), _joined("and", held)))
     multiplied = [(*own.pushes, *own.weak) for own in claim.inequalities]  # by functions mu
@@ -145,12 +145,11 @@ def _mixed(weights: Sequence[str], values: Sequence[Polynomial]) -> Term:
     return _joined("+", (("*", weight, term(value)) for weight, value in zip(weights, values, strict=True)))
 
 
-def _guards(own: Inequality, claim: Claim) -> list[Term]:
-    """The guards: positive where they are open and nothing strict is claimed, else at least zero."""
-    return [
-        (">" if name in own.open and not claim.strict else ">=", term(guard), ZERO)
-        for name, guard in own.guards.items()
-    ]
+def _held(own: Inequality, claim: Claim) -> list[Term]:
+    """Guards, positive where they are open and nothing strict is claimed, else at least zero; and what is zero."""
+    signs = ((">" if name in own.open and not claim.strict else ">=", guard) for name, guard in own.guards.items())
+    zeros = (("=", zero) for zero in own.zeros.values())
+    return [(sign, term(polynomial), ZERO) for sign, polynomial in (*signs, *zeros)]
 
 
 def _border(inequalities: Sequence[Inequality], claim: Claim) -> Term | None:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
@@ -24,6 +23,7 @@ from nonsmooth.reports.figures.style import (
     PALETTE,
     TINT,
     TO_SHOW,
+    Floats,
     centre_labels,
     drawn,
     legend_below,
@@ -91,8 +91,8 @@ class SpeedCurves:
         labels: of the axes, time and speed.
     """
 
-    times: NDArray[np.float64]
-    speeds: NDArray[np.float64]
+    times: Floats
+    speeds: Floats
     wheels: Sequence[int]
     limits: Mapping[int, float]
     labels: tuple[str, str]
@@ -221,19 +221,19 @@ def path_figure(picture: PathPicture) -> Figure:
 def draw_plane(axes: Axes, picture: PathPicture) -> None:
     """The path in the plane of the first two states over its ground; of one state over time."""
     if picture.ground is None:
-        times, states = _dense(picture.trajectory)
+        times, states = picture.trajectory.dense(SAMPLES)
         axes.plot(times, states[:, 0])
         axes.set(xlabel="t", ylabel=picture.labels[0])
         return
     if picture.beside is not None:
-        axes.plot(*_dense(picture.beside[0])[1][:, :2].T, **BESIDE, zorder=3)
-    _draw_path(axes, picture.trajectory, _dense(picture.trajectory)[1])
+        axes.plot(*picture.beside[0].dense(SAMPLES)[1][:, :2].T, **BESIDE, zorder=3)
+    _draw_path(axes, picture.trajectory, picture.trajectory.dense(SAMPLES)[1])
     picture.ground(axes)
     if picture.home:
         axes.plot(*picture.home[:2], marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
 
 
-def _draw_path(axes: Axes, path: Trajectory, states: NDArray[np.float64], mark: str | None = None) -> None:
+def _draw_path(axes: Axes, path: Trajectory, states: Floats, mark: str | None = None) -> None:
     """The path with its start and its events; its pieces carry the mark, if there is one."""
 
     def named(piece: str) -> str | None:
@@ -249,11 +249,11 @@ def _draw_path(axes: Axes, path: Trajectory, states: NDArray[np.float64], mark: 
 
 def _draw_curves(curves: Sequence[Axes], picture: PathPicture) -> None:
     """The states over time, one under the other, with the events marked, and lines at the checked point."""
-    times, states = _dense(picture.trajectory)
+    times, states = picture.trajectory.dense(SAMPLES)
     shown = TO_SHOW if picture.home else np.ones(len(curves))
     for k, axes in enumerate(curves):
         if picture.beside is not None:
-            others, values = _dense(picture.beside[0])
+            others, values = picture.beside[0].dense(SAMPLES)
             axes.plot(others, values[:, k] * shown[k], **BESIDE)
         axes.plot(times, states[:, k] * shown[k], color=PATH, linewidth=1.6)
         for event in marked(picture.trajectory.events):
@@ -323,20 +323,6 @@ def marked(events: Sequence[Event]) -> Sequence[Event]:
     if len(events) <= MOST_MARKS:
         return events
     return [events[round(k * (len(events) - 1) / (MOST_MARKS - 1))] for k in range(MOST_MARKS)]
-
-
-def dense_times(trajectory: Trajectory) -> NDArray[np.float64]:
-    """Times close enough together that curves look round."""
-    return _dense(trajectory)[0]
-
-
-def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times and states close enough together that arcs look round; the samples themselves where there are no pieces."""
-    times = np.array([float(t) for t in trajectory.times])
-    if not trajectory.pieces:
-        return times, trajectory.array
-    finer = np.unique(np.concatenate([times, np.linspace(times[0], times[-1], SAMPLES)]))
-    return finer, trajectory.sample(finer.tolist())
 
 
 # ---- grounds -------------------------------------------------------------------------------------
@@ -445,8 +431,7 @@ def starts_figure(partition: Partition, paths: Sequence[Trajectory]) -> Figure:
 
 def _draw_curves_of(curves: list[Axes], path: Trajectory, mark: str, last: float) -> None:
     """x, y and theta of one path; where the body has come to rest it stays until the ``last`` time of all paths."""
-    times = np.array([float(t) for t in path.times])
-    states = path.array
+    times, states = path.t, path.array
     if times[-1] < last:
         times, states = np.append(times, last), np.vstack([states, states[-1:]])
     for k, axes in enumerate(curves):

@@ -7,6 +7,7 @@ of the prose is written once, and a misspelt one is an error.  ``{}`` takes the 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import cache
 
 from nonsmooth.reports.output.document import Inline, Math, Paragraph, Text
@@ -124,31 +125,37 @@ def prose(text: str, *values: Inline) -> Text:
         ValueError: for a formula outside the notation, or a number of values that does not fit.
     """
     waiting = list(values)
-    parts: list[Inline] = []
-    end = 0
-    for match in _PARTS.finditer(text):
-        parts += [text[end : match.start()]] * (match.start() > end)
-        end = match.end()
-        if match.group(2):
-            if not waiting:
-                raise ValueError(f"required a value for every {{}} of {text!r}, received {len(values)}")
-            parts.append(waiting.pop(0))
-        else:
-            parts.append(_formula(match.group(1)))
+
+    def part(match: re.Match[str]) -> Inline:
+        plain = match.group(1)
+        if not match.group(2):
+            if plain not in _NOTATION:
+                raise ValueError(f"required a formula of the notation, received {plain!r}")
+            return Math(_NOTATION[plain], plain)
+        if not waiting:
+            raise ValueError(f"required a value for every {{}} of {text!r}, received {len(values)}")
+        return waiting.pop(0)
+
+    found = _with_parts(text, _PARTS, part)
     if waiting:
         raise ValueError(f"required a {{}} for every value of {text!r}, received {len(values)} values")
+    return found
+
+
+def _with_parts(text: str, pattern: re.Pattern[str], part: Callable[[re.Match[str]], Inline]) -> Text:
+    """A text with what stands for each match in its place."""
+    parts: list[Inline] = []
+    end = 0
+    for match in pattern.finditer(text):
+        parts += [text[end : match.start()]] * (match.start() > end)
+        parts.append(part(match))
+        end = match.end()
     return (*parts, text[end:]) if text[end:] else tuple(parts)
 
 
 def with_formulas(text: str) -> Text:
     """A sentence of the program in plain notation, with the formulas and exact numbers in it set as such."""
-    parts: list[Inline] = []
-    end = 0
-    for match in _in_sentences().finditer(text):
-        parts += [text[end : match.start()]] * (match.start() > end)
-        parts.append(_number_or_formula(match))
-        end = match.end()
-    return (*parts, text[end:]) if text[end:] or not parts else tuple(parts)
+    return _with_parts(text, _in_sentences(), _number_or_formula) or (text,)
 
 
 @cache
@@ -180,9 +187,3 @@ def listed(values: list[Math]) -> Text:
     for value in values:
         text += [", ", value] if text else [value]
     return tuple(text)
-
-
-def _formula(plain: str) -> Math:
-    if plain not in _NOTATION:
-        raise ValueError(f"required a formula of the notation, received {plain!r}")
-    return Math(_NOTATION[plain], plain)

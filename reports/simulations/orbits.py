@@ -73,7 +73,7 @@ class OrbitResult(Result):
     @property
     def t(self) -> NDArray[np.float64]:
         """Sample times of one turn, shape (m,)."""
-        return np.array([float(t) for t in self.orbit.path.times])
+        return self.orbit.path.t
 
     @property
     def state(self) -> NDArray[np.float64]:

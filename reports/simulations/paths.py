@@ -119,7 +119,7 @@ class PathResult(Result):
     @property
     def t(self) -> NDArray[np.float64]:
         """Sample times, shape (m,)."""
-        return np.array([float(t) for t in self.trajectory.times])
+        return self.trajectory.t
 
     @property
     def state(self) -> NDArray[np.float64]:
@@ -449,7 +449,7 @@ class ArrayPath(PathResult):
 
         if self.partition is None or not isinstance(self.loop, FeedbackLoop):
             raise ValueError("required a closed loop, received the scene's own speeds")
-        at = [float(time) for time in (self.trajectory.times if times is None else times)]
+        at = self.trajectory.t.tolist() if times is None else list(map(float, times))
         leading = self.trajectory.kinematics != Kinematics.EXACT
         pivot = self.scene.check.place if leading else None
         inputs = self.loop.inputs(self.partition)
@@ -482,12 +482,12 @@ class ArrayPath(PathResult):
 
     def _speed_curves(self) -> SpeedCurves | None:
         """The speeds over time; None in the open loop."""
-        from nonsmooth.reports.figures.path import SpeedCurves, dense_times
+        from nonsmooth.reports.figures.path import SAMPLES, SpeedCurves
         from nonsmooth.reports.figures.style import time_label
 
         if not isinstance(self.loop, FeedbackLoop):
             return None
-        times, units = dense_times(self.trajectory), self.scene.units
+        (times, _), units = self.trajectory.dense(SAMPLES), self.scene.units
         wheels = [wheel.index for wheel in self._carrying.wheels]
         labels = time_label("t", units), f"speeds u_i [{units.speed or 'speed'}]"
         return SpeedCurves(times, self.speeds(times), wheels, self.loop.limits, labels)

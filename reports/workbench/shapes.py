@@ -208,7 +208,7 @@ def _followed(made: Array | System, start: list[float], until: float) -> Record:
 
 def path_record(path: Trajectory, until: float) -> Record:
     """Times and states close enough together that curves look round; theta is zero for plain systems."""
-    times, states = _dense(path, until)
+    times, states = path.dense(SAMPLES, until)
     keep = np.isfinite(states).all(axis=1)
     times, states = times[keep], states[keep]
     columns = [*states.T.tolist(), *([[0.0] * len(times)] * 3)][:3]
@@ -224,15 +224,6 @@ def path_record(path: Trajectory, until: float) -> Record:
         "method": path.method,
         "error": None,
     }
-
-
-def _dense(path: Trajectory, until: float) -> tuple[Any, Any]:
-    own = np.array([float(time) for time in path.times])
-    if not path.pieces:
-        return own, path.array
-    last = min(float(own[-1]), until)
-    finer = np.unique(np.concatenate([own[np.isfinite(own)], np.linspace(own[0], last, SAMPLES)]))
-    return finer, path.sample(finer.tolist())
 
 
 def _event_record(event: Event) -> Record:
