@@ -83,11 +83,38 @@ class MeasurementResult(Result):
 
     def draw(self, ax: Axes) -> None:
         """The errors of all rows, one line for each name."""
-        draw_cases(ax, self.run.rows)
+        rows = self.run.rows
+        cases = list(dict.fromkeys(row.name for row in rows))
+        ax.set(xlabel="relative error against exact or 60-digit arithmetic")
+        ax.set_yticks(range(len(cases)), cases)
+        for k, (label, ok) in enumerate((("ok", True), ("not ok", False))):
+            own = [(row.error, float(cases.index(row.name))) for row in rows if row.ok is ok]
+            points = [
+                (max(min(x, LARGEST), NOTHING) if math.isfinite(x) else LARGEST, y) for x, y in own if x is not None
+            ]
+            _draw_series(ax, k, label, points, [(NOTHING, y) for x, y in own if x is None], NOTHING, "none")
+        ax.invert_yaxis()
+        _finish(ax, NOTHING)
 
     def figure(self) -> Figure:
         """The errors: a panel for each study, or one for all cases."""
-        return measurements_figure(self.head, self.run, of_studies=isinstance(self, Precision))
+        run, of_studies = self.run, isinstance(self, Precision)
+        studies = [measured for measured in run.measured if any(row.setting is not None for row in measured.rows)]
+        cases = list(dict.fromkeys(row.name for row in run.rows))
+        panels = max(1, len(studies)) if of_studies else 1
+        columns, rows = min(COLUMNS, panels), math.ceil(panels / COLUMNS)
+        height = PANEL[1] if of_studies else 1.0 + CASE_HEIGHT * len(cases)
+        figure = new_figure(PANEL[0] * columns, height * rows + 0.8)
+        figure.suptitle(self.head, fontsize="large", parse_math=False)
+        if not of_studies:
+            self.draw(figure.add_subplot())
+        elif not studies:
+            figure.text(0.5, 0.5, "no rows with a setting to draw", ha="center")
+        else:
+            for k, measured in enumerate(studies):
+                _draw_study(figure.add_subplot(rows, columns, k + 1), measured, run.limits.seconds)
+        _explain(figure, of_studies)
+        return figure
 
 
 def _plain(value: Any) -> Any:
@@ -291,26 +318,6 @@ CASE_HEIGHT = 0.24  # inches
 Points = list[XY]
 
 
-def measurements_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
-    """The picture as a Matplotlib figure: one panel for each study, or one for all cases."""
-    studies = [measured for measured in run.measured if any(row.setting is not None for row in measured.rows)]
-    cases = list(dict.fromkeys(row.name for row in run.rows))
-    panels = max(1, len(studies)) if of_studies else 1
-    columns, rows = min(COLUMNS, panels), math.ceil(panels / COLUMNS)
-    height = PANEL[1] if of_studies else 1.0 + CASE_HEIGHT * len(cases)
-    figure = new_figure(PANEL[0] * columns, height * rows + 0.8)
-    figure.suptitle(head, fontsize="large", parse_math=False)
-    if not of_studies:
-        draw_cases(figure.add_subplot(), run.rows)
-    elif not studies:
-        figure.text(0.5, 0.5, "no rows with a setting to draw", ha="center")
-    else:
-        for k, measured in enumerate(studies):
-            _draw_study(figure.add_subplot(rows, columns, k + 1), measured, run.limits.seconds)
-    _explain(figure, of_studies)
-    return figure
-
-
 def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
     """Error and processor time; the settings of a method are joined in their order."""
     study, floor = measured.study, _floor(measured)
@@ -328,19 +335,6 @@ def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
         _draw_series(axes, k, method, points, without, floor, "-")
     axes.axhline(limit, color="0.5", linewidth=0.8, linestyle="--", zorder=1)
     _finish(axes, floor)
-
-
-def draw_cases(axes: Axes, rows: Sequence[ResultRow]) -> None:
-    """Error and case."""
-    cases = list(dict.fromkeys(row.name for row in rows))
-    axes.set(xlabel="relative error against exact or 60-digit arithmetic")
-    axes.set_yticks(range(len(cases)), cases)
-    for k, (label, ok) in enumerate((("ok", True), ("not ok", False))):
-        own = [(row.error, float(cases.index(row.name))) for row in rows if row.ok is ok]
-        points = [(max(min(x, LARGEST), NOTHING) if math.isfinite(x) else LARGEST, y) for x, y in own if x is not None]
-        _draw_series(axes, k, label, points, [(NOTHING, y) for x, y in own if x is None], NOTHING, "none")
-    axes.invert_yaxis()
-    _finish(axes, NOTHING)
 
 
 def _draw_series(axes: Axes, k: int, label: str, points: Points, without: Points, floor: float, linestyle: str) -> None:

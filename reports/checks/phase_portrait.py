@@ -124,12 +124,72 @@ class PhasePortrait(Result):
         return f"{len(self.cells)} cells (cut along the axes, too), {self.stability.verdict}"
 
     def draw(self, ax: Axes) -> None:
-        """Field lines, nullclines, borders, and the V that proves stability with its region."""
-        draw_portrait(ax, self)
+        """Everything, in the displacement from the checked point."""
+        half = float(self.system.check.radius)
+        line = np.linspace(-half, half, MESH)
+        xs, ys = np.meshgrid(line, line)
+        rates = sampled_rates(self.cells, self.fields, xs, ys)
+        ax.streamplot(line, line, *rates, color=FIELD, linewidth=0.6, density=1.3, arrowsize=0.7, zorder=1)
+        self._draw_nullclines(ax, xs, ys)
+        self._draw_curves(ax, xs, ys)
+        self.draw_borders(ax)
+        self.draw_potential(ax)
+        ax.plot([0], [0], "o", color=INK, markersize=5, zorder=6, label="checked point")
+        x, y = self.system.states
+        ax.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
 
     def figure(self) -> Figure:
-        """The same with a legend."""
-        return portrait_figure(self)
+        """The portrait with a legend."""
+        figure = new_figure(SIZE, SIZE * 1.12)
+        self.draw(figure.add_subplot())
+        legend_below(figure, columns=3, fontsize="small")
+        everywhere = ", from everywhere" if self.stability.reach.everywhere else ""
+        title_figure(figure, f"{one_line(self.system.name)}: {self.stability.verdict}{everywhere}")
+        return figure
+
+    def _draw_nullclines(self, axes: Axes, xs: Floats, ys: Floats) -> None:
+        """Where one rate vanishes inside a cell."""
+        for k, (name, color) in enumerate(zip(self.system.states, NULLCLINES, strict=True)):
+            drawn = False
+            for cell, field in zip(self.cells, self.fields, strict=True):
+                values = np.where(inside(cell, xs, ys), rate_values(field, xs, ys)[k], np.nan)
+                known = values[~np.isnan(values)]
+                if known.size and known.min() < 0 < known.max():
+                    axes.contour(xs, ys, values, levels=[0.0], colors=color, linewidths=1.4, zorder=2)
+                    drawn = True
+            if drawn:
+                axes.plot([], [], color=color, linewidth=1.4, label=f"{name}' = 0")
+
+    def _draw_curves(self, axes: Axes, xs: Floats, ys: Floats) -> None:
+        """Switching curves, each once."""
+        for guard in dict.fromkeys(guard for cell in self.cells for guard in cell.region.guards):
+            values = polynomial_values(guard, xs, ys)
+            if values.min() < 0 < values.max():
+                axes.contour(xs, ys, values, levels=[0.0], colors=CURVE, linestyles="--", linewidths=1.0, zorder=3)
+
+    def draw_borders(self, axes: Axes) -> None:
+        """Straight borders, their kinds told apart by form."""
+        named: set[BorderKind] = set()
+        for part in self.borders:
+            ends = [[float(end[k]) for end in (part.start, part.end)] for k in (0, 1)]
+            label = "" if part.kind in named else f"border: {part.kind}"
+            axes.plot(*ends, **BORDERS[part.kind], zorder=4, label=label or "_")
+            named.add(part.kind)
+
+    def draw_potential(self, axes: Axes) -> None:
+        """Level sets of the V that proves the verdict, over the square on which it is proved."""
+        function, region = self.stability.function, self.stability.reach.region
+        if function is None:
+            return
+        half = float(function.domain.radius or self.system.check.radius)
+        line = np.linspace(-half, half, MESH)
+        xs, ys = np.meshgrid(line, line)
+        potential = sampled_potential(function.result.cells, xs, ys)
+        axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
+        axes.plot([], [], color=REGION, linewidth=0.5, label="level sets of V")
+        if region is not None and region.falls:
+            axes.contour(xs, ys, potential, levels=[float(region.level)], colors=REGION, linewidths=2.0, zorder=5)
+            axes.plot([], [], color=REGION, linewidth=2.0, label="certified region")
 
 
 def _corners(cell: FieldCell) -> tuple[Point, ...]:
@@ -141,83 +201,6 @@ def _border_record(part: BorderPart) -> Record:
     if part.is_exact:
         return {**with_exact(ends), "kind": str(part.kind)}
     return {**{key: [float(v) for v in end] for key, end in ends.items()}, "exact": {}, "kind": str(part.kind)}
-
-
-# ---- the picture -----------------------------------------------------------------------------------
-
-
-def portrait_figure(portrait: PhasePortrait) -> Figure:
-    """The portrait with a legend."""
-    figure = new_figure(SIZE, SIZE * 1.12)
-    draw_portrait(figure.add_subplot(), portrait)
-    legend_below(figure, columns=3, fontsize="small")
-    everywhere = ", from everywhere" if portrait.stability.reach.everywhere else ""
-    title_figure(figure, f"{one_line(portrait.system.name)}: {portrait.stability.verdict}{everywhere}")
-    return figure
-
-
-def draw_portrait(axes: Axes, portrait: PhasePortrait) -> None:
-    """Everything on given axes, in the displacement from the checked point."""
-    half = float(portrait.system.check.radius)
-    line = np.linspace(-half, half, MESH)
-    xs, ys = np.meshgrid(line, line)
-    rates = sampled_rates(portrait.cells, portrait.fields, xs, ys)
-    axes.streamplot(line, line, *rates, color=FIELD, linewidth=0.6, density=1.3, arrowsize=0.7, zorder=1)
-    _draw_nullclines(axes, portrait, xs, ys)
-    _draw_curves(axes, portrait, xs, ys)
-    draw_borders(axes, portrait)
-    draw_potential(axes, portrait)
-    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6, label="checked point")
-    x, y = portrait.system.states
-    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=x, ylabel=y, aspect="equal")
-
-
-def _draw_nullclines(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats) -> None:
-    """Where one rate vanishes inside a cell."""
-    for k, (name, color) in enumerate(zip(portrait.system.states, NULLCLINES, strict=True)):
-        drawn = False
-        for cell, field in zip(portrait.cells, portrait.fields, strict=True):
-            values = np.where(inside(cell, xs, ys), rate_values(field, xs, ys)[k], np.nan)
-            known = values[~np.isnan(values)]
-            if known.size and known.min() < 0 < known.max():
-                axes.contour(xs, ys, values, levels=[0.0], colors=color, linewidths=1.4, zorder=2)
-                drawn = True
-        if drawn:
-            axes.plot([], [], color=color, linewidth=1.4, label=f"{name}' = 0")
-
-
-def _draw_curves(axes: Axes, portrait: PhasePortrait, xs: Floats, ys: Floats) -> None:
-    """Switching curves, each once."""
-    for guard in dict.fromkeys(guard for cell in portrait.cells for guard in cell.region.guards):
-        values = polynomial_values(guard, xs, ys)
-        if values.min() < 0 < values.max():
-            axes.contour(xs, ys, values, levels=[0.0], colors=CURVE, linestyles="--", linewidths=1.0, zorder=3)
-
-
-def draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
-    """Straight borders, their kinds told apart by form."""
-    named: set[BorderKind] = set()
-    for part in portrait.borders:
-        ends = [[float(end[k]) for end in (part.start, part.end)] for k in (0, 1)]
-        label = "" if part.kind in named else f"border: {part.kind}"
-        axes.plot(*ends, **BORDERS[part.kind], zorder=4, label=label or "_")
-        named.add(part.kind)
-
-
-def draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
-    """Level sets of the V that proves the verdict, over the square on which it is proved."""
-    function, region = portrait.stability.function, portrait.stability.reach.region
-    if function is None:
-        return
-    half = float(function.domain.radius or portrait.system.check.radius)
-    line = np.linspace(-half, half, MESH)
-    xs, ys = np.meshgrid(line, line)
-    potential = sampled_potential(function.result.cells, xs, ys)
-    axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
-    axes.plot([], [], color=REGION, linewidth=0.5, label="level sets of V")
-    if region is not None and region.falls:
-        axes.contour(xs, ys, potential, levels=[float(region.level)], colors=REGION, linewidths=2.0, zorder=5)
-        axes.plot([], [], color=REGION, linewidth=2.0, label="certified region")
 
 
 # ---- values at many points -----------------------------------------------------------------------

@@ -229,9 +229,9 @@ class SystemCheckResult(FactResult):
             super().draw(ax)
             return
         if basin is None:
-            from nonsmooth.reports.checks.phase_portrait import PhasePortrait, draw_portrait
+            from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 
-            draw_portrait(ax, PhasePortrait(system, self.evidence))
+            PhasePortrait(system, self.evidence).draw(ax)
         else:
             from nonsmooth.reports.figures.cells import draw_triangles
 

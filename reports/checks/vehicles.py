@@ -196,12 +196,35 @@ class VehicleResult(Result):
         return DataTable(("left", "right", "curvature", *motion, "left_centre", "right_centre", "multiplier"), lines)
 
     def draw(self, ax: Axes) -> None:
-        """The wheels with slips and forces."""
-        draw_vehicle(ax, self.own)
+        """The wheels with slips and forces, the centre of mass and the instant centre."""
+        motion, scene = self.own, self.vehicle.scene
+        places = float_points(wheel.position for wheel in scene.wheels)
+        half = 0.75 * float(np.ptp(places, axis=0).max())
+        x, y = (places.min(axis=0) + places.max(axis=0)) / 2
+        for wheel in scene.wheels:
+            draw_wheel(ax, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
+        along = float_points(wheel.unit_grip for wheel in scene.wheels)
+        frames = np.stack([along, turned(along)], axis=1)
+        fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
+        _draw_arrows(ax, places, frames, motion.slips, fastest, 2 * half * REACH, LINES[1], "slip over the ground")
+        _draw_arrows(ax, places, frames, motion.forces, 1.0, 2 * half * REACH, LINES[0], "friction force")
+        centre = in_floats(self.vehicle.centre_of_mass)
+        ax.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
+        if motion.icr is not None:
+            ax.plot(*motion.icr, "o", color=LINES[2], fillstyle="none", label="instant centre")
+        ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
+        ax.set(xlabel=length_label("x (forward)", scene.units), ylabel=length_label("y (left)", scene.units))
+        ax.set_title(wrapped(f"{one_line(scene.name)}, rule {motion.rule.name}"), parse_math=False, fontsize="medium")
 
     def figure(self) -> Figure:
-        """The wheels with slips and forces, and the instant centres over curvature."""
-        return vehicle_figure(self.own, self.turns)
+        """The wheels with slips and forces; beside them the instant centres, where there are turns."""
+        figure = new_figure(10 if self.turns else 5.5, 5.5)
+        panels = figure.subplots(1, 2 if self.turns else 1, squeeze=False)[0]
+        self.draw(panels[0])
+        legend_below(figure, panels[0].get_legend_handles_labels()[0], 4, fontsize="small")
+        if self.turns:
+            _draw_turns(panels[1], self.turns)
+        return figure
 
     # ---- text ------------------------------------------------------------------------------------
 
@@ -332,39 +355,6 @@ def _multiplier_cell(motion: VehicleMotion) -> str:
 RIM = 0.05  # half of a rim's length, of the width of the view
 REACH = 0.22  # length of the largest arrow, of the width of the view
 TOO_SMALL = 1e-9  # slips beside the largest speed, and forces beside the weight, that are no more than rounding
-
-
-def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figure:
-    """Wheels with slips and forces; beside them the instant centres, where there are turns."""
-    figure = new_figure(10 if turns else 5.5, 5.5)
-    panels = figure.subplots(1, 2 if turns else 1, squeeze=False)[0]
-    draw_vehicle(panels[0], motion)
-    legend_below(figure, panels[0].get_legend_handles_labels()[0], 4, fontsize="small")
-    if turns:
-        _draw_turns(panels[1], turns)
-    return figure
-
-
-def draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
-    """Wheels with slips and forces, the centre of mass and the instant centre."""
-    scene = motion.vehicle.scene
-    places = float_points(wheel.position for wheel in scene.wheels)
-    half = 0.75 * float(np.ptp(places, axis=0).max())
-    x, y = (places.min(axis=0) + places.max(axis=0)) / 2
-    for wheel in scene.wheels:
-        draw_wheel(axes, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
-    along = float_points(wheel.unit_grip for wheel in scene.wheels)
-    frames = np.stack([along, turned(along)], axis=1)
-    fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
-    _draw_arrows(axes, places, frames, motion.slips, fastest, 2 * half * REACH, LINES[1], "slip over the ground")
-    _draw_arrows(axes, places, frames, motion.forces, 1.0, 2 * half * REACH, LINES[0], "friction force")
-    centre = in_floats(motion.vehicle.centre_of_mass)
-    axes.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
-    if motion.icr is not None:
-        axes.plot(*motion.icr, "o", color=LINES[2], fillstyle="none", label="instant centre")
-    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
-    axes.set(xlabel=length_label("x (forward)", scene.units), ylabel=length_label("y (left)", scene.units))
-    axes.set_title(wrapped(f"{one_line(scene.name)}, rule {motion.rule.name}"), parse_math=False, fontsize="medium")
 
 
 def _draw_arrows(

@@ -227,14 +227,6 @@ class BodyMapResult(MapResult):
             lines.append([*start, float(found.times[k]), *pose, reason, over, self.destination_of[k] + 1])
         return DataTable(names, lines)
 
-    def draw(self, ax: Axes) -> None:
-        """Starts by where they end."""
-        draw_destinations(ax, self)
-
-    def figure(self) -> Figure:
-        """Starts by where they end, and the body at each destination."""
-        return destinations_figure(self)
-
     @property
     def parts(self) -> list[Part]:
         """How many starts end in each way; with rest, at how many places."""
@@ -306,6 +298,101 @@ class BodyMapResult(MapResult):
         """How many starts."""
         return f"{self.options.grid} x {self.options.grid} starts"
 
+    def draw(self, ax: Axes) -> None:
+        """Starts by color; those that tip are hatched."""
+        from matplotlib.colors import to_rgb
+        from matplotlib.patches import Rectangle
+
+        points = self.found.starts[:, :2]
+        steps = np.ptp(points, axis=0) / (grid_side(points) - 1)
+        table = np.array([to_rgb(color) for color in _colors(self.destinations)])
+        draw_grid(ax, points, table[self.destination_of], zorder=0)
+        fallen = self.found.by(BodyEnd.TIPS) | self.found.by(BodyEnd.LEAVES)
+        for x, y in points[fallen] - PIXEL * steps / 2:
+            ax.add_patch(Rectangle((x, y), *(PIXEL * steps), fill=False, hatch=HATCH, edgecolor=INK, linewidth=0.0))
+        left, right, low, high = grid_extent(points)
+        ax.set(xlim=(left, right), ylim=(low, high), aspect="equal", title="where a start ends")
+
+    def figure(self) -> Figure:
+        """Starts by where they end, and the body at each destination."""
+        entries: list[Artist] = [*self._legend()]
+        entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
+        # a body that covers all wheels has no outline to show, and one that moves on no place for it
+        has_bodies = self.scene.body is not None and any(one.pose is not None for one in self.destinations)
+        if has_bodies:
+            entries += [
+                line_entry("body where it rests, arrow: its heading", color=INK, linewidth=2),
+                line_entry("the same, at the outermost headings", color=INK, linewidth=1, alpha=0.5),
+            ]
+        panes = 2 if has_bodies else 1
+        figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
+        figure.set_layout_engine("compressed")
+        starts, *others = figure.subplots(1, panes, squeeze=False)[0]
+        self.draw(starts)
+        self._draw_contacts(starts)
+        draw_checked_point(starts, self.scene)
+        starts.set(**start_labels(self.scene.units))
+        for ends in others:
+            self._draw_bodies(ends)
+            self._draw_contacts(ends)
+            ends.set(**centre_labels(self.scene.units))
+        turned = f"heading {degrees_text(self.options.heading)}"
+        head = f"{self.title}: {self.head}, {turned}, sampled{massless(self.scene)}"
+        title_figure(figure, f"{head}\n{self.summary()}")
+        legend_below(figure, entries)
+        return figure
+
+    def _draw_bodies(self, axes: Axes) -> None:
+        """The outline at each destination: at the middle heading, and faintly at the outermost ones."""
+        outline = outline_of(self.scene)
+        axes.set(aspect="equal", title="the body at its destinations")
+        resting = [(one, color) for one, color in zip(self.destinations, _colors(self.destinations), strict=True)]
+        resting = [(one, color) for one, color in resting if one.pose is not None][: len(TOLD_APART)]
+        if outline is None or not resting:
+            return
+        reach = float(np.hypot(*outline.T).max())
+        for one, color in resting:
+            x, y, theta = one.pose or (0.0, 0.0, 0.0)
+            for heading in one.headings or ():
+                axes.fill(
+                    *placed(outline, np.array([x, y, heading])).T, fill=False, edgecolor=color, alpha=0.5, zorder=2
+                )
+            axes.fill(*placed(outline, np.array([x, y, theta])).T, fill=False, edgecolor=color, linewidth=2.0, zorder=3)
+            nose = np.array([x, y]) + 0.5 * reach * np.array([np.cos(theta), np.sin(theta)])
+            arrow = axes.annotate("", xy=tuple(nose), xytext=(x, y), arrowprops={"arrowstyle": "-|>", "color": color})
+            arrow.set_in_layout(False)
+        centres = np.array([one.pose[:2] for one, _ in resting if one.pose is not None])
+        low, high = centres.min(axis=0) - NEAR * reach, centres.max(axis=0) + NEAR * reach
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+
+    def _draw_contacts(self, axes: Axes) -> None:
+        """Wheels as dots with their names, where there is room; the view stays."""
+        limits = {"xlim": axes.get_xlim(), "ylim": axes.get_ylim()}
+        places = float_points(wheel.position for wheel in self.scene.wheels)
+        axes.plot(*places.T, linestyle="none", marker=".", markersize=3, color=INK, zorder=5)
+        axes.set(**limits)
+        draw_names(axes, self.scene, AXES_SHARE * SIZE[0] / 2 * POINTS_PER_INCH)
+        for name in axes.texts:  # those of wheels at the border would lie on the numbers of the axes
+            name.set_clip_path(axes.patch)
+
+    def _legend(self) -> list[Patch]:
+        """An entry for each color."""
+        from matplotlib.patches import Patch
+
+        entries, others = [], list[PathEnd]()
+        found = self.destinations
+        for k, (one, color) in enumerate(zip(found, _colors(found), strict=True)):
+            if one.reason is BodyEnd.REST and k >= len(TOLD_APART):
+                others.append(one)
+                continue
+            hatch = HATCH if color == TIPS else None
+            label = f"{100 * one.share:.3g} %: {self.in_words(one.text)}"
+            entries.append(Patch(facecolor=color, edgecolor=INK, hatch=hatch, label=label))
+        if others:
+            share = 100 * sum(one.share for one in others)
+            entries.append(Patch(facecolor=OTHER_PLACES, label=f"{share:.3g} %: {len(others)} other places of rest"))
+        return entries
+
 
 def _record(one: PathEnd) -> Record:
     pose = None if one.pose is None else list(one.pose)
@@ -324,36 +411,6 @@ def _end(pose: list[float], found: BodyEnds, k: int) -> Record:
 # ---- the picture -----------------------------------------------------------------------------------
 
 
-def destinations_figure(shown: BodyMapResult) -> Figure:
-    """Starts by where they end, and the body at each destination."""
-    entries: list[Artist] = [*_destinations_legend(shown)]
-    entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
-    # a body that covers all wheels has no outline to show, and one that moves on no place for it
-    has_bodies = shown.scene.body is not None and any(one.pose is not None for one in shown.destinations)
-    if has_bodies:
-        entries += [
-            line_entry("body where it rests, arrow: its heading", color=INK, linewidth=2),
-            line_entry("the same, at the outermost headings", color=INK, linewidth=1, alpha=0.5),
-        ]
-    panes = 2 if has_bodies else 1
-    figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
-    figure.set_layout_engine("compressed")
-    starts, *others = figure.subplots(1, panes, squeeze=False)[0]
-    draw_destinations(starts, shown)
-    _draw_contacts(starts, shown)
-    draw_checked_point(starts, shown.scene)
-    starts.set(**start_labels(shown.scene.units))
-    for ends in others:
-        _draw_bodies(ends, shown)
-        _draw_contacts(ends, shown)
-        ends.set(**centre_labels(shown.scene.units))
-    turned = f"heading {degrees_text(shown.options.heading)}"
-    head = f"{shown.title}: {shown.head}, {turned}, sampled{massless(shown.scene)}"
-    title_figure(figure, f"{head}\n{shown.summary()}")
-    legend_below(figure, entries)
-    return figure
-
-
 def _colors(found: list[PathEnd]) -> list[str]:
     """One for each destination."""
     colors = []
@@ -364,71 +421,3 @@ def _colors(found: list[PathEnd]) -> list[str]:
             moving = AT_POINT if one.where and one.where != ELSEWHERE else MOVING
             colors.append(TIPS if one.reason in {BodyEnd.TIPS, BodyEnd.LEAVES} else moving)
     return colors
-
-
-def draw_destinations(axes: Axes, shown: BodyMapResult) -> None:
-    """Starts by color; those that tip are hatched."""
-    from matplotlib.colors import to_rgb
-    from matplotlib.patches import Rectangle
-
-    points = shown.found.starts[:, :2]
-    steps = np.ptp(points, axis=0) / (grid_side(points) - 1)
-    table = np.array([to_rgb(color) for color in _colors(shown.destinations)])
-    draw_grid(axes, points, table[shown.destination_of], zorder=0)
-    fallen = shown.found.by(BodyEnd.TIPS) | shown.found.by(BodyEnd.LEAVES)
-    for x, y in points[fallen] - PIXEL * steps / 2:
-        axes.add_patch(Rectangle((x, y), *(PIXEL * steps), fill=False, hatch=HATCH, edgecolor=INK, linewidth=0.0))
-    left, right, low, high = grid_extent(points)
-    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", title="where a start ends")
-
-
-def _draw_bodies(axes: Axes, shown: BodyMapResult) -> None:
-    """The outline at each destination: at the middle heading, and faintly at the outermost ones."""
-    outline = outline_of(shown.scene)
-    axes.set(aspect="equal", title="the body at its destinations")
-    resting = [(one, color) for one, color in zip(shown.destinations, _colors(shown.destinations), strict=True)]
-    resting = [(one, color) for one, color in resting if one.pose is not None][: len(TOLD_APART)]
-    if outline is None or not resting:
-        return
-    reach = float(np.hypot(*outline.T).max())
-    for one, color in resting:
-        x, y, theta = one.pose or (0.0, 0.0, 0.0)
-        for heading in one.headings or ():
-            axes.fill(*placed(outline, np.array([x, y, heading])).T, fill=False, edgecolor=color, alpha=0.5, zorder=2)
-        axes.fill(*placed(outline, np.array([x, y, theta])).T, fill=False, edgecolor=color, linewidth=2.0, zorder=3)
-        nose = np.array([x, y]) + 0.5 * reach * np.array([np.cos(theta), np.sin(theta)])
-        arrow = axes.annotate("", xy=tuple(nose), xytext=(x, y), arrowprops={"arrowstyle": "-|>", "color": color})
-        arrow.set_in_layout(False)
-    centres = np.array([one.pose[:2] for one, _ in resting if one.pose is not None])
-    low, high = centres.min(axis=0) - NEAR * reach, centres.max(axis=0) + NEAR * reach
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-
-
-def _draw_contacts(axes: Axes, shown: BodyMapResult) -> None:
-    """Wheels as dots with their names, where there is room; the view stays."""
-    limits = {"xlim": axes.get_xlim(), "ylim": axes.get_ylim()}
-    places = float_points(wheel.position for wheel in shown.scene.wheels)
-    axes.plot(*places.T, linestyle="none", marker=".", markersize=3, color=INK, zorder=5)
-    axes.set(**limits)
-    draw_names(axes, shown.scene, AXES_SHARE * SIZE[0] / 2 * POINTS_PER_INCH)
-    for name in axes.texts:  # those of wheels at the border would lie on the numbers of the axes
-        name.set_clip_path(axes.patch)
-
-
-def _destinations_legend(result: BodyMapResult) -> list[Patch]:
-    """An entry for each color."""
-    from matplotlib.patches import Patch
-
-    entries, others = [], list[PathEnd]()
-    found = result.destinations
-    for k, (one, color) in enumerate(zip(found, _colors(found), strict=True)):
-        if one.reason is BodyEnd.REST and k >= len(TOLD_APART):
-            others.append(one)
-            continue
-        hatch = HATCH if color == TIPS else None
-        label = f"{100 * one.share:.3g} %: {result.in_words(one.text)}"
-        entries.append(Patch(facecolor=color, edgecolor=INK, hatch=hatch, label=label))
-    if others:
-        share = 100 * sum(one.share for one in others)
-        entries.append(Patch(facecolor=OTHER_PLACES, label=f"{share:.3g} %: {len(others)} other places of rest"))
-    return entries

@@ -285,12 +285,84 @@ class SettleMapResult(MapResult):
         return f"{one_line(self.partition.scene.name)}: {what}"
 
     def draw(self, ax: Axes) -> None:
-        """Where each start ends."""
-        draw_ends(ax, self)
+        """Ends by color, over the cells; what is not unique is darker."""
+        from matplotlib.colors import to_rgb, to_rgba
+
+        found = self.found
+        colors = np.zeros((len(found.ends), 3))
+        for basin, color in self._colored():
+            colors[list(basin.kinds)] = to_rgb(color)
+        ax.set_title("end")
+        draw_grid(ax, found.starts, colors[found.basin])
+        veil = np.zeros((len(found.starts), 4))
+        veil[~found.unique] = to_rgba(INK, SHADE)
+        draw_grid(ax, found.starts, veil)
+        _draw_cell_borders(ax, self.partition)
+        ax.set(**start_labels(self.partition.scene.units), aspect="equal")
 
     def figure(self) -> Figure:
-        """Where each start ends, when, and at which heading."""
-        return ends_figure(self)
+        """Where each start ends, when, and at which heading.
+
+        Raises:
+            SceneError: where the square is too large, too small or too far away to be drawn with floats.
+        """
+        scene = self.partition.scene
+        require_drawable(scene)
+        entries = self._legend()
+        figure = new_figure(SIZE[0], SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
+        rows = figure.add_gridspec(2, 3, height_ratios=(1, SCALE))
+        heading, arrival, ends = (figure.add_subplot(rows[0, k]) for k in range(3))
+        self._draw_heading(heading, figure.add_subplot(rows[1, 0]))
+        self._draw_arrival(arrival, figure.add_subplot(rows[1, 1]))
+        self.draw(ends)
+        for axes in (heading, arrival):
+            _draw_cell_borders(axes, self.partition)
+            axes.set(**start_labels(scene.units), aspect="equal")
+        for axes in (arrival, ends):
+            axes.set_ylabel("")
+            axes.tick_params(labelleft=False)
+        title_figure(figure, f"{self.head}\n{self.summary()}")
+        legend_below(figure, entries)
+        return figure
+
+    def _draw_heading(self, axes: Axes, scale: Axes) -> None:
+        from matplotlib.colors import CenteredNorm
+
+        found, start = self.found, self.options.heading
+        values = np.degrees(np.where(found.settled, found.theta, np.nan))
+        start = math.degrees(start)
+        turned = np.abs(values[found.settled] - start)
+        norm = CenteredNorm(start, float(turned.max(initial=0.0)) or 1.0)
+        axes.set_title(f"heading at rest ({start:.6g} deg at the start)")
+        _draw_numbers(axes, scale, found.starts, values, "heading at rest [deg]", cmap=HEADINGS, norm=norm)
+
+    def _draw_arrival(self, axes: Axes, scale: Axes) -> None:
+        found, label = self.found, time_label("t", self.partition.scene.units)
+        values = np.where(found.arrived, found.arrival, np.nan)
+        latest = float(values[found.arrived].max(initial=0.0)) or 1.0
+        axes.set_title(f"time of arrival{massless(self.partition.scene)}")
+        _draw_numbers(axes, scale, found.starts, values, label, cmap=TIMES, vmin=0.0, vmax=latest)
+
+    def _colored(self) -> list[tuple[Basin, str]]:
+        return [(basin, TOLD_APART[k] if k < len(TOLD_APART) else OTHER_ENDS) for k, basin in enumerate(self.basins)]
+
+    def _legend(self) -> list[Patch]:
+        """An entry for each color, and for what else occurs."""
+        from matplotlib.patches import Patch
+
+        found, colored = self.found, self._colored()
+        entries = [
+            Patch(facecolor=color, label=f"{percent_text(basin.share)}: {basin.text}")
+            for basin, color in colored[: len(TOLD_APART)]
+        ]
+        if others := colored[len(TOLD_APART) :]:
+            label = f"{percent_text(sum(basin.share for basin, _ in others))}: {len(others)} other ends"
+            entries.append(Patch(facecolor=OTHER_ENDS, edgecolor="0.6", label=label))
+        if not found.unique.all():
+            entries.append(Patch(facecolor=INK, alpha=SHADE, label="darker: several solutions, one of them is drawn"))
+        if not (found.settled & found.arrived).all():
+            entries.append(Patch(label=NO_NUMBER, **NOTHING))
+        return entries
 
 
 def build_settle_map(scene: Scene, options: SimulateOptions) -> SettleMapResult:
@@ -331,52 +403,6 @@ def _range(values: Any) -> list[float] | None:
 # ---- the picture -----------------------------------------------------------------------------------
 
 
-def ends_figure(result: SettleMapResult) -> Figure:
-    """Where each start ends, when, and at which heading.
-
-    Raises:
-        SceneError: where the square is too large, too small or too far away to be drawn with floats.
-    """
-    scene = result.partition.scene
-    require_drawable(scene)
-    entries = _ends_legend(result)
-    figure = new_figure(SIZE[0], SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
-    rows = figure.add_gridspec(2, 3, height_ratios=(1, SCALE))
-    heading, arrival, ends = (figure.add_subplot(rows[0, k]) for k in range(3))
-    _draw_heading(heading, figure.add_subplot(rows[1, 0]), result)
-    _draw_arrival(arrival, figure.add_subplot(rows[1, 1]), result)
-    draw_ends(ends, result)
-    for axes in (heading, arrival):
-        _draw_cell_borders(axes, result.partition)
-        axes.set(**start_labels(scene.units), aspect="equal")
-    for axes in (arrival, ends):
-        axes.set_ylabel("")
-        axes.tick_params(labelleft=False)
-    title_figure(figure, f"{result.head}\n{result.summary()}")
-    legend_below(figure, entries)
-    return figure
-
-
-def _draw_heading(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
-    from matplotlib.colors import CenteredNorm
-
-    found, start = result.found, result.options.heading
-    values = np.degrees(np.where(found.settled, found.theta, np.nan))
-    start = math.degrees(start)
-    turned = np.abs(values[found.settled] - start)
-    norm = CenteredNorm(start, float(turned.max(initial=0.0)) or 1.0)
-    axes.set_title(f"heading at rest ({start:.6g} deg at the start)")
-    _draw_numbers(axes, scale, found.starts, values, "heading at rest [deg]", cmap=HEADINGS, norm=norm)
-
-
-def _draw_arrival(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
-    found, label = result.found, time_label("t", result.partition.scene.units)
-    values = np.where(found.arrived, found.arrival, np.nan)
-    latest = float(values[found.arrived].max(initial=0.0)) or 1.0
-    axes.set_title(f"time of arrival{massless(result.partition.scene)}")
-    _draw_numbers(axes, scale, found.starts, values, label, cmap=TIMES, vmin=0.0, vmax=latest)
-
-
 def _draw_numbers(axes: Axes, scale: Axes, starts: Floats, values: Floats, label: str, **colors: Any) -> None:
     """One number per start, with its scale; a hatched ground shows where there is none."""
     from matplotlib.patches import Rectangle
@@ -389,46 +415,6 @@ def _draw_numbers(axes: Axes, scale: Axes, starts: Floats, values: Floats, label
         return
     image = draw_grid(axes, starts, np.ma.masked_invalid(values), zorder=1, **colors)
     draw_bar(scale.figure, image, label, cax=scale, orientation="horizontal")
-
-
-def draw_ends(axes: Axes, result: SettleMapResult) -> None:
-    """Ends by color, over the cells; what is not unique is darker."""
-    from matplotlib.colors import to_rgb, to_rgba
-
-    found = result.found
-    colors = np.zeros((len(found.ends), 3))
-    for basin, color in _colored(result):
-        colors[list(basin.kinds)] = to_rgb(color)
-    axes.set_title("end")
-    draw_grid(axes, found.starts, colors[found.basin])
-    veil = np.zeros((len(found.starts), 4))
-    veil[~found.unique] = to_rgba(INK, SHADE)
-    draw_grid(axes, found.starts, veil)
-    _draw_cell_borders(axes, result.partition)
-    axes.set(**start_labels(result.partition.scene.units), aspect="equal")
-
-
-def _colored(result: SettleMapResult) -> list[tuple[Basin, str]]:
-    return [(basin, TOLD_APART[k] if k < len(TOLD_APART) else OTHER_ENDS) for k, basin in enumerate(result.basins)]
-
-
-def _ends_legend(result: SettleMapResult) -> list[Patch]:
-    """An entry for each color, and for what else occurs."""
-    from matplotlib.patches import Patch
-
-    found, colored = result.found, _colored(result)
-    entries = [
-        Patch(facecolor=color, label=f"{percent_text(basin.share)}: {basin.text}")
-        for basin, color in colored[: len(TOLD_APART)]
-    ]
-    if others := colored[len(TOLD_APART) :]:
-        label = f"{percent_text(sum(basin.share for basin, _ in others))}: {len(others)} other ends"
-        entries.append(Patch(facecolor=OTHER_ENDS, edgecolor="0.6", label=label))
-    if not found.unique.all():
-        entries.append(Patch(facecolor=INK, alpha=SHADE, label="darker: several solutions, one of them is drawn"))
-    if not (found.settled & found.arrived).all():
-        entries.append(Patch(label=NO_NUMBER, **NOTHING))
-    return entries
 
 
 def _draw_cell_borders(axes: Axes, partition: Partition) -> None:

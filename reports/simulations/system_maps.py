@@ -25,7 +25,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.proofs.theorem4_result import Contradiction
 from nonsmooth.reports.checks.answers import contradiction_lines, contradictions_record
-from nonsmooth.reports.checks.phase_portrait import PhasePortrait, draw_borders, draw_potential
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.figures.style import (
     INK,
     TIMES,
@@ -176,11 +176,34 @@ class SystemMap(MapResult):
 
     def draw(self, ax: Axes) -> None:
         """How near every start has come, with the certified region of V."""
-        draw_ratios(ax, self)
+        self._draw_ratios(ax)
 
     def figure(self) -> Figure:
         """The same with the scale of colors and a legend."""
-        return ratios_figure(self)
+        figure = new_figure(*SIZE)
+        axes = figure.add_subplot()
+        image = self._draw_ratios(axes)
+        draw_bar(figure, image, "distance from the point: at the end by at the start", ax=axes, shrink=0.8)
+        legend_below(figure, columns=3, fontsize="small")
+        head = f"{one_line(self.title)}: {self.count} x {self.count} starts at t = {self.until:g}"
+        title_figure(figure, f"{head}; proved: {self.verdict}\n{self.summary()}", TITLE)
+        return figure
+
+    def _draw_ratios(self, axes: Axes) -> AxesImage:
+        """Every start as a square in the color of its ratio, with the borders of the cells and the region of V."""
+        from matplotlib.colors import LogNorm
+
+        ratios = np.where(np.isfinite(self.ends).all(axis=1), np.clip(self.ratios, NEAREST, FARTHEST), np.nan)
+        axes.set_facecolor(LOST)
+        image = draw_grid(axes, self.starts, ratios, cmap=TIMES, norm=LogNorm(NEAREST, FARTHEST), zorder=0)
+        self.portrait.draw_borders(axes)
+        self.portrait.draw_potential(axes)
+        axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
+        half = float(self.portrait.system.check.radius)
+        x, y = self.portrait.system.states
+        axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
+        axes.set_aspect("equal")
+        return image
 
     @property
     def parts(self) -> list[Part]:
@@ -250,33 +273,3 @@ def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: Pro
 
 
 # ---- the picture -----------------------------------------------------------------------------------
-
-
-def ratios_figure(found: SystemMap) -> Figure:
-    """Every start by how near it has come, with a scale."""
-    figure = new_figure(*SIZE)
-    axes = figure.add_subplot()
-    image = draw_ratios(axes, found)
-    draw_bar(figure, image, "distance from the point: at the end by at the start", ax=axes, shrink=0.8)
-    legend_below(figure, columns=3, fontsize="small")
-    system, verdict = one_line(found.portrait.system.name), found.verdict
-    title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"
-    title_figure(figure, f"{title}\n{found.summary()}", TITLE)
-    return figure
-
-
-def draw_ratios(axes: Axes, found: SystemMap) -> AxesImage:
-    """Every start as a square in the color of its ratio, with the borders of the cells and the region of V."""
-    from matplotlib.colors import LogNorm
-
-    ratios = np.where(np.isfinite(found.ends).all(axis=1), np.clip(found.ratios, NEAREST, FARTHEST), np.nan)
-    axes.set_facecolor(LOST)
-    image = draw_grid(axes, found.starts, ratios, cmap=TIMES, norm=LogNorm(NEAREST, FARTHEST), zorder=0)
-    draw_borders(axes, found.portrait)
-    draw_potential(axes, found.portrait)
-    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
-    half = float(found.portrait.system.check.radius)
-    x, y = found.portrait.system.states
-    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
-    axes.set_aspect("equal")
-    return image

@@ -21,7 +21,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.reports.checks.answers import destinations_head
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.figures.path import MARKERS
-from nonsmooth.reports.simulations.body_maps import BodyMapResult, destinations_figure
+from nonsmooth.reports.simulations.body_maps import BodyMapResult
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import Result
@@ -399,7 +399,7 @@ def test_the_parts_add_up_to_all_starts(large_carton: Path, invoke: Invoke) -> N
     assert isinstance(array, nonsmooth.Array)
     shown = array.map(4, heading=0.3, until=0.5)
     assert isinstance(shown, BodyMapResult)
-    figure = destinations_figure(shown)
+    figure = shown.figure()
     assert f"still moving at the last time ({moving})" in figure.get_suptitle()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[-2:] == ["checked point", "wheel"]

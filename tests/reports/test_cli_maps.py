@@ -33,8 +33,8 @@ from nonsmooth.reports.output import progress as progress_module
 from nonsmooth.reports.output.console import run
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.simulations import system_maps
-from nonsmooth.reports.simulations.maps import SettleMapResult, ends_figure
-from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped, ratios_figure
+from nonsmooth.reports.simulations.maps import SettleMapResult
+from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.forged import with_deciding, with_reach
 from tests.reports.conftest import Invoke
@@ -103,7 +103,7 @@ def test_the_parts_of_a_map_add_up_to_all_starts(tmp_path: Path, capsys: pytest.
     assert isinstance(array, ns.Array)
     shown = array.map(10, until=0.4, kinematics="leading")
     assert isinstance(shown, SettleMapResult)
-    figure = ends_figure(shown)
+    figure = shown.figure()
     assert f"the time is over ({late})" in figure.get_suptitle()
     shares = [text.get_text() for text in figure.legends[0].get_texts() if " %: " in text.get_text()]
     assert sum(float(label.split(" %")[0]) for label in shares) == pytest.approx(100, abs=0.1)
@@ -246,7 +246,7 @@ def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
     parts = {part["end"]: part["starts"] for part in found.facts()["parts"]}
     assert parts == counted
     assert sum(parts.values()) == 49
-    for text in (found.summary(), ratios_figure(found).get_suptitle()):
+    for text in (found.summary(), found.figure().get_suptitle()):
         assert all(f"{kind} ({count})" in text.replace("\n", " ") for kind, count in counted.items())
 
 

@@ -20,7 +20,7 @@ from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, slidi
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import RayKind, resting_edges
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.reports.checks.phase_portrait import PhasePortrait, portrait_figure, sampled_rates
+from nonsmooth.reports.checks.phase_portrait import PhasePortrait, sampled_rates
 from nonsmooth.reports.checks.system_results import SystemCheckResult
 from nonsmooth.reports.output.console import BAD_INPUT
 from nonsmooth.reports.output.facts import fact_record, fact_rows
@@ -241,7 +241,7 @@ def test_a_phase_portrait_is_drawn(tmp_path: Path, invoke: Invoke) -> None:
     assert outcome.status == 0
     assert "6 cells (cut along the axes, too), asymptotically stable" in outcome.out
     assert (tmp_path / "portrait.svg").read_text(encoding="utf-8").startswith("<?xml")
-    whole = portrait_figure(PhasePortrait(ns.System(["x", "y"], ["-x", "-y"]).system))
+    whole = PhasePortrait(ns.System(["x", "y"], ["-x", "-y"]).system).figure()
     assert "from everywhere" in " ".join(text.get_text() for text in whole.findobj(Text))
 
 

@@ -28,7 +28,7 @@ from nonsmooth.analysis.measurements.harness import (
 )
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import STUDIES
-from nonsmooth.reports.checks.measurements import Precision, measurements_figure
+from nonsmooth.reports.checks.measurements import Precision
 from nonsmooth.reports.output.console import INTERRUPTED
 from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -162,7 +162,7 @@ def test_scenes_of_rule_ellipse_leave_out_what_has_no_cells() -> None:
 
 
 def drawn(view: Precision) -> Figure:
-    return measurements_figure(view.head, view.run, of_studies=True)
+    return view.figure()
 
 
 def figure() -> Figure:
