@@ -29,7 +29,7 @@ from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.vehicles import require_friction
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.reports.simulations.path_ends import pose_text
+from nonsmooth.reports.simulations.path_ends import fastest_rim, pose_text
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
@@ -93,6 +93,49 @@ def inertia_words(scene: Scene, scale: float) -> str:
     )
 
 
+def _low_friction(scene: Scene) -> Iterator[str]:
+    """That friction is raised, where the engine knows none so low."""
+    if any(float(mu) < LEAST_FRICTION for w in scene.wheels for mu in (w.friction.roll, w.friction.side)):
+        yield f"friction below {LEAST_FRICTION:g} is written as that, the least of the engine"
+
+
+def _friction(wheel: Wheel) -> tuple[float, float]:
+    """Along and across the friction axis, as it is written."""
+    roll, side = (max(float(mu), LEAST_FRICTION) for mu in (wheel.friction.roll, wheel.friction.side))
+    return roll, side
+
+
+def _left_out(scene: Scene) -> Iterator[str]:
+    """What the motion does not depend on."""
+    parts = {
+        "speed limits": scene.speed_limits,
+        "tolerances": scene.tolerances,
+        "errors of a feedback loop": scene.loop_errors,
+    }
+    yield from (f"left out: {name}" for name, part in parts.items() if part)
+
+
+def _beside(scene: Scene) -> Vector:
+    """Where a body is put down unless a place is given: half and a quarter of a radius beside its point."""
+    (x, y), radius = scene.check.equilibrium, scene.check.radius
+    return x + radius / 2, y + radius / 4
+
+
+def _sizes(scene: Scene) -> tuple[float, float]:
+    """The speed of the fastest surface, one where all stand, and the distance of the farthest wheel."""
+    return fastest_rim(scene) or 1.0, max(math.hypot(*in_floats(wheel.position)) for wheel in scene.wheels)
+
+
+def _require_springs(scene: Scene) -> None:
+    """Refuse loads that springs do not give.
+
+    Raises:
+        SceneError: naming them.
+    """
+    if scene.contact.loads is not None:
+        raise SceneError(scene.origin, "contact.loads", 'elastic loads to export it ("elastic")', StatedFact("a table"))
+
+
 class Motion(StrEnum):
     """What the body does at the exported place."""
 
@@ -132,8 +175,7 @@ class Export:
         """Rest, a turn about the centre of mass, or anything else."""
         x, y = self.place
         vx, vy, omega = self.twist
-        fastest = max((abs(float(wheel.speed)) for wheel in self.scene.wheels), default=0.0)
-        slow = AT_REST * fastest
+        slow = AT_REST * fastest_rim(self.scene)
         if math.hypot(vx - omega * y, vy + omega * x) > slow:
             return Motion.SLIDE
         return Motion.SPIN if abs(omega) * self.scale > slow else Motion.REST
@@ -166,15 +208,10 @@ class Export:
         idle = tuple(wheel.index for wheel in whole(self.given).wheels if wheel.index not in carrying)
         if idle:
             yield f"left out: wheels {numbers_text(idle)}, which do not carry the body at this place"
-        if any(float(mu) < LEAST_FRICTION for w in self.scene.wheels for mu in (w.friction.roll, w.friction.side)):
-            yield f"friction below {LEAST_FRICTION:g} is written as that, the least of the engine"
-        parts = {
-            "the outline of the body (the ground has no end)": self.given.body,
-            "speed limits": self.given.speed_limits,
-            "tolerances": self.given.tolerances,
-            "errors of a feedback loop": self.given.loop_errors,
-        }
-        yield from (f"left out: {name}" for name, part in parts.items() if part)
+        yield from _low_friction(self.scene)
+        if self.given.body:
+            yield "left out: the outline of the body (the ground has no end)"
+        yield from _left_out(self.given)
         yield f"{inertia_words(self.scene, self.scale)}: the predicted motion does not depend on them"
 
     def text(self) -> str:
@@ -235,7 +272,7 @@ class Export:
         )
 
     def _pair(self, wheel: Wheel) -> str:
-        roll, side = (max(float(mu), LEAST_FRICTION) for mu in (wheel.friction.roll, wheel.friction.side))
+        roll, side = _friction(wheel)
         return (
             f'    <pair geom1="body" geom2="wheel {wheel.index}" condim="3" friction="{roll!r} {side!r} 0 0 0" '
             'solref="0.01 1" solimp="0.5 0.5 1 0.5 2"/>'
@@ -252,18 +289,15 @@ def export_scene(scene: Scene, place: Vector | None = None) -> Export:
     """
     require_known_loads(scene, "to export it")
     _require_ellipses(scene)
-    x, y = scene.check.equilibrium
-    radius = scene.check.radius
-    there = (x + radius / 2, y + radius / 4) if place is None else place
-    carried = standing(scene.checked_at(there, radius))
+    there = _beside(scene) if place is None else place
+    carried = standing(scene.checked_at(there, scene.check.radius))
     rule = contact_rule(RULE)
     if not isinstance(rule, SmoothRule):
         raise TypeError(f"required a rule without cells, received {rule.name}")
     require_friction(carried, rule)
-    point = float(there[0]), float(there[1])
+    point = in_floats(there)
     twist = minima_under(rule, carried, np.array([point])).twists[0]
-    fastest = max(abs(float(wheel.speed)) for wheel in carried.wheels) or 1.0
-    scale = max(math.hypot(*in_floats(wheel.position)) for wheel in carried.wheels)
+    fastest, scale = _sizes(carried)
     return Export(carried, scene, point, twist, scale, SPEED / fastest)
 
 
@@ -273,13 +307,10 @@ def _require_ellipses(scene: Scene) -> None:
     Raises:
         SceneError: naming the rule or the loads.
     """
-    from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
-
     if ROLLERS in map(scene.rule_of_wheel, scene.wheels):
         expected = f"a rule of wheels without rollers to export it (the friction of the engine is rule {RULE})"
         raise SceneError(scene.origin, "contact.rule", expected, StatedFact(f'"{ROLLERS}"'))
-    if scene.contact.loads is not None:
-        raise SceneError(scene.origin, "contact.loads", 'elastic loads to export it ("elastic")', StatedFact("a table"))
+    _require_springs(scene)
 
 
 # ---- the frame of the world: the table stands, and a free body lies on it (MuJoCo >= 3.11) -------
@@ -374,11 +405,6 @@ class WorldExport:
     def _comment(self) -> str:
         unit = f" {self.scene.units.length}".rstrip()
         turn = math.degrees(math.atan2(self.axis[1], self.axis[0]))
-        left = {
-            "speed limits": self.scene.speed_limits,
-            "tolerances": self.scene.tolerances,
-            "errors of a feedback loop": self.scene.loop_errors,
-        }
         lines = [
             f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "
             "the frame is that of the world, the table stands.",
@@ -386,8 +412,8 @@ class WorldExport:
             f"scale: 1 in this file is {float_text(self.scale, 9)}{unit} in the scene; "
             f"speeds are those of the scene times {float_text(self.pace, 9)}",
             f"turned: the file's x lies at {float_text(turn, 9)} degrees in the scene (friction axes along x or y)",
-            *(f"left out: {name}" for name, part in left.items() if part),
-            *self._least_friction(),
+            *_left_out(self.scene),
+            *_low_friction(self.scene),
             f"{inertia_words(self.scene, self.scale)}: neither shows, since the wheels run too slowly for it",
             SLOWED,
             f"start of the centre of mass in the scene: {place_text(self.place)}, at rest",
@@ -396,10 +422,6 @@ class WorldExport:
             "The engine ends there within some per cent of the way: slip lifts its springs, and the body sinks.",
         ]
         return "\n".join(f"    {line}" for line in lines)
-
-    def _least_friction(self) -> list[str]:
-        low = any(float(mu) < LEAST_FRICTION for w in self.scene.wheels for mu in (w.friction.roll, w.friction.side))
-        return [f"friction below {LEAST_FRICTION:g} is written as that, the least of the engine"] if low else []
 
     def _in_file(self, point: XY) -> XY:
         x, y = self._turned(point)
@@ -414,11 +436,11 @@ class WorldExport:
         """The outline as a geom, its frame turned by the heading."""
         body = self.scene.body
         if body is None:
-            farthest = max(math.hypot(*in_floats(wheel.position)) for wheel in self.scene.wheels)
+            _, farthest = _sizes(self.scene)
             half = MARGIN * farthest / self.scale
             return f'type="box" size="{half!r} {half!r} {THICK!r}"'
-        px, py = self._in_file((float(body.centroid[0]), float(body.centroid[1])))
-        hx, hy = self._turned((float(body.heading[0]), float(body.heading[1])))
+        px, py = self._in_file(in_floats(body.centroid))
+        hx, hy = self._turned(in_floats(body.heading))
         frame = f'pos="{px!r} {py!r} 0" xyaxes="{hx!r} {hy!r} 0 {-hy!r} {hx!r} 0"'
         if isinstance(body.outline, Disc):
             return f'type="cylinder" size="{float(body.outline.radius) / self.scale!r} {THICK!r}" {frame}'
@@ -426,8 +448,8 @@ class WorldExport:
         return f'type="box" size="{a!r} {b!r} {THICK!r}" {frame}'
 
     def _wheel(self, wheel: Wheel) -> str:
-        x, y = self._in_file((float(wheel.position[0]), float(wheel.position[1])))
-        dx, dy = self._turned((float(wheel.unit_direction[0]), float(wheel.unit_direction[1])))
+        x, y = self._in_file(in_floats(wheel.position))
+        dx, dy = self._turned(in_floats(wheel.unit_direction))
         speed = self.pace * float(wheel.speed)
         return (
             f'    <geom name="wheel {wheel.index}" type="sphere" size="{WORLD_RADIUS!r}" '
@@ -437,8 +459,8 @@ class WorldExport:
 
     def _pair(self, wheel: Wheel) -> str:
         """The first tangent of the engine's contacts is the file's y, the second its x."""
-        roll, side = (max(float(mu), LEAST_FRICTION) for mu in (wheel.friction.roll, wheel.friction.side))
-        gx, gy = self._turned((float(wheel.unit_grip[0]), float(wheel.unit_grip[1])))
+        roll, side = _friction(wheel)
+        gx, gy = self._turned(in_floats(wheel.unit_grip))
         along_y, along_x = (roll, side) if abs(gy) > abs(gx) else (side, roll)
         return (
             f'    <pair geom1="body" geom2="wheel {wheel.index}" condim="3" friction="{along_y!r} {along_x!r} 0 0 0" '
@@ -458,14 +480,10 @@ def export_world(scene: Scene, place: Vector | None = None) -> WorldExport:
 
     require_known_loads(scene, "to export it")
     _require_engine(scene)
-    x, y = scene.check.equilibrium
-    radius = scene.check.radius
-    there = (x + radius / 2, y + radius / 4) if place is None else place
     table = whole(scene)
     axis = _axis(table)
-    point = float(there[0]), float(there[1])
-    fastest = max(abs(float(wheel.speed)) for wheel in table.wheels) or 1.0
-    scale = max(math.hypot(*in_floats(wheel.position)) for wheel in table.wheels)
+    point = in_floats(_beside(scene) if place is None else place)
+    fastest, scale = _sizes(table)
     path = rule_path(scene, RULE, (*point, 0.0), WAY * scale / fastest)
     return WorldExport(table, point, path, axis, scale, WORLD_SPEED / fastest)
 
@@ -480,8 +498,7 @@ def _require_engine(scene: Scene) -> None:
     if rule != RULE or any(scene.rule_of_wheel(wheel) != RULE for wheel in whole(scene).wheels):
         expected = f'"{RULE}", the friction of the engine (or --rule {RULE}), to export it in the frame of the world'
         raise SceneError(scene.origin, "contact.rule", expected, StatedFact(f'"{rule}"'))
-    if scene.contact.loads is not None:
-        raise SceneError(scene.origin, "contact.loads", 'elastic loads to export it ("elastic")', StatedFact("a table"))
+    _require_springs(scene)
     if scene.body is not None and not isinstance(scene.body.outline, Disc) and scene.body.outline.name != "rectangle":
         expected = "a rectangle or a disc to export it in the frame of the world"
         raise SceneError(scene.origin, "body.shape", expected, StatedFact(scene.body.words))
@@ -501,4 +518,4 @@ def _axis(table: Scene) -> XY:
         if cross(first, wheel.grip).sign() and dot(first, wheel.grip).sign():
             expected = f"friction axes along or across that of wheel {uneven[0].index} ({OTHER_FRAME})"
             raise SceneError(table.origin, "--frame world", expected, StatedFact(f"wheel {wheel.index} askew to it"))
-    return float(uneven[0].unit_grip[0]), float(uneven[0].unit_grip[1])
+    return in_floats(uneven[0].unit_grip)

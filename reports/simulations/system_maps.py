@@ -270,6 +270,3 @@ def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: Pro
             continue
         is_cut_short = end.reason in (EndReason.STEPS, EndReason.EVENTS)
         yield np.full(2, np.nan) if is_cut_short else np.array([float(v) for v in end.state])
-
-
-# ---- the picture -----------------------------------------------------------------------------------

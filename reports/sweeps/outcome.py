@@ -81,7 +81,7 @@ def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, f
 def refused(why: str, *, is_system: bool = False) -> Outcome:
     """A scene without answers."""
     if is_system:
-        return refused_system(why)
+        return _system_record(REFUSED, one_line(why))
     return _record(REFUSED, REFUSED, REFUSED, REFUSED, one_line(why))
 
 
@@ -100,14 +100,15 @@ def _checked(scene: Scene) -> Outcome:
         answers[TOLERANCES] = robust
     position, heading, pose = (str(answers[name].verdict) for name in QUESTIONS[:3])
     verdicts = {name: str(check.results[name].verdict) for name in CLAUSES}
-    numbers = {name: _number(check, answers, *place) for name, place in NUMBERS.items()}
+    record = {**_record(position, heading, pose, check.verdict, contradicted), **verdicts}
+    return _with_numbers(record, {name: _number(check, answers, *place) for name, place in NUMBERS.items()})
+
+
+def _with_numbers(record: Outcome, numbers: Mapping[str, Any]) -> Outcome:
+    """A record with its numbers as floats, and the texts of those that are exact."""
     exact = {name: exact_texts(value) for name, value in numbers.items()}
-    return {
-        **_record(position, heading, pose, check.verdict, contradicted),
-        **verdicts,
-        **{name: floats(value) for name, value in numbers.items()},
-        "exact": {name: text for name, text in exact.items() if text is not None},
-    }
+    texts = {name: text for name, text in exact.items() if text is not None}
+    return {**record, **{name: floats(value) for name, value in numbers.items()}, "exact": texts}
 
 
 def _record(position: str, heading: str, pose: str, theorem4: str, why: str | None) -> Record:
@@ -140,25 +141,15 @@ SYSTEM_TEXTS = ("method", "V")
 SYSTEM_COLUMNS = (*SYSTEM_QUESTIONS, *SYSTEM_TEXTS, *SYSTEM_NUMBERS)
 
 
-def system_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) -> Mapping[str, Any]:
+def system_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) -> Outcome:
     """Check one plain system of a sweep."""
     try:
         result = decide_system(base.system(paths, entries))
     except SceneError as error:
-        return refused_system(without_file(error))
-    numbers = _numbers(result)
-    exact = {name: exact_texts(value) for name, value in numbers.items()}
-    return {
-        **_system_record(str(result.verdict), None),
-        **_texts(result),
-        **{name: floats(value) for name, value in numbers.items()},
-        "exact": {name: text for name, text in exact.items() if text is not None},
-    }
-
-
-def refused_system(why: str) -> Mapping[str, Any]:
-    """A system without an answer."""
-    return _system_record(REFUSED, one_line(why))
+        return refused(without_file(error), is_system=True)
+    function = result.function
+    texts = {"method": str(result.method), "V": None if function is None else function.text}
+    return _with_numbers({**_system_record(str(result.verdict), None), **texts}, _numbers(result))
 
 
 def without_file(error: SceneError) -> str:
@@ -169,11 +160,6 @@ def without_file(error: SceneError) -> str:
 def _system_record(stability: str, why: str | None) -> Record:
     """A record without texts and numbers."""
     return {**dict.fromkeys(SYSTEM_COLUMNS), SYSTEM_QUESTIONS[0]: stability, "exact": {}, "why": why}
-
-
-def _texts(result: StabilityResult) -> dict[str, str | None]:
-    function = result.function
-    return {"method": str(result.method), "V": None if function is None else function.text}
 
 
 def _numbers(result: StabilityResult) -> Record:
