@@ -42,7 +42,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import counted_in_own_length
 from nonsmooth.symbolic.numbers.number_text import numbers_text
 from nonsmooth.symbolic.numbers.plane import around, cross
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import places_of
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 # ---- cells on one set of wheels ------------------------------------------------------------------
@@ -159,7 +159,7 @@ class CellsBySet:
         if not rule.needs_loads:
             scene = replace(scene, contact=replace(scene.contact, loads=None))
         self._scene, self._rule = scene, rule
-        places = float_points(wheel.position for wheel in scene.wheels)
+        places = places_of(scene.wheels)
         self.size = float(np.abs(places).max())
         self._lines = Lines(self.size)
         self._known: dict[frozenset[int], SetCells] = {}
@@ -421,7 +421,7 @@ class CellPath:
         self._length = float(scene.check.length)
         self._scene = own = counted_in_own_length(scene)
         names = [str(wheel.index) for wheel in own.wheels]
-        places = float_points(wheel.position for wheel in own.wheels)
+        places = places_of(own.wheels)
         outline = MovingOutline(own.body or scene.body, places)
         self._field = OutlineField(CellsBySet(own, rule), outline, names, self._length)
 

@@ -61,7 +61,7 @@ from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import numbers_text
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import places_of
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 # Work along a path in evaluations of pose rates, steps in regimes and minimizers by multipliers counted as some: twenty
@@ -437,7 +437,7 @@ class OneContactSet:
         self._how_far = f" (they alone carry it for certain {how_far})" if how_far else ""
         self.carrying = tuple(wheel.index for wheel in scene.wheels)
         self._numbers = [wheel.index for wheel in wheels]
-        self._outline = MovingOutline(scene.body, float_points(wheel.position for wheel in wheels))
+        self._outline = MovingOutline(scene.body, places_of(wheels))
         self._signs = np.array([1.0 if number in self.carrying else -1.0 for number in self._numbers])
 
     def require_start(self, start: Sequence[float]) -> None:

@@ -112,7 +112,7 @@ class VehicleMotion:
     @property
     def speed(self) -> float:
         """The largest wheel speed, 1 where all stand."""
-        return max(abs(float(wheel.speed)) for wheel in self.vehicle.scene.wheels) or 1.0
+        return self.vehicle.scene.fastest or 1.0
 
     @property
     def size(self) -> float:

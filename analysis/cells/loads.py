@@ -33,7 +33,7 @@ from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import float_text, short_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import places_of
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
 
@@ -175,7 +175,7 @@ class _Regions:
     def __init__(self, scene: Scene, domain: Polygon) -> None:
         self.scene, self.domain = scene, domain
         self.model, self.moments = load_model(scene), exact_moments(scene)
-        self.positions = float_points(wheel.position for wheel in scene.wheels)
+        self.positions = places_of(scene.wheels)
         self.forms = cache(partial(self.model.forms, self.moments, arithmetic=EXACT))
         self._known: dict[frozenset[int], LoadRegion | None] = {}
 

@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
@@ -64,7 +64,7 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
 
 def float_positions(scene: Scene) -> NDArray[np.float64]:
     """``p_i`` in floats, shape (n, 2)."""
-    return float_points(wheel.position for wheel in scene.wheels)
+    return places_of(scene.wheels)
 
 
 def relevant_wheels(scene: Scene, positions: NDArray[np.float64]) -> tuple[Wheel, ...]:

@@ -53,6 +53,7 @@ from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_fric
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import power_text
 from nonsmooth.symbolic.numbers.plane import Pose
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, scaled_system
 
 POWERS = (-9, -6, -3, 3, 6, 9)  # of ten: other units of length or time
@@ -80,8 +81,8 @@ UNPROVEN = "its forces do not certify the minimum: they are so large that their 
 
 def friction_rows(scene: Scene) -> Rows:
     """The least dissipation of both functionals at every ratio; a refusal where there are no loads."""
-    (x, y), radius = scene.check.equilibrium, float(scene.check.radius)
-    point = [[float(x) + 0.3171 * radius, float(y) + 0.2443 * radius]]  # a place of no symmetry
+    (x, y), radius = scene.check.place, float(scene.check.radius)
+    point = [[x + 0.3171 * radius, y + 0.2443 * radius]]  # a place of no symmetry
     for name, ratio in RATIOS.items():
         model = contact_model(with_friction_ratio(scene, ratio))
         try:
@@ -117,7 +118,7 @@ def support_rows(scene: Scene) -> Rows:
     """Loads towards the longest edge and beyond it; a refusal for wheels on one line."""
     model = contact_model(scene)
     middle = model.positions.mean(axis=0)
-    hull = np.array([[float(x) for x in place] for place in support_polygon([w.position for w in scene.wheels])])
+    hull = float_points(support_polygon([w.position for w in scene.wheels]))
     if len(hull) < 3:
         yield from _tipping(model, middle, "wheels on one line")
         return
@@ -451,8 +452,8 @@ def feedback_rows(partition: Partition) -> Rows:
 
 
 def _feedback_start(partition: Partition) -> Pose:
-    (x, y), radius = partition.scene.check.equilibrium, float(partition.scene.check.radius)
-    return float(x) + PLACE[0] * radius, float(y) + PLACE[1] * radius, PLACE[2]
+    (x, y), radius = partition.scene.check.place, float(partition.scene.check.radius)
+    return x + PLACE[0] * radius, y + PLACE[1] * radius, PLACE[2]
 
 
 def _gradient_row(partition: Partition, gain: float) -> ResultRow:

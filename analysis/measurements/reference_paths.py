@@ -334,9 +334,8 @@ def measured_array(partition: Partition, kinematics: Kinematics) -> MeasuredFiel
     """An array with its own speeds."""
     field, check = array_field(partition, kinematics), partition.scene.check
     exact = array_field(partition, kinematics, exact=True) if kinematics is Kinematics.LEADING else None
-    centre = (float(check.equilibrium[0]), float(check.equilibrium[1]))
     pieces = array_pieces(partition, kinematics)
-    return MeasuredField(field, pieces, exact, float(check.radius), centre, field.cells.slack)
+    return MeasuredField(field, pieces, exact, float(check.radius), check.place, field.cells.slack)
 
 
 def measured_system(scene: SwitchedSystem) -> MeasuredField:

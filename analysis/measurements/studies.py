@@ -216,9 +216,9 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
 
 def _points(scene: Scene) -> Iterator[XY]:
     """Points of the checked square at random."""
-    (x, y), radius = scene.check.equilibrium, float(scene.check.radius)
+    (x, y), radius = scene.check.place, float(scene.check.radius)
     for a, b in (np.random.default_rng(0).integers(-255, 256, (TRIED, 2)) / 256).tolist():
-        yield float(x) + radius * a, float(y) + radius * b
+        yield x + radius * a, y + radius * b
 
 
 def _exactly(scene: Scene, point: XY) -> tuple[Number, Number]:

@@ -27,7 +27,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, free_motions, minima_without_proof, proved
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import places_of, turned
 
 if TYPE_CHECKING:
     pass
@@ -83,7 +83,7 @@ def literal_twist(scene: Scene, point: NDArray[np.float64]) -> NDArray[np.float6
 
 def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """:func:`literal_twist` at points (m, 2), shape (m, 3): once for all points with the same nearest wheels."""
-    positions = float_points(wheel.position for wheel in scene.wheels)
+    positions = places_of(scene.wheels)
     nearest = min(len(positions), NEAREST)
     distances = np.hypot(*(points[:, None, :] - positions).transpose(2, 0, 1))
     order = np.argsort(distances, axis=1, kind="stable")[:, :nearest]

@@ -14,10 +14,10 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames, last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.style import Floats
-from nonsmooth.reports.figures.wheels import outline_of, placed
+from nonsmooth.reports.figures.wheels import outline_of, placed, rim_length
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -28,7 +28,6 @@ MOST_FRAMES = 300
 SHORTEST = 3.0  # seconds of a film: faster motions are shown in slow motion
 MOST_WHEELS = 150  # that are drawn: those nearest to the path
 TRAIL = 500  # points of the path
-LARGEST_RIM, RIM_SHARE = 0.035, 0.16  # half of a rim's length: of the width of the view, of the distance of neighbours
 LONGEST_ARROW = 4.5  # in half-lengths of the rim: not as far as to the next wheel
 MARGIN = 0.05  # of the view's width, around what is shown
 
@@ -86,7 +85,7 @@ class Film:
     @property
     def places(self) -> Floats:
         """Where the wheels are (n, 2)."""
-        return float_points(wheel.position for wheel in self.scene.wheels)
+        return places_of(self.scene.wheels)
 
     @property
     def rims(self) -> Floats:
@@ -115,9 +114,7 @@ class Film:
     def rim(self) -> float:
         """Half of a rim's length, as drawn."""
         places = self.places[self.shown]
-        width = float(np.ptp(np.vstack([places, self.trail]), axis=0).max())
-        apart = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1))
-        return min(LARGEST_RIM * width, float(apart[apart > 0].min(initial=width)) * RIM_SHARE)
+        return rim_length(places, np.vstack([places, self.trail]))
 
     @cached_property
     def arrow_scale(self) -> float:

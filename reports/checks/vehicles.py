@@ -36,7 +36,7 @@ from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -198,14 +198,14 @@ class VehicleResult(Result):
     def draw(self, ax: Axes) -> None:
         """The wheels with slips and forces, the centre of mass and the instant centre."""
         motion, scene = self.own, self.vehicle.scene
-        places = float_points(wheel.position for wheel in scene.wheels)
+        places = places_of(scene.wheels)
         half = 0.75 * float(np.ptp(places, axis=0).max())
         x, y = (places.min(axis=0) + places.max(axis=0)) / 2
         for wheel in scene.wheels:
             draw_wheel(ax, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
         along = float_points(wheel.unit_grip for wheel in scene.wheels)
         frames = np.stack([along, turned(along)], axis=1)
-        fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
+        fastest = scene.fastest
         _draw_arrows(ax, places, frames, motion.slips, fastest, 2 * half * REACH, LINES[1], "slip over the ground")
         _draw_arrows(ax, places, frames, motion.forces, 1.0, 2 * half * REACH, LINES[0], "friction force")
         centre = in_floats(self.vehicle.centre_of_mass)

@@ -34,7 +34,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -237,12 +237,12 @@ def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
         scene: the array.
         near: points (m, 2) that are shown, with the checked square; the whole array unless given.
     """
-    places = float_points(wheel.position for wheel in whole(scene).wheels)
+    places = places_of(whole(scene).wheels)
     centre, radius = np.array(scene.check.place), float(scene.check.radius)
     square = np.array([centre - radius, centre + radius])
     outline = outline_of(scene)
     body = np.empty((0, 2)) if outline is None else outline + centre
-    rim = _rim(places, np.concatenate([places, square, body] if near is None else [square, near]))
+    rim = rim_length(places, np.concatenate([places, square, body] if near is None else [square, near]))
     shown = [places - 3 * rim, places + 3 * rim, square, body] if near is None else [square, near]
     corners = np.concatenate(shown)
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -258,7 +258,7 @@ def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
             name.set_clip_path(axes.patch)
     for wheel in wheels_in_view(axes, scene.idle):
         draw_rim(axes, wheel, rim, IDLE)
-    largest = max((abs(float(wheel.speed)) for wheel in scene.wheels), default=0.0) or 1.0
+    largest = scene.fastest or 1.0
     for wheel in wheels_in_view(axes, scene.wheels):
         tip = SLOWEST + (FASTEST - SLOWEST) * abs(float(wheel.speed)) / largest
         draw_wheel(axes, wheel, rim, tip=tip, named=False)
@@ -281,7 +281,7 @@ def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] 
     """
     wheels = whole(scene).wheels
     left, right = axes.get_xlim()
-    gap = nearest_gap(float_points(wheel.position for wheel in wheels), right - left)
+    gap = nearest_gap(places_of(wheels), right - left)
     size, labels = wheel_labels(wheels, gap * points / (right - left))
     carrying = {wheel.index for wheel in scene.wheels}
     lines = _points_on(_rings(scene) if rings is None else rings) * points / (right - left)
@@ -333,7 +333,7 @@ def nearest_gap(places: Floats, width: float) -> float:
     return float(apart[apart > 0].min(initial=width))
 
 
-def _rim(places: Floats, shown: Floats) -> float:
+def rim_length(places: Floats, shown: Floats) -> float:
     """Half of a rim's length: small beside the view and beside the distance of neighbours."""
     width = float(np.ptp(shown, axis=0).max())
     return min(LARGEST_RIM * width, nearest_gap(places, width) * RIM_SHARE)

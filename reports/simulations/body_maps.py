@@ -45,7 +45,7 @@ from nonsmooth.reports.simulations.maps import (
     parts_record,
     within_accuracy,
 )
-from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, fastest_rim, heading_text, range_text, size_of
+from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, heading_text, range_text, size_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record
 from nonsmooth.symbolic.mechanics.body import Body, Disc
@@ -53,7 +53,7 @@ from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import places_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -111,7 +111,7 @@ def build_body_map(scene: Scene, options: SimulateOptions) -> BodyMapResult:
 
 def _covered(scene: Scene) -> Scene:
     """The array under a disc that covers all wheels as long as its centre is over their hull, so until it tips."""
-    places = float_points(wheel.position for wheel in scene.wheels)
+    places = places_of(scene.wheels)
     reach = Fraction(2 * float(np.hypot(*np.ptp(places, axis=0))))
     zero, one = scene.field.zero, scene.field.one
     return replace(scene, body=Body(Disc(scene.field(reach)), (zero, zero), (one, zero)))
@@ -182,7 +182,7 @@ class BodyMapResult(MapResult):
         else:
             said += f", at heading {range_text(np.degrees(found.poses[one.starts, 2]))} deg"
         turning = found.turning[one.starts]
-        slow = SLOWLY * fastest_rim(self.scene) / size_of(self.scene)
+        slow = SLOWLY * self.scene.fastest / size_of(self.scene)
         if np.isnan(turning).any() or (np.abs(turning) <= slow).all():
             return said
         per = f"/{units.time}" if units.time else " per unit of time"
@@ -368,7 +368,7 @@ class BodyMapResult(MapResult):
     def _draw_contacts(self, axes: Axes) -> None:
         """Wheels as dots with their names, where there is room; the view stays."""
         limits = {"xlim": axes.get_xlim(), "ylim": axes.get_ylim()}
-        places = float_points(wheel.position for wheel in self.scene.wheels)
+        places = places_of(self.scene.wheels)
         axes.plot(*places.T, linestyle="none", marker=".", markersize=3, color=INK, zorder=5)
         axes.set(**limits)
         draw_names(axes, self.scene, AXES_SHARE * SIZE[0] / 2 * POINTS_PER_INCH)

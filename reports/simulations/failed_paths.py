@@ -26,7 +26,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, fastest_rim, in_unit
+from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, in_unit
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon, widest_square
@@ -363,7 +363,7 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
     """
     cases = list(_cases(scene, str(options.fail)))
     starts = [options.pose] if options.grid is None else _grid(scene, options.grid, float(options.heading))
-    fastest = fastest_rim(scene) or 1.0
+    fastest = scene.fastest or 1.0
     long = options.last if options.grid is None else ENOUGH * float(scene.check.radius) / fastest
     until = options.until or long
     total = len(starts) * (1 + len(cases))

@@ -29,7 +29,7 @@ from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.vehicles import require_friction
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.reports.simulations.path_ends import fastest_rim, pose_text
+from nonsmooth.reports.simulations.path_ends import pose_text
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
@@ -123,7 +123,7 @@ def _beside(scene: Scene) -> Vector:
 
 def _sizes(scene: Scene) -> tuple[float, float]:
     """The speed of the fastest surface, one where all stand, and the distance of the farthest wheel."""
-    return fastest_rim(scene) or 1.0, max(math.hypot(*in_floats(wheel.position)) for wheel in scene.wheels)
+    return scene.fastest or 1.0, max(math.hypot(*in_floats(wheel.position)) for wheel in scene.wheels)
 
 
 def _require_springs(scene: Scene) -> None:
@@ -175,7 +175,7 @@ class Export:
         """Rest, a turn about the centre of mass, or anything else."""
         x, y = self.place
         vx, vy, omega = self.twist
-        slow = AT_REST * fastest_rim(self.scene)
+        slow = AT_REST * self.scene.fastest
         if math.hypot(vx - omega * y, vy + omega * x) > slow:
             return Motion.SLIDE
         return Motion.SPIN if abs(omega) * self.scale > slow else Motion.REST

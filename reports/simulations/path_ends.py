@@ -37,11 +37,6 @@ def size_of(scene: Scene) -> float:
     return float(scene.check.length)
 
 
-def fastest_rim(scene: Scene) -> float:
-    """The speed of the fastest wheel, zero of an array that stands."""
-    return max((abs(float(wheel.speed)) for wheel in scene.wheels), default=0.0)
-
-
 @dataclass(frozen=True)
 class ArrayPathEnd:
     """The end of one path of an array.
@@ -57,7 +52,7 @@ class ArrayPathEnd:
     @cached_property
     def ending(self) -> Ending:
         """Whether it is at rest, and since when."""
-        return ending(self.path, size_of(self.scene), fastest_rim(self.scene))
+        return ending(self.path, size_of(self.scene), self.scene.fastest)
 
     @cached_property
     def _distances(self) -> tuple[Floats, Floats]:
@@ -176,7 +171,7 @@ def _motion(end: Ending, scene: Scene) -> str:
     if end.motion is EndMotion.AT_REST and end.since is not None:
         return f"at rest since {'t = ' * (not scene.units.time)}{float_text(end.since, DIGITS)}{_time(scene)}"
     per = f"/{scene.units.time}" if scene.units.time else " per unit of time"
-    slow = SLOWLY * max(fastest_rim(scene), end.speed) / size_of(scene)
+    slow = SLOWLY * max(scene.fastest, end.speed) / size_of(scene)
     turns = "" if abs(end.turning or 0.0) <= slow else f" and turning at {_in_words(scene, end.turning or 0.0)}{per}"
     return f"{end.motion.value} at {float_text(end.speed, DIGITS)}{_unit(scene.units.speed)}{turns}"
 

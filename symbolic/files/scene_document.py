@@ -141,21 +141,13 @@ def build_loop_errors(table: FeedbackTable, numbers: Numbers) -> LoopErrors:
         received = StatedFact(f"{float(turn * 180):g} deg")
         raise SceneError(numbers.file, "feedback.heading_error", "an angle of at least 0, below half a turn", received)
     found = LoopErrors(
-        _size(table.delay, "feedback.delay", numbers),
-        _size(table.position_error, "feedback.position_error", numbers),
+        numbers.at_least_zero(table.delay, "feedback.delay"),
+        numbers.at_least_zero(table.position_error, "feedback.position_error"),
         turn,
     )
     if not (found.delay or found.position or found.heading):
         raise SceneError(numbers.file, "feedback", "an entry that is not zero", StatedFact("none"))
     return found
-
-
-def _size(value: Exact, place: str, numbers: Numbers) -> Number:
-    """The number at a place of the file, at least zero."""
-    number = numbers(value, place)
-    if number.sign() < 0:
-        raise SceneError(numbers.file, place, "a number of at least 0", StatedFact(short_text(number)))
-    return number
 
 
 # ---- tolerances ----------------------------------------------------------------------------------
@@ -186,12 +178,12 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
         received = StatedFact(f"{float(turn * 180):g} deg")
         raise SceneError(numbers.file, "tolerance.heading", "an angle of at least 0, below a quarter turn", received)
     found = Tolerance(
-        position=_size(table.position, "tolerance.position", numbers),
+        position=numbers.at_least_zero(table.position, "tolerance.position"),
         heading=turn,
         speed=_share(table.speed, "speed", numbers),
         mu_roll=_share(table.mu_roll, "mu_roll", numbers),
         mu_side=_share(table.mu_side, "mu_side", numbers),
-        centre_of_mass=_size(table.centre_of_mass, "tolerance.centre_of_mass", numbers),
+        centre_of_mass=numbers.at_least_zero(table.centre_of_mass, "tolerance.centre_of_mass"),
     )
     if not found.names:
         raise SceneError(numbers.file, "tolerance", "an entry that is not zero", StatedFact("none"))
@@ -199,7 +191,7 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
 
 
 def _share(value: Exact, name: str, numbers: Numbers) -> Number:
-    number = _size(value, f"tolerance.{name}", numbers)
+    number = numbers.at_least_zero(value, f"tolerance.{name}")
     if (number - 1).sign() >= 0:
         received = StatedFact(short_text(number))
         raise SceneError(numbers.file, f"tolerance.{name}", "a share of at least 0 and below 1", received)

@@ -257,6 +257,17 @@ class Numbers:
             raise SceneError(self.file, key, "a positive number", StatedFact(short_text(number)))
         return number
 
+    def at_least_zero(self, value: Exact, key: str) -> Number:
+        """Exact number that must not be negative.
+
+        Raises:
+            SceneError: where it is.
+        """
+        number = self(value, key)
+        if number.sign() < 0:
+            raise SceneError(self.file, key, "a number of at least 0", StatedFact(short_text(number)))
+        return number
+
     def direction(self, angle: Angle) -> Vector:
         """``(cos, sin)`` of an angle."""
         if angle.turn not in self._directions:

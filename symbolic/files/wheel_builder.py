@@ -192,10 +192,7 @@ class WheelBuilder:
         value: Exact | None = getattr(self._document.friction, name) if own is None else own
         if value is None:
             raise self._error(key, f"a number, since wheel {index} names none", StatedFact("nothing"))
-        number = self._numbers(value, key)
-        if number.sign() < 0:
-            raise self._error(key, "a number of at least 0", StatedFact(short_text(number)))
-        return number
+        return self._numbers.at_least_zero(value, key)
 
     def _error(self, key: str, expected: str, value: object) -> SceneError:
         return SceneError(self._numbers.file, key, expected, value)

@@ -414,6 +414,11 @@ class Scene(ShortRepr):
     inertia: BodyInertia | None = None
 
     @property
+    def fastest(self) -> float:
+        """The speed of the fastest rim, zero of an array that stands."""
+        return max((abs(float(wheel.speed)) for wheel in self.wheels), default=0.0)
+
+    @property
     def speed_limits(self) -> dict[int, Number]:
         """The limits of the wheels that have one, by index."""
         return {wheel.index: wheel.speed_limit for wheel in self.wheels if wheel.speed_limit is not None}

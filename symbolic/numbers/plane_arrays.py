@@ -20,6 +20,11 @@ def float_points(points: Iterable[tuple[Any, Any]]) -> Floats:
     return np.array([plane.in_floats(point) for point in points])
 
 
+def places_of(wheels: Iterable[Any]) -> Floats:
+    """Positions of wheels, shape (n, 2)."""
+    return float_points(wheel.position for wheel in wheels)
+
+
 def turned(vectors: Floats) -> Floats:
     """``J v``: a quarter turn counterclockwise of vectors of shape (..., 2)."""
     return np.stack(plane.turned(_coordinates(vectors)), axis=-1)
