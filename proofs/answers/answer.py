@@ -212,9 +212,3 @@ def angle_at_most(value: Positive, units: Units) -> str:
     if units.in_degrees:
         shown = (-rational_below(-value) if isinstance(value, arb) else value) * (degrees / below)
     return f"{at_most(shown)} {units.angle}"
-
-
-def of_length(scene: Scene) -> str:
-    """A space and the unit of length; empty where the scene names none."""
-    unit = scene.units.length
-    return f" {unit}" if unit else ""

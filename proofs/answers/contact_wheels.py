@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.answers.answer import angle_at_least, at_least, of_length
+from nonsmooth.proofs.answers.answer import angle_at_least, at_least
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Rotation
 from nonsmooth.symbolic.mechanics.contact_set import contact_set
 from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
@@ -31,7 +31,7 @@ def how_far(scene: Scene, place: str = "here", heading: str = "this heading") ->
     found = contact_set(scene)
     if found.margin is None:
         return ""
-    words = f"within {at_least(found.margin)}{of_length(scene)} of {place}"
+    words = f"within {at_least(found.margin)}{scene.units.after_length} of {place}"
     if found.angle is None:
         return words
     return f"{words}, or {angle_at_least(found.angle, scene.units)} of {heading} (of both: shares that add up to 1)"
@@ -39,7 +39,7 @@ def how_far(scene: Scene, place: str = "here", heading: str = "this heading") ->
 
 def _facts(check: Theorem4Result) -> Iterator[Fact]:
     scene = check.scene
-    found, unit = contact_set(scene), of_length(scene)
+    found, unit = contact_set(scene), scene.units.after_length
     if scene.body is None or found.margin is None:
         names_body = scene.inertia is not None and scene.inertia.is_stated
         yield Fact("wheels", list(found.wheels), WITHOUT_SHAPE if names_body else ALL_CARRY)

@@ -27,7 +27,6 @@ from nonsmooth.proofs.answers.answer import (
     angle_at_most,
     at_most,
     is_by_rounding,
-    of_length,
 )
 from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.answers.position import OF_PLACE
@@ -97,7 +96,7 @@ def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
     turn = found.rotation_per_distance if found.verdict is Rotation.NEUTRAL else None
     if turn:
         most = angle_at_most(turn, scene.units)
-        words = f"the way home turns it by at most {most} for each 1{of_length(scene)} of distance"
+        words = f"the way home turns it by at most {most} for each 1{scene.units.after_length} of distance"
         yield Fact("turn_per_distance", Quantity(turn), words)
     else:
         yield Fact("turn_per_distance", Quantity(turn))

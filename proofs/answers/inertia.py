@@ -34,7 +34,6 @@ from nonsmooth.proofs.answers.answer import (
     at_least,
     at_most,
     has_dynamics,
-    of_length,
 )
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, unknowns_at_rest
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite
@@ -107,7 +106,7 @@ def near_rest(scene: Scene) -> NearRest:
     if rest.balance.size > 3:
         return NearRest(Inertia.UNDECIDED, "a wheel sticks at the place of rest: no linearization", place, spin)
     if not kept.keeps(rest.distance, Fraction(0)):
-        away = f"{at_most(rest.distance)}{of_length(scene)} away"
+        away = f"{at_most(rest.distance)}{scene.units.after_length} away"
         why = f"at the place of rest, up to {away}, other wheels may carry it"
         return NearRest(Inertia.UNDECIDED, why, place, spin)
     with ctx.workprec(PRECISION):
@@ -308,7 +307,7 @@ def _answered(asked: _Asked) -> Answer:
 
 def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
     """What the linearization says, and of which body."""
-    unit, inertia = of_length(scene), scene.inertia
+    unit, inertia = scene.units.after_length, scene.inertia
     gravity = 0.0 if inertia is None else float(inertia.gravity)
     stated = inertia is not None and inertia.squared_radius is not None
     kind = STATED if stated else DISC if scene.body is None else PLATE
@@ -330,7 +329,7 @@ def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
 
 def _seen(scene: Scene, found: Simulated, farther: Simulated | None) -> Iterator[Fact]:
     """What the simulation says, from near starts and from the radius that is stated."""
-    unit, accuracy = of_length(scene), float_text(float(scene.accuracy), DIGITS)
+    unit, accuracy = scene.units.after_length, float_text(float(scene.accuracy), DIGITS)
     at_rest, cycles = found.those(Settling.AT_REST), found.those(Settling.LIMIT_CYCLE)
     settles = len(found.bodies) == found.asked == len(at_rest)
     yield Fact("status", "simulated")
@@ -355,7 +354,7 @@ def _seen(scene: Scene, found: Simulated, farther: Simulated | None) -> Iterator
 
 def _becomes(scene: Scene, found: Simulated) -> str:
     """What becomes of bodies from a ring of starts, and of how many of them where that is not all."""
-    unit, accuracy = of_length(scene), float_text(float(scene.accuracy), DIGITS)
+    unit, accuracy = scene.units.after_length, float_text(float(scene.accuracy), DIGITS)
     at_rest, cycles = found.those(Settling.AT_REST), found.those(Settling.LIMIT_CYCLE)
     parts = []
     if at_rest:

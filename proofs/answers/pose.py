@@ -84,7 +84,7 @@ def _from_where(found: AnyFeedback, scene: Scene) -> str:
     if not isinstance(region, LevelRegion):
         return f"from {region}"
     root = Fraction(math.isqrt(math.floor(region.level * ROOTS**2)), ROOTS)  # at most the root
-    return f"from errors below {lower_text(root, DIGITS)} {scene.units.length}".rstrip()
+    return f"from errors below {lower_text(root, DIGITS)}{scene.units.after_length}"
 
 
 def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
@@ -103,13 +103,13 @@ def _wheel_speed(found: AnyFeedback, scene: Scene) -> Fact:
     fastest = wheel_speed(found, scene) if found.verdict is Feedback.STABILIZABLE else None
     if fastest is None:
         return Fact("wheel_speed", Quantity(None))
-    length, heading = scene.units.length, found.lyapunov.length
-    of_speed, unit = (f" {scene.units.speed}", length) if length else ("", "unit")
-    words = f"its wheels run at up to {upper_text(fastest, 4)} k{of_speed} for each {unit} of error"
+    units, heading = scene.units, found.lyapunov.length
+    speed = f"{upper_text(fastest, 4)} k{units.after_speed}"
+    words = f"its wheels run at up to {speed} for each {units.length or 'unit'} of error"
     if heading is None:
         words += f", the square root of {found.lyapunov}"
     elif heading != 1:
-        words += f" (a radian counts as {float_text(heading, 4)} {length}".rstrip() + ")"
+        words += f" (a radian counts as {float_text(heading, 4)}{units.after_length})"
     return Fact("wheel_speed", float(fastest), words)
 
 

@@ -18,7 +18,6 @@ from nonsmooth.proofs.answers.answer import (
     half_life,
     has_dynamics,
     is_by_rounding,
-    of_length,
 )
 from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -101,7 +100,7 @@ def _translation(results: Results) -> AnyTranslation:
 
 def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness | None) -> Iterator[Fact]:
     """How near, how far and how fast; the keys are the same for every verdict."""
-    found, unit = _translation(results), of_length(scene)
+    found, unit = _translation(results), scene.units.after_length
     yield Fact("accuracy", Quantity(_short(scene.accuracy)))
     if looked is not None and looked.rests_within is not None:
         yield from _coming_beside(scene, looked, looked.rests_within, found.exponential_rate, unit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, cast
 
-from nonsmooth.proofs.answers.answer import Answer, Results, angle_at_most, at_least, at_most, half_life, of_length
+from nonsmooth.proofs.answers.answer import Answer, Results, angle_at_most, at_least, at_most, half_life
 from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity
 from nonsmooth.symbolic.mechanics.scene import Scene
 
@@ -52,7 +52,7 @@ def _loop_fact(loop: RobustLoop | None) -> Fact:
 
 def robust_facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     """The keys are the same for every verdict."""
-    unit = of_length(scene)
+    unit = scene.units.after_length
     if found.verdict is Certainty.UNDECIDED:
         yield Fact(words=found.reason)
     numbers = (

@@ -112,7 +112,7 @@ class Stage:
         if film.outline is not None:
             pieces["body"].set_xy(placed(film.outline, pose))
         time = float(film.frames.times[k])
-        pieces["time"].set_text(f"t = {time:#.4g}{' ' * bool(film.scene.units.time)}{film.scene.units.time}")
+        pieces["time"].set_text(f"t = {time:#.4g}{film.scene.units.after_time}")
         pieces["done"].set_data([0, time], [0, 0])
 
     def _points(self, length: float) -> float:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.contact_rule import rule_notes, rule_of
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.answers.answer import Answer, Position, at_least, has_dynamics, of_length
+from nonsmooth.proofs.answers.answer import Answer, Position, at_least, has_dynamics
 from nonsmooth.proofs.answers.answers import Answers, OtherRule, answers_of
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.clauses.clause import Clause
@@ -74,7 +74,7 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     stated = stated_answers(result, answers)
     parts: list[RenderableType] = [Text(stated.contact), answers_table(map(_row, stated.answers))]
     if answers.rest_points is not None:
-        parts.append(Text(_rest_points_text(answers.rest_points, of_length(result.scene))))
+        parts.append(Text(_rest_points_text(answers.rest_points, result.scene.units.after_length)))
     for lines in stated.contradictions:
         parts += [Text(line, "bold red") for line in lines]
     if answers.destinations is not None:
@@ -99,7 +99,7 @@ def destinations_head(scene: Scene, starts: int) -> str:
     bodies, check = "bodies without inertia" if has_dynamics(scene) else "bodies", scene.check
     if check.wider is None:
         return f"where {bodies} go that start in the square (shares sampled from {starts} starts)"
-    unit = of_length(scene)
+    unit = scene.units.after_length
     share = percent_text(float(check.radius / check.wider) ** 2)
     part = f"{share} of the {short_text(check.wider)}{unit} square that is stated (--grid 9 maps that)"
     here = f"in the square within {short_text(check.radius)}{unit}, {part}"

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.proofs.answers.answer import DIGITS, UNDECIDED, Answer, Pose, at_least, at_most, of_length
+from nonsmooth.proofs.answers.answer import DIGITS, UNDECIDED, Answer, Pose, at_least, at_most
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Theorem4
@@ -243,7 +243,7 @@ def brief_document(subject: ArraySubject) -> Document:
 
 def _answers(subject: ArraySubject) -> Section:
     """What was asked of which array, the answers, and the picture."""
-    scene, unit = subject.scene, of_length(subject.scene)
+    scene, unit = subject.scene, subject.scene.units.after_length
     intro = paragraph(
         f"A rigid body on {{}} driven wheels, put down within {{}}{unit} of {{}}; near is within {{}}{unit}.",
         str(len(scene.wheels)),
@@ -258,7 +258,7 @@ def _answers(subject: ArraySubject) -> Section:
 
 def _ends(subject: ArraySubject) -> Section:
     """Where and when bodies end: what is proved of it, what is simulated, and where sampled starts go."""
-    answers, scene, unit = subject.answers, subject.scene, of_length(subject.scene)
+    answers, scene, unit = subject.answers, subject.scene, subject.scene.units.after_length
     second = " s"  # which every answer says of its times
     found = answers.answers[0].numbers
     start = "the point" if found.get("within") is None else f"anywhere within {at_least(found['within'])}{unit} of it"
@@ -295,7 +295,7 @@ def _binding(subject: ArraySubject) -> Section:
 
 
 def _bindings(subject: ArraySubject) -> Iterator[str]:
-    answers, unit = subject.answers, of_length(subject.scene)
+    answers, unit = subject.answers, subject.scene.units.after_length
     numbers = answers.answers[0].numbers
     ends, accuracy = numbers.get("ends_within"), float(subject.scene.accuracy)
     if ends == 0:

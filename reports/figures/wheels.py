@@ -223,7 +223,7 @@ def array_figure(scene: Scene, tips: str = "") -> Figure:
 def _speed_words(scene: Scene) -> str:
     """What the arrows stand for: ``surface speed: 100 to 250 mm/s``, the longest is the fastest."""
     speeds = sorted({abs(float(wheel.speed)) for wheel in scene.wheels} or {0.0})
-    unit = f" {scene.units.speed}".rstrip()
+    unit = scene.units.after_speed
     if speeds[-1] - speeds[0] <= SAME * speeds[-1]:
         return f"surface speed: {float_text(speeds[-1], 3)}{unit}"
     return f"surface speed: {float_text(speeds[0], 3)} to {float_text(speeds[-1], 3)}{unit}"

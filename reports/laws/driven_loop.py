@@ -92,7 +92,7 @@ class DrivenLoop:
         """Lines about the law, for a path from any start."""
         region = self.region_text or "near c*; how near is not known"
         lines = [f"feedback: {self.title}, k = {self.gain:g}", f"{self.formula}; certified for an exact pose: {region}"]
-        unit = f" {self.scene.units.length}".rstrip()
+        unit = self.scene.units.after_length
         lines.append(
             f"in words: of the motions xi_l the one that points most along the error g is driven, against it (a radian "
             f'counts as {float_text(self.length, 4)}{unit}); where "tie" is zero two of them do so alike, and at a '

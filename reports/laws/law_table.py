@@ -283,7 +283,7 @@ def _gains_text(feedback: AnyFeedback, scene: Scene) -> str:
     bound = None if isinstance(feedback, FeedbackResult) else ultimate_bound(feedback, nothing)
     if bound is None or bound.largest_delay is None:
         return f"{exact}; of a late one no k is known that does"
-    age = f"tau {scene.units.time} old" if scene.units.time else "tau old"
+    age = f"tau{scene.units.after_time} old"
     return f"{exact}; of one that is {age}, each below {lower_text(bound.largest_delay, 2)}/tau is certified"
 
 
@@ -306,7 +306,7 @@ def _effort_by_v(table: LawTable, feedback: AnyFeedback, scene: Scene) -> str:
     root = _certified_root(feedback)
     if root is None:
         return text
-    unit = f" {scene.units.speed}" if scene.units.length else ""
+    unit = scene.units.after_speed
     bound = (first * root + bent * root**2) * (1 + FEW_ROUNDINGS)
     return f"{text}, which is {upper_text(bound, DIGITS)} k{unit} on the border of the certified region"
 

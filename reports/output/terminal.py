@@ -139,7 +139,7 @@ def headline(result: Check) -> Text:
     x, y = (short_text(entry) for entry in scene.check.equilibrium)
     head = Text(one_line(scene.name), "bold")
     head.append(f": {wheels_text(scene)}, rule {scene.contact.rule}", "not bold")
-    unit = f" {scene.units.length}" if scene.units.length else ""
+    unit = scene.units.after_length
     head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}{unit}", "not bold")
     if scene.check.wider is not None:
         stated = f"{short_text(scene.check.wider)}{unit}"

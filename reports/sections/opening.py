@@ -9,7 +9,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.proofs.answers.answer import Answer, of_length
+from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.answers import OtherRule
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.checks.answers import THEOREM_IN_WORDS, StatedAnswers, destinations_table, stated_answers
@@ -191,7 +191,7 @@ _TONES = {0: Tone.GOOD, 1: Tone.BAD, 3: Tone.OPEN}
 def answers_section(subject: ArraySubject) -> Section:
     """The three answers, the array, the rule, the other rules, where bodies go, and the theorem in one line."""
     scene, answered = subject.scene, subject.answers
-    unit = of_length(scene)
+    unit = scene.units.after_length
     intro = paragraph(
         f"What a rigid body does that lies on {{}} driven wheels, near the point {{}} (within {{}}{unit}): first in "
         "words, then every step with its proof.",

@@ -156,7 +156,7 @@ class BodyMapResult(MapResult):
 
     @property
     def _accuracy(self) -> str:
-        return f"{float_text(accuracy_at_point(self.scene), 3)} {self.scene.units.length}".rstrip()
+        return float_text(accuracy_at_point(self.scene), 3) + self.scene.units.after_length
 
     @cached_property
     def destination_of(self) -> list[int]:
@@ -174,7 +174,7 @@ class BodyMapResult(MapResult):
     def _in_full(self, one: PathEnd) -> str:
         """An end in words, and when it is seen; of a body that turns on its heading by then, and how fast it turns."""
         found, units, said = self.found, self.scene.units, self.in_words(one.text)
-        second = f" {units.time}".rstrip()
+        second = units.after_time
         if one.reason is not BodyEnd.TIME:
             said += f", by t = {range_text(found.times[one.starts])}{second}"
             if one.reason is not BodyEnd.REST or self.scene.body is not None:
@@ -185,8 +185,7 @@ class BodyMapResult(MapResult):
         slow = SLOWLY * self.scene.fastest / size_of(self.scene)
         if np.isnan(turning).any() or (np.abs(turning) <= slow).all():
             return said
-        per = f"/{units.time}" if units.time else " per unit of time"
-        return f"{said}, turning at {range_text(np.degrees(turning))} deg{per}"
+        return f"{said}, turning at {range_text(np.degrees(turning))} deg{units.per_time}"
 
     def in_words(self, end: str) -> str:
         """An end; of a body that covers all wheels its place rests, and the body may turn on there."""
@@ -244,7 +243,7 @@ class BodyMapResult(MapResult):
         moving = self.found.by(BodyEnd.TIME)
         rows.insert(0, home_row(self.scene, self.home, moving=bool(moving.any())))
         rows += self._tipping()
-        unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
+        unit, second = self.scene.units.after_length, self.scene.units.after_time
         ended = self.found.times[~moving]
         latest = f"t = {ended.max():.6g}{second}" if len(ended) else f"none until t = {self.found.until:.6g}{second}"
         rows.append((f"latest end{massless(self.scene)}", latest))
@@ -260,7 +259,7 @@ class BodyMapResult(MapResult):
 
     def _tipping(self) -> Iterator[tuple[str, str]]:
         """How many bodies tip where they start, from which distance on and over which lines; how many on their way."""
-        found, unit = self.found, f" {self.scene.units.length}".rstrip()
+        found, unit = self.found, self.scene.units.after_length
         tips, total = found.by(BodyEnd.TIPS), len(found.starts)
         at_once = tips & (found.times == 0)
         if at_once.any():
@@ -288,7 +287,7 @@ class BodyMapResult(MapResult):
         except SceneError:  # no body stands at the point
             return
         if checked.wider is not None:
-            unit = f" {self.scene.units.length}".rstrip()
+            unit = self.scene.units.after_length
             share = percent_text(float(checked.radius / checked.wider) ** 2)
             within = f"within {short_text(checked.radius)}{unit} of the point, {share} of this square"
             yield f"check speaks of the part {within}: there the same wheels carry the body"

@@ -217,7 +217,7 @@ class FailedPathsResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """Of one start each end; of many the farthest move, and how many no longer come home."""
-        unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
+        unit, second = self.scene.units.after_length, self.scene.units.after_time
         accuracy = f"home: within {float_text(accuracy_at_point(self.scene), 3)}{unit} of the checked point"
         said = Paragraph((f"sampled, without inertia, until t = {self.until:.4g}{second}; {accuracy}",))
         if len(self.whole) == 1:
@@ -281,7 +281,7 @@ class FailedPathsResult(Result):
         open_ones = [Paragraph((f"{unknown}: not followed so far, or other solutions branch off",))]
         farthest = max(self.failures, key=lambda failed: self.farthest(failed) or 0.0)
         if farthest != worst:
-            unit = f" {self.scene.units.length}".rstrip()
+            unit = self.scene.units.after_length
             said += f"; {farthest} moves an end farthest, by {_text(self.farthest(farthest))}{unit}"
         return [Paragraph((f"the worst: {worst}: {said} ({RANKED})",)), *(open_ones if left else [])]
 

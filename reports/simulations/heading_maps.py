@@ -151,7 +151,7 @@ class HeadingsResult(Result):
     def blocks(self) -> Sequence[Block]:
         """The headings that return, and where all arcs end."""
         units = self.scene.units
-        length, time = (f" {units.length}", " s") if units.length else ("", "")
+        length, time = units.after_length, units.after_time
         place = f"{place_text(self.place, 6)}{length}"
         step = _angle_text(units, 2 * math.pi / len(self.found.starts))
         what = f"bodies from {place}, a heading every {step}, until t = {self.found.until:.4g}{time}, sampled"

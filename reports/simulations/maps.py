@@ -112,7 +112,7 @@ def home_row(scene: Scene, home: NDArray[np.bool_], perhaps: int = 0, moving: bo
         perhaps: how many more may.
         moving: whether some still move at the last time, of which where they are then counts.
     """
-    unit = f" {scene.units.length}".rstrip()
+    unit = scene.units.after_length
     accuracy = float_text(accuracy_at_point(scene), 3)
     more = f", {perhaps} more by one of several solutions" if perhaps else ""
     end = "end, or are at the last time," if moving else "end"
@@ -212,7 +212,7 @@ class SettleMapResult(MapResult):
     def _arrivals(self, basin: Basin) -> str:
         """The range of times; empty where bodies only come nearer."""
         times = self.found.arrival[self.found.arrived & np.isin(self.found.basin, basin.kinds)]
-        second = f" {self.partition.scene.units.time}".rstrip()
+        second = self.partition.scene.units.after_time
         return f", by t = {range_text(times)}{second}" if len(times) else ""
 
     def facts(self) -> Record:
@@ -262,7 +262,7 @@ class SettleMapResult(MapResult):
         rows.insert(0, home_row(self.partition.scene, self.home, int((self._near & ~self.found.unique).sum())))
         theta, latest = summary["theta"], summary["latest_arrival"]
         units = self.partition.scene.units
-        unit, second = (f" {label}".rstrip() for label in (units.length, units.time))
+        unit, second = units.after_length, units.after_time
         shown = [shown_angle(units, angle) for angle in theta or ()]
         last = f"{shown[0]:.10g} to {shown[1]:.10g}{' deg' * units.in_degrees}" if shown else "-"
         rows.append(("last heading" if units.in_degrees else "theta_inf", last))

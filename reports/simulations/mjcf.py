@@ -241,7 +241,7 @@ class Export:
 
     def _comment(self) -> str:
         vx, vy, omega = (float(value) + 0.0 for value in self.file_twist)
-        unit = f" {self.scene.units.length}".rstrip()
+        unit = self.scene.units.after_length
         lines = [
             f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "
             "the frame is reversed, the array rides on the body.",
@@ -403,7 +403,7 @@ class WorldExport:
 """
 
     def _comment(self) -> str:
-        unit = f" {self.scene.units.length}".rstrip()
+        unit = self.scene.units.after_length
         turn = math.degrees(math.atan2(self.axis[1], self.axis[0]))
         lines = [
             f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "

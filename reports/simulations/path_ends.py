@@ -110,7 +110,7 @@ def distance_from_point(scene: Scene, state: Any) -> float:
 
 def _place(scene: Scene, state: Any) -> str:
     """How far from the point, and at which heading."""
-    distance, unit = distance_from_point(scene, state), _unit(scene.units.length)
+    distance, unit = distance_from_point(scene, state), scene.units.after_length
     near = distance <= AT_POINT * size_of(scene)
     place = "at the point" if near else f"{float_text(distance, DIGITS)}{unit} from the point"
     return f"ends {place}, heading {_in_words(scene, float(state[2]))}"
@@ -134,7 +134,7 @@ def pose_text(units: Units, state: Sequence[Any], digits: int) -> str:
     x, y, theta = pose_in_floats(state)
     if not units.in_degrees:
         return f"{place_text((x, y), digits)}, theta = {float_text(theta, digits)}"
-    return f"{place_text((x, y), digits)}{_unit(units.length)}, {heading_text(units, theta, digits=digits)}"
+    return f"{place_text((x, y), digits)}{units.after_length}, {heading_text(units, theta, digits=digits)}"
 
 
 def heading_text(units: Units, theta: float, symbol: str = "theta", digits: int = 6) -> str:
@@ -155,11 +155,10 @@ def in_unit(name: str, unit: str) -> str:
 
 
 def _settles(scene: Scene, after: float) -> str:
-    accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + _unit(scene.units.length)
-    when = (
-        f"after {float_text(after, DIGITS)}{_time(scene)}" if after else "already at the start"
-    )  # it does not come there
-    return f"within {accuracy} of its end {when}"
+    accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + scene.units.after_length
+    if not after:  # it does not come there
+        return f"within {accuracy} of its end already at the start"
+    return f"within {accuracy} of its end after {float_text(after, DIGITS)}{scene.units.after_time}"
 
 
 def _swings(count: int) -> str:
@@ -168,20 +167,12 @@ def _swings(count: int) -> str:
 
 def _motion(end: Ending, scene: Scene) -> str:
     """``at rest since 1.1 s``, ``creeps at 0.3 mm/s``, ``moving at 20 mm/s and turning at 3 deg/s``."""
+    units, turning = scene.units, end.turning or 0.0
     if end.motion is EndMotion.AT_REST and end.since is not None:
-        return f"at rest since {'t = ' * (not scene.units.time)}{float_text(end.since, DIGITS)}{_time(scene)}"
-    per = f"/{scene.units.time}" if scene.units.time else " per unit of time"
+        return f"at rest since {'t = ' * (not units.time)}{float_text(end.since, DIGITS)}{units.after_time}"
+    moves = f"{end.motion.value} at {float_text(end.speed, DIGITS)}{units.after_speed}"
     slow = SLOWLY * max(scene.fastest, end.speed) / size_of(scene)
-    turns = "" if abs(end.turning or 0.0) <= slow else f" and turning at {_in_words(scene, end.turning or 0.0)}{per}"
-    return f"{end.motion.value} at {float_text(end.speed, DIGITS)}{_unit(scene.units.speed)}{turns}"
-
-
-def _unit(label: str) -> str:
-    return f" {label}" if label else ""
-
-
-def _time(scene: Scene) -> str:
-    return _unit(scene.units.time)
+    return moves if abs(turning) <= slow else f"{moves} and turning at {_in_words(scene, turning)}{units.per_time}"
 
 
 # ---- with inertia --------------------------------------------------------------------------------
@@ -190,12 +181,12 @@ def _time(scene: Scene) -> str:
 def settled_words(scene: Scene, body: Settled) -> str:
     """What becomes of a body with inertia, from rest."""
     if body.kind is Settling.THROWN_OFF:
-        return f"thrown off after {float_text(body.until, DIGITS)}{_time(scene)}"
+        return f"thrown off after {float_text(body.until, DIGITS)}{scene.units.after_time}"
     if body.kind is Settling.LIMIT_CYCLE and body.amplitude is not None:
-        size = float_text(body.amplitude, DIGITS) + _unit(scene.units.length)
+        size = float_text(body.amplitude, DIGITS) + scene.units.after_length
         return f"swings on for ever, up to {size} from a place {_place(scene, body.end).removeprefix('ends ')}"
     if body.settles_after is None:
-        return f"still moving after {float_text(body.until, DIGITS)}{_time(scene)}"
+        return f"still moving after {float_text(body.until, DIGITS)}{scene.units.after_time}"
     parts = [_place(scene, body.end), _settles(scene, body.settles_after), _swings(body.swings or 0)]
     return ", ".join(parts)
 

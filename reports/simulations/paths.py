@@ -199,7 +199,7 @@ class PathResult(Result):
     def _events(self) -> list[tuple[str, str]]:
         """When something happens, and what; the end last."""
         events, end = self.trajectory.events, self.trajectory.end
-        second = "" if self.scene is None or not self.scene.units.time else f" {self.scene.units.time}"
+        second = "" if self.scene is None else self.scene.units.after_time
         rows = []
         for event in events[:SHOWN]:
             note = f"; {event.note}" if event.note else ""
@@ -367,7 +367,7 @@ class ArrayPath(PathResult):
             return self._clock()
         if isinstance(self.heavy, str):
             return (f"with inertia: not followed: {self.heavy}",)
-        last = f"{float_text(self.heavy.until, 3)} {self.scene.units.time}".rstrip()
+        last = float_text(self.heavy.until, 3) + self.scene.units.after_time
         rests = "its place rests at " if self.heavy.kind is Settling.AT_REST else ""
         followed = f"with inertia (simulated, from rest until {rests}t = {last})"
         return (f"{followed}: {settled_words(self.scene, self.heavy)}",)
@@ -378,7 +378,7 @@ class ArrayPath(PathResult):
         is_over = end.reason is EndReason.TIME and ArrayPathEnd(self.scene, self.trajectory).ending.since is None
         if self.loop is None or not is_over:
             return ()
-        second = f" {self.scene.units.time}".rstrip()
+        second = self.scene.units.after_time
         said = f"that is where the clock stopped, at t = {float_text(float(end.t), 4)}{second}, not where the law leads"
         kappa = self.loop.feedback.certified_kappa if self.loop.is_certified else None
         if kappa is None or self.scene.loop_errors is not None or self.scene.speed_limits:

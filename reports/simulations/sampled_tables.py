@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, sample_tables, why_not_sampled
-from nonsmooth.proofs.answers.answer import at_least, at_most, of_length
+from nonsmooth.proofs.answers.answer import at_least, at_most
 from nonsmooth.proofs.answers.robust import WORDS
 from nonsmooth.reports.figures.style import INK, figure_with_legend, length_label, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table
@@ -109,7 +109,7 @@ class SampledTablesResult(Result):
 
     def summary(self) -> str:
         """The sample, and what is certified."""
-        count, unit = len(self.all.places), of_length(self.scene)
+        count, unit = len(self.all.places), self.scene.units.after_length
         within = self.all.within(SHARE)
         head = f"{100 * SHARE:g} % of {count} tables end within {float_text(within, 3)}{unit}"
         if math.isinf(within):
@@ -132,7 +132,7 @@ class SampledTablesResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The sentence, each tolerance alone, and what binds."""
-        unit, count = of_length(self.scene), len(self.all.places)
+        unit, count = self.scene.units.after_length, len(self.all.places)
         head = f"{one_line(self.scene.name)}, rule {self.scene.contact.rule}: {count} tables within the tolerances"
         how = "each number of each wheel evenly within its tolerance; bodies without inertia, at the checked heading"
         rows = []
@@ -160,7 +160,7 @@ class SampledTablesResult(Result):
         """The places of rest about the checked point, the circle within which 95 % end, and that of the accuracy."""
         from matplotlib.patches import Circle
 
-        unit, center = of_length(self.scene), (float(self.all.point[0]), float(self.all.point[1]))
+        unit, center = self.scene.units.after_length, (float(self.all.point[0]), float(self.all.point[1]))
         ax.plot(*self.all.places.T, ".", color="#0072B2", markersize=4, label="ends (sampled)")
         ax.plot(*center, "+", color=INK, markersize=12, label="checked point")
         within = {"95 % of them": (self.all.within(SHARE), "#D55E00", "-"), "accuracy": (self.accuracy, INK, "--")}

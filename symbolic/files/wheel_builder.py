@@ -132,7 +132,7 @@ class WheelBuilder:
             return
         of_field = place.own.speed is None and place.own.heading is None
         key = "field.speed" if of_field else f"{place.key}.speed"
-        unit = f" {self._document.units.labels.speed}".rstrip()
+        unit = self._document.units.labels.after_speed
         required = f"at wheel {wheel.index} a speed within its speed_limit {short_text(limit)}{unit}"
         raise self._error(key, required, StatedFact(f"{short_text(wheel.speed)}{unit}"))
 

@@ -280,7 +280,7 @@ def require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> 
     if beyond:
         corner, following = max(beyond, key=lambda side: _distance_beyond(side, point))
         away = _distance_beyond((corner, following), point)
-        where = f"{float_text(away, 4)} {scene.units.length}".rstrip() + " beyond" if away > 0 else "on"
+        where = f"{float_text(away, 4)}{scene.units.after_length} beyond" if away > 0 else "on"
         edge = f"wheels {_number_at(carrying, corner)} and {_number_at(carrying, following)}"
         why = f"its centre of mass {where} the line through {edge}: it tips over it"
         raise TipsError(scene, numbers, why)

@@ -86,3 +86,23 @@ class Units:
     def time(self) -> str:
         """Of times."""
         return "s" if self.length else ""
+
+    @property
+    def after_length(self) -> str:
+        """What stands behind a length in a sentence: a space and the unit, or nothing."""
+        return f" {self.length}" if self.length else ""
+
+    @property
+    def after_speed(self) -> str:
+        """The same behind a speed."""
+        return f" {self.speed}" if self.length else ""
+
+    @property
+    def after_time(self) -> str:
+        """The same behind a time."""
+        return f" {self.time}" if self.length else ""
+
+    @property
+    def per_time(self) -> str:
+        """What stands behind the unit of what is a rate."""
+        return f"/{self.time}" if self.length else " per unit of time"

@@ -95,7 +95,7 @@ def _limits(feedback: AnyFeedback, scene: Scene) -> Iterator[Fact]:
 
 def _limit_words(limited: LimitedRate, feedback: AnyFeedback, scene: Scene) -> list[str]:
     free, held, speed, level = (lower_text(value, 4) for value in vars(limited).values())
-    unit = f" {scene.units.speed}".rstrip()
+    unit = scene.units.after_speed
     gain = "" if feedback.lyapunov.length is not None else ", k >= 1"
     return [
         f"where V < {level}: no wheel is at its limit while k^2 V <= {free}{gain} (certified)",
