@@ -37,19 +37,15 @@ from nonsmooth.reports.figures.wheels import AXES_SHARE, draw_names, outline_of,
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.simulations.maps import (
-    MapResult,
+    ArrayMap,
     Part,
     grid_of,
-    home_row,
-    massless,
-    parts_record,
-    within_accuracy,
 )
-from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, heading_text, range_text, size_of
+from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, range_text, size_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record
 from nonsmooth.symbolic.mechanics.body import Body, Disc
-from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point, standing, whole
+from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
@@ -67,7 +63,6 @@ PLACE_RESTS = "its place rests"  # of a body that covers all wheels
 TURNS_ON = f"{PLACE_RESTS}: the body covers all wheels, and turns there as they turn it; headings are those at t"
 ELSEWHERE = "elsewhere"
 LINES = 4  # over which bodies tip, that are named
-SHOWN = 12  # destinations listed on a terminal
 
 # the picture
 SIZE = (12.0, 6.0)  # inches, without the legend
@@ -118,7 +113,7 @@ def _covered(scene: Scene) -> Scene:
 
 
 @dataclass(frozen=True, repr=False)
-class BodyMapResult(MapResult):
+class BodyMapResult(ArrayMap):
     """Sampled ends of a grid of paths of a body.
 
     Attributes:
@@ -133,11 +128,16 @@ class BodyMapResult(MapResult):
     found: BodyEnds
     distance: float
 
+    @property
+    def array(self) -> Scene:
+        """With all wheels."""
+        return self.scene
+
     @cached_property
     def home(self) -> NDArray[np.bool_]:
         """Which starts end upright within the accuracy of the checked point (m,)."""
         upright = self.found.by(BodyEnd.REST) | self.found.by(BodyEnd.TIME)
-        return within_accuracy(self.scene, self.found.poses[:, :2]) & upright
+        return self.are_near(self.found.poses[:, :2]) & upright
 
     @cached_property
     def destinations(self) -> list[PathEnd]:
@@ -150,13 +150,9 @@ class BodyMapResult(MapResult):
         if one.reason is not BodyEnd.TIME or not near.any():
             yield one
             return
-        for where, chosen in ((f"within {self._accuracy} of the point", near), (ELSEWHERE, ~near)):
+        for where, chosen in ((f"within {self.accuracy} of the point", near), (ELSEWHERE, ~near)):
             if chosen.any():
                 yield replace(one, starts=one.starts[chosen], share=float(one.share * chosen.mean()), where=where)
-
-    @property
-    def _accuracy(self) -> str:
-        return float_text(accuracy_at_point(self.scene), 3) + self.scene.units.after_length
 
     @cached_property
     def destination_of(self) -> list[int]:
@@ -167,9 +163,9 @@ class BodyMapResult(MapResult):
         return [int(k) for k in numbers]
 
     @property
-    def shares(self) -> list[tuple[str, str]]:
+    def endings(self) -> list[tuple[float, str]]:
         """Share and words of every destination."""
-        return [(percent_text(one.share), self._in_full(one)) for one in self.destinations]
+        return [(one.share, self._in_full(one)) for one in self.destinations]
 
     def _in_full(self, one: PathEnd) -> str:
         """An end in words, and when it is seen; of a body that turns on its heading by then, and how fast it turns."""
@@ -211,9 +207,7 @@ class BodyMapResult(MapResult):
             "starts": found.starts[:, :2].tolist(),
             "ends": [_end(pose, found, k) for k, pose in enumerate(found.poses.tolist())],
             "destination": self.destination_of,
-            "accuracy": float(accuracy_at_point(self.scene)),
-            "home": int(self.home.sum()),
-            "parts": parts_record(self.parts),
+            **self.home_record(),
         }
 
     def table(self) -> DataTable:
@@ -237,25 +231,23 @@ class BodyMapResult(MapResult):
 
     def blocks(self) -> Sequence[Block]:
         """The shares of the destinations."""
-        rows, others = self.shares[:SHOWN], self.destinations[SHOWN:]
-        if others:
-            rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
-        moving = self.found.by(BodyEnd.TIME)
-        rows.insert(0, home_row(self.scene, self.home, moving=bool(moving.any())))
-        rows += self._tipping()
-        unit, second = self.scene.units.after_length, self.scene.units.after_time
+        moving, second = self.found.by(BodyEnd.TIME), self.scene.units.after_time
+        rows = [*self.first_rows(moving=bool(moving.any())), *self._tipping()]
         ended = self.found.times[~moving]
         latest = f"t = {ended.max():.6g}{second}" if len(ended) else f"none until t = {self.found.until:.6g}{second}"
-        rows.append((f"latest end{massless(self.scene)}", latest))
-        (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
+        rows.append((f"latest end{self.massless}", latest))
         head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"
-        square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
-        starts = f"{square}{unit}, {heading_text(self.scene.units, self.options.heading, 'theta_0')}"
         open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
         if self.scene.body is None:
             open_heading = [Paragraph((TURNS_ON,))]
         beside = [Paragraph((text,)) for text in self._beside_the_check()]
-        return [Paragraph((head,)), Paragraph((starts,)), findings(rows), *open_heading, *beside]
+        return [
+            Paragraph((head,)),
+            Paragraph((self.square(self.found.starts),)),
+            findings(rows),
+            *open_heading,
+            *beside,
+        ]
 
     def _tipping(self) -> Iterator[tuple[str, str]]:
         """How many bodies tip where they start, from which distance on and over which lines; how many on their way."""
@@ -336,7 +328,7 @@ class BodyMapResult(MapResult):
             self._draw_contacts(ends)
             ends.set(**centre_labels(self.scene.units))
         turned = f"heading {degrees_text(self.options.heading)}"
-        head = f"{self.title}: {self.head}, {turned}, sampled{massless(self.scene)}"
+        head = f"{self.title}: {self.head}, {turned}, sampled{self.massless}"
         title_figure(figure, f"{head}\n{self.summary()}")
         legend_below(figure, entries)
         return figure

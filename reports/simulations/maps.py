@@ -92,33 +92,6 @@ class Part(NamedTuple):
     starts: int
 
 
-def parts_record(parts: Sequence[Part]) -> list[Record]:
-    """JSON of the parts."""
-    return [{"end": part.text, "starts": part.starts} for part in parts]
-
-
-def within_accuracy(scene: Scene, places: Floats) -> NDArray[np.bool_]:
-    """Which of the places (m, 2) at which bodies end are within the accuracy of the checked point; none is not."""
-    away = places - scene.check.place
-    return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(scene)))
-
-
-def home_row(scene: Scene, home: NDArray[np.bool_], perhaps: int = 0, moving: bool = False) -> tuple[str, str]:
-    """How many of all starts end within the accuracy, and how many more by one of several solutions.
-
-    Args:
-        scene: the array.
-        home: of each start, whether it does.
-        perhaps: how many more may.
-        moving: whether some still move at the last time, of which where they are then counts.
-    """
-    unit = scene.units.after_length
-    accuracy = float_text(accuracy_at_point(scene), 3)
-    more = f", {perhaps} more by one of several solutions" if perhaps else ""
-    end = "end, or are at the last time," if moving else "end"
-    return "at the point", f"{int(home.sum())} of {len(home)} {end} within {accuracy}{unit} of it{more}"
-
-
 class MapResult(Result):
     """Where, when and at which heading the bodies of a grid of starts end, or solutions of a system; sampled."""
 
@@ -134,8 +107,17 @@ class MapResult(Result):
 
     @property
     @abstractmethod
-    def shares(self) -> list[tuple[str, str]]:
+    def endings(self) -> list[tuple[float, str]]:
         """Share and words of every kind of end, largest first."""
+
+    @property
+    def shares(self) -> list[tuple[str, str]]:
+        """The same with shares in percent."""
+        return [(percent_text(share), words) for share, words in self.endings]
+
+    def parts_record(self) -> list[Record]:
+        """JSON of the parts."""
+        return [{"end": part.text, "starts": part.starts} for part in self.parts]
 
     def summary(self) -> str:
         """``961 starts: the body rests (896), still moving at the last time (65)``; the largest part first."""
@@ -151,6 +133,67 @@ class MapResult(Result):
         return short_lines(f"{self.title}: {self.summary()} (sampled)", self.shares)
 
 
+class ArrayMap(MapResult):
+    """The map of an array: how many bodies end at its checked point is said beside where all end.
+
+    Attributes:
+        options: what was mapped.
+    """
+
+    options: SimulateOptions
+
+    @property
+    @abstractmethod
+    def array(self) -> Scene:
+        """What bodies move over."""
+
+    @property
+    @abstractmethod
+    def home(self) -> NDArray[np.bool_]:
+        """Which starts end within the accuracy of the checked point, by every solution (m,)."""
+
+    @property
+    def accuracy(self) -> str:
+        """Below which distance from the checked point a body is there, with its unit."""
+        return float_text(accuracy_at_point(self.array), 3) + self.array.units.after_length
+
+    @property
+    def massless(self) -> str:
+        """Said of times where the scene says what gravity is, for a body with inertia takes longer."""
+        return ", without inertia" if self.array.inertia is not None else ""
+
+    def are_near(self, places: Floats) -> NDArray[np.bool_]:
+        """Which of the places (m, 2) are within the accuracy of the checked point; none is not."""
+        away = places - self.array.check.place
+        return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(self.array)))
+
+    def home_record(self) -> Record:
+        """JSON of how many end at the checked point, and of all parts."""
+        accuracy = float(accuracy_at_point(self.array))
+        return {"accuracy": accuracy, "home": int(self.home.sum()), "parts": self.parts_record()}
+
+    def first_rows(self, perhaps: int = 0, *, moving: bool = False) -> list[tuple[str, str]]:
+        """How many of all starts end within the accuracy, and the largest shares of the ends.
+
+        Args:
+            perhaps: how many more may, by one of several solutions.
+            moving: whether some still move at the last time, of which where they are then counts.
+        """
+        more = f", {perhaps} more by one of several solutions" if perhaps else ""
+        end = "end, or are at the last time," if moving else "end"
+        home = f"{int(self.home.sum())} of {len(self.home)} {end} within {self.accuracy} of it{more}"
+        rows, others = [("at the point", home), *self.shares[:SHOWN]], self.endings[SHOWN:]
+        if others:
+            rows.append((percent_text(sum(share for share, _ in others)), f"{len(others)} others"))
+        return rows
+
+    def square(self, starts: Floats) -> str:
+        """Over which square the starts (m, n) lie, and at which heading."""
+        units, ((left, low), (right, high)) = self.array.units, (starts[:, :2].min(axis=0), starts[:, :2].max(axis=0))
+        places = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}{units.after_length}"
+        return f"{places}, {heading_text(units, self.options.heading, 'theta_0')}"
+
+
 @dataclass(frozen=True)
 class Basin:
     """Kinds of ends that read the same: their numbers in the map, and the share of the starts that end so."""
@@ -161,7 +204,7 @@ class Basin:
 
 
 @dataclass(frozen=True, repr=False)
-class SettleMapResult(MapResult):
+class SettleMapResult(ArrayMap):
     """The ends of a grid of paths through cells.
 
     Attributes:
@@ -175,9 +218,14 @@ class SettleMapResult(MapResult):
     found: SettleMap
 
     @property
+    def array(self) -> Scene:
+        """That of the cells."""
+        return self.partition.scene
+
+    @property
     def title(self) -> str:
         """The scene and the rule."""
-        return f"{self.partition.scene.name}, rule {self.partition.rule}"
+        return f"{self.array.name}, rule {self.partition.rule}"
 
     @cached_property
     def home(self) -> NDArray[np.bool_]:
@@ -187,7 +235,7 @@ class SettleMapResult(MapResult):
     @cached_property
     def _near(self) -> NDArray[np.bool_]:
         """Which do by the solution that is followed (m,)."""
-        return within_accuracy(self.partition.scene, self.found.points)
+        return self.are_near(self.found.points)
 
     @property
     def parts(self) -> list[Part]:
@@ -205,21 +253,21 @@ class SettleMapResult(MapResult):
         return sorted(basins, key=lambda basin: -basin.share)
 
     @property
-    def shares(self) -> list[tuple[str, str]]:
+    def endings(self) -> list[tuple[float, str]]:
         """Share and words of every basin, and when bodies arrive there."""
-        return [(percent_text(basin.share), basin.text + self._arrivals(basin)) for basin in self.basins]
+        return [(basin.share, basin.text + self._arrivals(basin)) for basin in self.basins]
 
     def _arrivals(self, basin: Basin) -> str:
         """The range of times; empty where bodies only come nearer."""
         times = self.found.arrival[self.found.arrived & np.isin(self.found.basin, basin.kinds)]
-        second = self.partition.scene.units.after_time
+        second = self.array.units.after_time
         return f", by t = {range_text(times)}{second}" if len(times) else ""
 
     def facts(self) -> Record:
         """JSON with stable keys; starts run along x first."""
         return {
             "schema": SCHEMA,
-            "scene": self.partition.scene.name,
+            "scene": self.array.name,
             "rule": str(self.partition.rule),
             "kinematics": str(self.options.kinematics),
             "grid": self.options.grid,
@@ -227,9 +275,7 @@ class SettleMapResult(MapResult):
             "until": self.options.until,
             "summary": self._summary,
             **self.found.record(),
-            "accuracy": float(accuracy_at_point(self.partition.scene)),
-            "home": int(self.home.sum()),
-            "parts": parts_record(self.parts),
+            **self.home_record(),
         }
 
     @property
@@ -256,25 +302,17 @@ class SettleMapResult(MapResult):
 
     def blocks(self) -> Sequence[Block]:
         """The shares of the ends, the range of headings, the latest arrival and what is not unique."""
-        rows, summary, others = self.shares[:SHOWN], self._summary, self.basins[SHOWN:]
-        if others:
-            rows.append((percent_text(sum(basin.share for basin in others)), f"{len(others)} others"))
-        rows.insert(0, home_row(self.partition.scene, self.home, int((self._near & ~self.found.unique).sum())))
+        rows = self.first_rows(int((self._near & ~self.found.unique).sum()))
+        summary, units = self._summary, self.array.units
         theta, latest = summary["theta"], summary["latest_arrival"]
-        units = self.partition.scene.units
-        unit, second = units.after_length, units.after_time
         shown = [shown_angle(units, angle) for angle in theta or ()]
         last = f"{shown[0]:.10g} to {shown[1]:.10g}{' deg' * units.in_degrees}" if shown else "-"
         rows.append(("last heading" if units.in_degrees else "theta_inf", last))
-        rows.append(
-            (f"latest arrival{massless(self.partition.scene)}", "-" if latest is None else f"t = {latest:.10g}{second}")
-        )
+        arrival = "-" if latest is None else f"t = {latest:.10g}{units.after_time}"
+        rows.append((f"latest arrival{self.massless}", arrival))
         rows.append(("never arrive", percent_text(1 - summary["arrived"])))
         rows.append(("not unique", percent_text(1 - summary["unique"])))
-        (left, low), (right, high) = self.found.starts.min(axis=0), self.found.starts.max(axis=0)
-        turned = heading_text(units, self.options.heading, "theta_0")
-        starts = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}{unit}, {turned}"
-        return [Paragraph((self.head,)), Paragraph((starts,)), findings(rows)]
+        return [Paragraph((self.head,)), Paragraph((self.square(self.found.starts),)), findings(rows)]
 
     @property
     def head(self) -> str:
@@ -282,7 +320,7 @@ class SettleMapResult(MapResult):
         options, count = self.options, self.options.grid
         until = "" if options.until is None else f", seen at t = {options.until:.6g}"
         what = f"rule {self.partition.rule}, {options.kinematics} kinematics, {count} x {count} starts{until}"
-        return f"{one_line(self.partition.scene.name)}: {what}"
+        return f"{one_line(self.array.name)}: {what}"
 
     def draw(self, ax: Axes) -> None:
         """Ends by color, over the cells; what is not unique is darker."""
@@ -298,7 +336,7 @@ class SettleMapResult(MapResult):
         veil[~found.unique] = to_rgba(INK, SHADE)
         draw_grid(ax, found.starts, veil)
         _draw_cell_borders(ax, self.partition)
-        ax.set(**start_labels(self.partition.scene.units), aspect="equal")
+        ax.set(**start_labels(self.array.units), aspect="equal")
 
     def figure(self) -> Figure:
         """Where each start ends, when, and at which heading.
@@ -306,8 +344,7 @@ class SettleMapResult(MapResult):
         Raises:
             SceneError: where the square is too large, too small or too far away to be drawn with floats.
         """
-        scene = self.partition.scene
-        require_drawable(scene)
+        require_drawable(self.array)
         entries = self._legend()
         figure = new_figure(SIZE[0], SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
         rows = figure.add_gridspec(2, 3, height_ratios=(1, SCALE))
@@ -317,7 +354,7 @@ class SettleMapResult(MapResult):
         self.draw(ends)
         for axes in (heading, arrival):
             _draw_cell_borders(axes, self.partition)
-            axes.set(**start_labels(scene.units), aspect="equal")
+            axes.set(**start_labels(self.array.units), aspect="equal")
         for axes in (arrival, ends):
             axes.set_ylabel("")
             axes.tick_params(labelleft=False)
@@ -337,10 +374,10 @@ class SettleMapResult(MapResult):
         _draw_numbers(axes, scale, found.starts, values, "heading at rest [deg]", cmap=HEADINGS, norm=norm)
 
     def _draw_arrival(self, axes: Axes, scale: Axes) -> None:
-        found, label = self.found, time_label("t", self.partition.scene.units)
+        found, label = self.found, time_label("t", self.array.units)
         values = np.where(found.arrived, found.arrival, np.nan)
         latest = float(values[found.arrived].max(initial=0.0)) or 1.0
-        axes.set_title(f"time of arrival{massless(self.partition.scene)}")
+        axes.set_title(f"time of arrival{self.massless}")
         _draw_numbers(axes, scale, found.starts, values, label, cmap=TIMES, vmin=0.0, vmax=latest)
 
     def _colored(self) -> list[tuple[Basin, str]]:
@@ -389,11 +426,6 @@ def settled(partition: Partition, count: int, options: SimulateOptions) -> Settl
     with progress(f"{count} x {count} starts") as report:
         found = settle_map(field, grid_starts(field, count), options.heading, report)
     return found if options.until is None else found.seen_until(options.until)
-
-
-def massless(scene: Scene) -> str:
-    """Said of times where the scene says what gravity is, for a body with inertia takes longer."""
-    return ", without inertia" if scene.inertia is not None else ""
 
 
 def _range(values: Any) -> list[float] | None:

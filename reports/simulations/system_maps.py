@@ -38,11 +38,10 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.progress import ProgressCall, progress
-from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of, parts_record
+from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.number_text import percent_text
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -117,9 +116,9 @@ class SystemMap(MapResult):
         return {kind: share for kind, share in counted.items() if share}
 
     @property
-    def shares(self) -> list[tuple[str, str]]:
+    def endings(self) -> list[tuple[float, str]]:
         """The same in words."""
-        return [(percent_text(share), str(kind)) for kind, share in self.counts.items()]
+        return [(share, str(kind)) for kind, share in self.counts.items()]
 
     @cached_property
     def contradictions(self) -> tuple[Contradiction, ...]:
@@ -162,7 +161,7 @@ class SystemMap(MapResult):
             "starts": self.starts.tolist(),
             "ends": ends,
             "whereabouts": [kind.name.lower() for kind in self.whereabouts],
-            "parts": parts_record(self.parts),
+            "parts": self.parts_record(),
             **contradictions_record(self.contradictions),
         }
 
