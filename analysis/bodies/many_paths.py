@@ -29,7 +29,7 @@ from nonsmooth.analysis.bodies.motions_on_sets import (
 )
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellsBySet, SetCells
-from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule
+from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -114,7 +114,7 @@ class _State:
 class ManyPaths:
     """Follows one body from many starts."""
 
-    def __init__(self, scene: Scene, rule: SmoothRule | CellRule, *, of_places: bool = False) -> None:
+    def __init__(self, scene: Scene, rule: Rule, *, of_places: bool = False) -> None:
         """For a scene with a body, all its wheels in ``scene.wheels``.
 
         With ``of_places`` a body rests where its place does, however it turns there.

@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rule_of, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, with_friction_sets
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.contact_set import standing
@@ -109,14 +109,14 @@ def drawn_model(scene: Scene, box: Tolerance, generator: np.random.Generator) ->
     frames = np.stack([axes, turned(axes)], axis=1)
     moments = frames @ turned(positions)[..., None]
     speeds = model.speeds * (1 + float(box.speed) * shares[3])
-    rule, sets = rule_of(scene), []
+    rule, sets = smooth_rule_of(scene), []
     for wheel, roll, side in zip(scene.wheels, draws[4].tolist(), draws[5].tolist(), strict=True):
         friction = replace(
             wheel.friction,
             roll=wheel.friction.roll * (1 + box.mu_roll * Fraction(roll, SHARES)),
             side=wheel.friction.side * (1 + box.mu_side * Fraction(side, SHARES)),
         )
-        sets.append(rule.friction_set(friction))  # type: ignore[attr-defined]  # of rules with friction sets
+        sets.append(rule.friction_set(friction))
     rounded = float_sets(sets)
     return replace(
         model,

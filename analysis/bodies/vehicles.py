@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.cells.contact_rule import CellRule, ContactRule, SmoothRule, all_rules, contact_rule
+from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.cells.loads import elastic_loads_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, contacts_under
@@ -66,7 +66,7 @@ class VehicleMotion:
     """
 
     vehicle: Vehicle
-    rule: ContactRule
+    rule: Rule
     twists: Floats
     exact: tuple[Twist, ...] | None
     forces: Floats | None = None
@@ -135,7 +135,7 @@ def vehicle_motions(vehicle: Vehicle) -> tuple[VehicleMotion | RefusalError, ...
     return tuple(motions)
 
 
-def vehicle_motion(vehicle: Vehicle, rule: ContactRule | None = None) -> VehicleMotion:
+def vehicle_motion(vehicle: Vehicle, rule: Rule | None = None) -> VehicleMotion:
     """What a rule says, the vehicle's own unless given.
 
     Raises:
@@ -146,8 +146,6 @@ def vehicle_motion(vehicle: Vehicle, rule: ContactRule | None = None) -> Vehicle
     judged = replace(vehicle, scene=scene.under(chosen.name))
     if isinstance(chosen, SmoothRule):
         return _least_dissipation(judged, chosen)
-    if not isinstance(chosen, CellRule):
-        raise TypeError(f"required a rule with or without cells, received {chosen.name}")
     return _by_cells(judged, chosen)
 
 

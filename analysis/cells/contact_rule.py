@@ -12,7 +12,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED, MIXED_RULE
 from nonsmooth.symbolic.numbers.number_text import numbers_text
@@ -116,14 +116,17 @@ class SmoothRule(LimitedForces):
     """
 
 
+Rule: TypeAlias = CellRule | SmoothRule  # every rule has cells or has none
+
+
 @cache
-def _imported(location: str) -> ContactRule:
+def _imported(location: str) -> Rule:
     module, name = location.split(":")
-    rule: ContactRule = getattr(import_module(module), name)()
+    rule: Rule = getattr(import_module(module), name)()
     return rule
 
 
-def contact_rule(name: str) -> ContactRule:
+def contact_rule(name: str) -> Rule:
     """The rule of a name.
 
     Raises:
@@ -132,7 +135,7 @@ def contact_rule(name: str) -> ContactRule:
     return _imported(MIXED_RULE if name == MIXED else CONTACT_RULES[name])
 
 
-def rule_of(scene: Scene) -> ContactRule:
+def rule_of(scene: Scene) -> Rule:
     """The contact rule of a scene."""
     return contact_rule(scene.contact.rule)
 
@@ -149,7 +152,7 @@ def rule_notes(scene: Scene) -> list[str]:
     return [*([said] if named else []), *filter(None, [rule_of(scene).remark(scene)])]
 
 
-def all_rules(scene: Scene | None = None) -> tuple[ContactRule, ...]:
+def all_rules(scene: Scene | None = None) -> tuple[Rule, ...]:
     """Every registered rule, in the order of the registry; last that of a scene whose wheels have different ones."""
     mixed = (MIXED,) if scene is not None and scene.contact.rule == MIXED else ()
     return tuple(contact_rule(name) for name in (*CONTACT_RULES, *mixed))

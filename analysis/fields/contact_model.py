@@ -22,7 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nonsmooth.analysis.cells.contact_rule import ContactRule, SmoothRule
+from nonsmooth.analysis.cells.contact_rule import Rule, SmoothRule
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
@@ -289,7 +289,7 @@ def contact_model(scene: Scene) -> ContactModel:
     return replace(model, law=loads) if isinstance(loads, LoadModel) and table is None else model
 
 
-def contacts_under(rule: ContactRule, scene: Scene) -> ContactModel:
+def contacts_under(rule: Rule, scene: Scene) -> ContactModel:
     """The scene in floats; under a rule without cells with the friction sets of that rule, whatever the scene names."""
     model = contact_model(scene)
     if not isinstance(rule, SmoothRule):

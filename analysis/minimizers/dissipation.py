@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, ContactRule, LimitedForces
+from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces, Rule
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
 from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
 
@@ -38,7 +38,7 @@ class Functional(StrEnum):
         return Box.units(np.ones_like(model.cuts)) if self is Functional.BOX else model.shape.units(model.cuts)
 
 
-def functional_of(rule: ContactRule) -> Functional | None:
+def functional_of(rule: Rule) -> Functional | None:
     """What the motion under a rule minimizes: that of boxes where it is constant in cells; None where nothing is."""
     if not isinstance(rule, LimitedForces):
         return None

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol, TypeAlias, TypeVar
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, ContactRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, rule_of
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.boxes.enclosed_rest import rest_at_point
@@ -96,7 +96,7 @@ class Workspace:
         self._rounded_parts: set[str] = set()
 
     @property
-    def rule(self) -> ContactRule:
+    def rule(self) -> Rule:
         """The contact rule."""
         return rule_of(self.scene)
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
-from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.figures.style import (
@@ -90,15 +90,13 @@ def build_body_map(scene: Scene, options: SimulateOptions) -> BodyMapResult:
         SceneError: for leading-order kinematics, and for a table of loads where loads decide.
         RefusalError: where the motion on some wheels is not determined.
     """
-    count, rule = grid_of(options), rule_of(scene)
-    if not isinstance(rule, SmoothRule | CellRule):
-        raise TypeError(f"required a rule with or without cells, received {rule.name}")
+    count = grid_of(options)
     if options.kinematics is not Kinematics.EXACT:
         expected = "--kinematics exact for a body with an outline"
         raise SceneError(scene.origin, "body", expected, StatedFact(str(options.kinematics)))
     array = whole(scene)
     followed = array if array.body is not None else _covered(array)
-    paths = ManyPaths(followed, rule, of_places=array.body is None)
+    paths = ManyPaths(followed, rule_of(scene), of_places=array.body is None)
     with progress(f"{count} x {count} starts") as report:
         ends = paths.follow(pose_starts(array, count, options.heading), options.until, report)
     return BodyMapResult(array, options, ends, TOGETHER * paths.spacing)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, OnStep, turned_heading
-from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.reports.figures.style import figure_with_legend, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.progress import progress
@@ -258,9 +258,7 @@ def from_headings(
         SceneError: for a table of loads where loads decide.
         RefusalError: where the motion on some wheels is not determined.
     """
-    rule, array = rule_of(scene), whole(scene)
-    if not isinstance(rule, SmoothRule | CellRule):
-        raise TypeError(f"required a rule with or without cells, received {rule.name}")
     headings = 2 * math.pi * (np.arange(count) - count // 2) / count
     starts = np.column_stack([np.full((count, 2), place), headings])
-    return HeadingsResult(array, place, ManyPaths(array, rule).follow(starts, until, report))
+    array = whole(scene)
+    return HeadingsResult(array, place, ManyPaths(array, rule_of(scene)).follow(starts, until, report))

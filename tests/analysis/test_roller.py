@@ -66,7 +66,7 @@ def test_the_dissipation_is_that_of_contact_and_rolling(friction: tuple[float, f
 def test_the_friction_set(roll: int, side: int, axes: tuple[int, int], cut: Fraction | int) -> None:
     """The disc cut by the strip; whole where bearings hold more, a segment without bearing friction."""
     field = NumberField()
-    found = contact_rule("roller").friction_set(Friction(field(roll), field(side)))  # type: ignore[attr-defined]
+    found = contact_rule("roller").friction_set(Friction(field(roll), field(side)))  # type: ignore[union-attr]
     assert (found.along, found.across, found.cut) == (*axes, cut)
 
 
