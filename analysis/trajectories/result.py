@@ -228,9 +228,13 @@ class Trajectory(ShortRepr):
         return np.array(_floats(self.times))
 
     def dense(self, count: int, until: float = math.inf) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Sample times with ``count`` more, evenly up to a last time, and the states there: arcs look round.
+        """Sample times with more between them, and the states there: arcs look round.
 
         The samples themselves where there are no pieces.
+
+        Args:
+            count: of times that are added, evenly.
+            until: the last of these at most.
         """
         times = self.t
         if not self.pieces:

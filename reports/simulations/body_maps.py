@@ -41,7 +41,14 @@ from nonsmooth.reports.simulations.maps import (
     Part,
     grid_of,
 )
-from nonsmooth.reports.simulations.path_ends import SLOWLY, degrees_text, range_text, size_of
+from nonsmooth.reports.simulations.path_ends import (
+    SLOWLY,
+    accuracy_text,
+    degrees_text,
+    range_text,
+    sampled_record,
+    size_of,
+)
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record
 from nonsmooth.symbolic.mechanics.body import Body, Disc
@@ -148,7 +155,7 @@ class BodyMapResult(ArrayMap):
         if one.reason is not BodyEnd.TIME or not near.any():
             yield one
             return
-        for where, chosen in ((f"within {self.accuracy} of the point", near), (ELSEWHERE, ~near)):
+        for where, chosen in ((f"within {accuracy_text(self.scene)} of the point", near), (ELSEWHERE, ~near)):
             if chosen.any():
                 yield replace(one, starts=one.starts[chosen], share=float(one.share * chosen.mean()), where=where)
 
@@ -194,10 +201,7 @@ class BodyMapResult(ArrayMap):
         """JSON with stable keys; starts run along x first."""
         found = self.found
         return {
-            "schema": SCHEMA,
-            "scene": self.scene.name,
-            "rule": self.scene.contact.rule,
-            "status": "sampled",
+            **sampled_record(SCHEMA, self.scene),
             "grid": self.options.grid,
             "theta_0": self.options.heading,
             "until": found.until,

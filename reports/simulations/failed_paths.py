@@ -26,7 +26,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, in_unit
+from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, accuracy_text, in_unit, is_near, sampled_record
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon, widest_square
@@ -107,8 +107,7 @@ class FailedPath:
         """The last pose; None without a path to its end, and of a body that tips."""
         if self.path is None or self.does_tip or self.path.end.reason is EndReason.STEPS:
             return None
-        x, y, theta = pose_in_floats(self.path.end.state)
-        return x, y, theta
+        return pose_in_floats(self.path.end.state)
 
     @property
     def is_open(self) -> bool:
@@ -167,6 +166,11 @@ class FailedPathsResult(Result):
         """What fails, in order."""
         return tuple(dict.fromkeys(path.failed for path in self.paths))
 
+    @property
+    def came(self) -> int:
+        """From how many starts bodies come home with all wheels."""
+        return sum(path.home for path in self.whole)
+
     def pairs(self, failed: Failed) -> list[tuple[FailedPath, FailedPath]]:
         """The path of the whole table and that of the failed one, start by start."""
         return list(zip(self.whole, (path for path in self.paths if path.failed == failed), strict=True))
@@ -199,10 +203,8 @@ class FailedPathsResult(Result):
             }
             for failed in self.failures
         ]
-        head = {"schema": SCHEMA, "scene": self.scene.name, "rule": str(self.scene.contact.rule), "status": "sampled"}
-        accuracy, home = float(accuracy_at_point(self.scene)), sum(p.home for p in self.whole)
-        numbers = {"until": self.until, "accuracy": accuracy, "home": home}
-        return head | numbers | {"failures": summary, "rows": rows}
+        numbers = {"until": self.until, "accuracy": float(accuracy_at_point(self.scene)), "home": self.came}
+        return sampled_record(SCHEMA, self.scene) | numbers | {"failures": summary, "rows": rows}
 
     def table(self) -> DataTable:
         """One line for each path."""
@@ -217,9 +219,9 @@ class FailedPathsResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """Of one start each end; of many the farthest move, and how many no longer come home."""
-        unit, second = self.scene.units.after_length, self.scene.units.after_time
-        accuracy = f"home: within {float_text(accuracy_at_point(self.scene), 3)}{unit} of the checked point"
-        said = Paragraph((f"sampled, without inertia, until t = {self.until:.4g}{second}; {accuracy}",))
+        until = f"until t = {self.until:.4g}{self.scene.units.after_time}"
+        accuracy = f"home: within {accuracy_text(self.scene)} of the checked point"
+        said = Paragraph((f"sampled, without inertia, {until}; {accuracy}",))
         if len(self.whole) == 1:
             return [said, self._of_one_start(), *self._worst()]
         names = (
@@ -234,7 +236,7 @@ class FailedPathsResult(Result):
             after = [path for _, path in self.pairs(failed)]
             counts = (self.lost(failed), sum(p.does_tip for p in after), self.unknown(failed))
             lines.append([str(failed), _text(self.farthest(failed)), *map(str, counts)])
-        home = f"{sum(path.home for path in self.whole)} of {len(self.whole)} starts come home with all wheels"
+        home = f"{self.came} of {len(self.whole)} starts come home with all wheels"
         return [said, Paragraph((home,)), table(names, lines, (1.5, 1.0, 1.0, 0.5, 0.7)), *self._worst()]
 
     def _of_one_start(self) -> Block:
@@ -269,14 +271,13 @@ class FailedPathsResult(Result):
         if not self.failures:
             return []
         worst = self._worst_first()[0]
-        came = sum(path.home for path in self.whole)
-        if not came:  # which is the worst for bodies that end elsewhere anyhow is no question
+        if not self.came:  # which is the worst for bodies that end elsewhere anyhow is no question
             said = f"with all wheels none of {len(self.whole)} comes home; {worst} moves the end farthest"
             return [Paragraph((said,))]
         lost = self.lost(worst)
         left = sum(map(self.unknown, self.failures))
         every = "all that came home and are known" if left else "all that came home"
-        said = f"{lost} of {came} no longer come home" if lost else f"{every} still do"
+        said = f"{lost} of {self.came} no longer come home" if lost else f"{every} still do"
         unknown = f"of {left} of {len(self.paths)} paths it is not known where bodies end"
         open_ones = [Paragraph((f"{unknown}: not followed so far, or other solutions branch off",))]
         farthest = max(self.failures, key=lambda failed: self.farthest(failed) or 0.0)
@@ -371,7 +372,7 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
     for start in starts:
         with part_of(len(before), total, "paths"):
             path = rule_path(scene, scene.contact.rule, start, until)
-        before.append(FailedPath(Failed(), start, path, near=_is_near(scene, path)))
+        before.append(FailedPath(Failed(), start, path, near=is_near(scene, path.end.state)))
     after: list[FailedPath] = []
     for failed in cases:
         for start, whole_path in zip(starts, before, strict=True):
@@ -425,7 +426,7 @@ def _followed(scene: Scene, failed: Failed, start: Pose, until: float, before: F
     out = _leaves_support(array, [state[:2] for state in path.states]) if lifted and scene.body is None else None
     tips = None if out is None else float(path.times[out])
     ends = path.end.reason not in {EndReason.TIPS, EndReason.STEPS}
-    near = tips is None and ends and _is_near(scene, path)
+    near = tips is None and ends and is_near(scene, path.end.state)
     return FailedPath(failed, start, path, tips=tips, near=near)
 
 
@@ -458,12 +459,6 @@ def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | N
             if (bx - ax) * (y - ay) - (by - ay) * (x - ax) <= INSIDE * ((bx - ax) ** 2 + (by - ay) ** 2):
                 return index
     return None
-
-
-def _is_near(scene: Scene, path: Trajectory) -> bool:
-    x, y = (float(value) for value in path.end.state[:2])
-    a, b = scene.check.place
-    return math.hypot(x - a, y - b) <= float(accuracy_at_point(scene))
 
 
 def _record(path: FailedPath, move: tuple[float, float] | None) -> Record:

@@ -21,7 +21,7 @@ from nonsmooth.reports.figures.style import figure_with_legend, title_axes
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import distance_from_point, shown_angle
+from nonsmooth.reports.simulations.path_ends import distance_from_point, sampled_record, shown_angle
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import whole
@@ -124,7 +124,7 @@ class HeadingsResult(Result):
     def facts(self) -> Record:
         """JSON with stable keys, angles in radian."""
         arcs = [{**vars(arc), "reason": arc.reason.value} for arc in self.arcs]
-        head = {"schema": SCHEMA, "scene": self.scene.name, "rule": str(self.scene.contact.rule), "status": "sampled"}
+        head = sampled_record(SCHEMA, self.scene)
         ends = self.found.poses.tolist()
         reasons = [ENDS[k].value for k in self.found.reasons]
         rows = [

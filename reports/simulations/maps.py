@@ -42,13 +42,13 @@ from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import heading_text, range_text, shown_angle
+from nonsmooth.reports.simulations.path_ends import accuracy_text, heading_text, range_text, shown_angle
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
+from nonsmooth.symbolic.numbers.number_text import percent_text
 from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 if TYPE_CHECKING:
@@ -153,11 +153,6 @@ class ArrayMap(MapResult):
         """Which starts end within the accuracy of the checked point, by every solution (m,)."""
 
     @property
-    def accuracy(self) -> str:
-        """Below which distance from the checked point a body is there, with its unit."""
-        return float_text(accuracy_at_point(self.array), 3) + self.array.units.after_length
-
-    @property
     def massless(self) -> str:
         """Said of times where the scene says what gravity is, for a body with inertia takes longer."""
         return ", without inertia" if self.array.inertia is not None else ""
@@ -181,7 +176,7 @@ class ArrayMap(MapResult):
         """
         more = f", {perhaps} more by one of several solutions" if perhaps else ""
         end = "end, or are at the last time," if moving else "end"
-        home = f"{int(self.home.sum())} of {len(self.home)} {end} within {self.accuracy} of it{more}"
+        home = f"{int(self.home.sum())} of {len(self.home)} {end} within {accuracy_text(self.array)} of it{more}"
         rows, others = [("at the point", home), *self.shares[:SHOWN]], self.endings[SHOWN:]
         if others:
             rows.append((percent_text(sum(share for share, _ in others)), f"{len(others)} others"))

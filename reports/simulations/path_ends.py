@@ -108,6 +108,21 @@ def distance_from_point(scene: Scene, state: Any) -> float:
     return math.hypot(float(state[0]) - x, float(state[1]) - y)
 
 
+def is_near(scene: Scene, state: Any) -> bool:
+    """Whether a body is within the accuracy of the checked point."""
+    return distance_from_point(scene, state) <= float(accuracy_at_point(scene))
+
+
+def accuracy_text(scene: Scene) -> str:
+    """How near a body must come, with its unit."""
+    return float_text(accuracy_at_point(scene), DIGITS) + scene.units.after_length
+
+
+def sampled_record(schema: str, scene: Scene) -> Record:
+    """The first keys of what is sampled over an array."""
+    return {"schema": schema, "scene": scene.name, "rule": scene.contact.rule, "status": "sampled"}
+
+
 def _place(scene: Scene, state: Any) -> str:
     """How far from the point, and at which heading."""
     distance, unit = distance_from_point(scene, state), scene.units.after_length
@@ -155,7 +170,7 @@ def in_unit(name: str, unit: str) -> str:
 
 
 def _settles(scene: Scene, after: float) -> str:
-    accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + scene.units.after_length
+    accuracy = accuracy_text(scene)
     if not after:  # it does not come there
         return f"within {accuracy} of its end already at the start"
     return f"within {accuracy} of its end after {float_text(after, DIGITS)}{scene.units.after_time}"

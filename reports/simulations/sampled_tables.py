@@ -23,6 +23,7 @@ from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
+from nonsmooth.reports.simulations.path_ends import accuracy_text, sampled_record
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
@@ -84,10 +85,7 @@ class SampledTablesResult(Result):
         radius = None if proved is None else proved.radius or proved.equilibrium
         certified = None if proved is None else {"verdict": str(proved.verdict), "radius": floats(radius)}
         return {
-            "schema": SCHEMA,
-            "scene": self.scene.name,
-            "rule": str(self.scene.contact.rule),
-            "status": "sampled",
+            **sampled_record(SCHEMA, self.scene),
             "seed": self.seed,
             "tables": len(self.all.places),
             "share": SHARE,
@@ -115,7 +113,7 @@ class SampledTablesResult(Result):
         if math.isinf(within):
             head = f"of {self.all.missing} of {count} tables no place of rest that attracts was found"
         head += f" (sampled, seed {self.seed})"
-        counted = f"{self.near} of {count} within the accuracy, {float_text(self.accuracy, 3)}{unit}"
+        counted = f"{self.near} of {count} within the accuracy, {accuracy_text(self.scene)}"
         return f"{head}; {counted}; {self._certified(unit)}"
 
     def _certified(self, unit: str) -> str:

@@ -37,6 +37,7 @@ from nonsmooth.reports.figures.style import (
     title_figure,
 )
 from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import ProgressCall, progress
 from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
@@ -149,7 +150,7 @@ class SystemMap(MapResult):
     def facts(self) -> Record:
         """JSON with stable keys; starts run along the first state first."""
         system = self.portrait.system
-        ends = [[float(v) for v in end] if np.isfinite(end).all() else None for end in self.ends]
+        ends = [end.tolist() if np.isfinite(end).all() else None for end in self.ends]
         return {
             "schema": SCHEMA,
             "scene": system.name,
@@ -170,7 +171,7 @@ class SystemMap(MapResult):
         first, second = self.portrait.system.states
         lines = []
         for row, kind in zip(np.column_stack([self.starts, self.ends]).tolist(), self.whereabouts, strict=True):
-            lines.append([*(value if np.isfinite(value) else None for value in row), kind.name.lower()])
+            lines.append([*floats(row), kind.name.lower()])
         return DataTable((first, second, f"{first}_end", f"{second}_end", "whereabouts"), lines)
 
     def draw(self, ax: Axes) -> None:
