@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.output.console import run
+from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.floats import Floats

@@ -207,7 +207,7 @@ class Array(PythonScene):
         Raises:
             SceneError: for whatever cannot be used, naming row and column.
         """
-        from nonsmooth.reports.exchange.wheel_table import wheels_of_table
+        from nonsmooth.symbolic.files.wheel_csv import wheels_of_table
 
         return cls.of_document(placed({"wheel": wheels_of_table(table)}, more))
 

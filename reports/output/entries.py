@@ -1,4 +1,4 @@
-"""What Python hands over, as entries of a scene file.
+"""Entries of a scene file: what Python hands over, read as one holds it, and written as JSON and TOML.
 
 A float means its shortest decimal: ``0.1`` is one tenth.  Fractions, SymPy numbers and texts mean what they say; a text
 is a formula such as ``"sqrt(2)/2"`` and is never evaluated as code.
@@ -6,6 +6,7 @@ is a formula such as ``"sqrt(2)/2"`` and is never evaluated as code.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
@@ -49,3 +50,50 @@ def as_json(value: Entry) -> Entry:
 def table(values: Mapping[str, Any]) -> dict[str, Entry]:
     """A table of entries without those that are None."""
     return {key: entry(value) for key, value in values.items() if value is not None}
+
+
+# ---- as TOML -------------------------------------------------------------------------------------
+#
+# A scene document as TOML text: strings, numbers, lists and tables, nothing else.
+
+
+def toml_text(document: Mapping[str, Any]) -> str:
+    """The text that reads as the document again.
+
+    Raises:
+        TypeError: for a value that no scene has.
+    """
+    lines = [f"{key} = {_written(value)}" for key, value in document.items() if not _is_table(value)]
+    for key, value in document.items():
+        if isinstance(value, Mapping):
+            lines += ["", f"[{key}]", *_lines(value)]
+        elif _is_table(value):
+            for table in value:
+                lines += ["", f"[[{key}]]", *_lines(table)]
+    return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _is_table(value: object) -> bool:
+    """Whether it is written under a header of its own."""
+    return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and isinstance(value[0], Mapping))
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{key} = {_written(value)}" for key, value in table.items()]
+
+
+def _written(value: Any) -> str:
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case int() | Decimal():
+            return str(value)
+        case float():
+            return repr(value)
+        case str():
+            return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON's escapes, and one more
+        case list() | tuple():
+            return f"[{', '.join(map(_written, value))}]"
+        case Mapping():
+            return f"{{ {', '.join(f'{key} = {_written(entry)}' for key, entry in value.items())} }}"
+    raise TypeError(f"required a string, a number, a list or a table, received {type(value).__name__}")

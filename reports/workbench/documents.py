@@ -12,8 +12,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from nonsmooth.reports.designs.toml_text import toml_text
-from nonsmooth.reports.output.entries import as_json
+from nonsmooth.reports.output.entries import as_json, toml_text
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.files.documents import toml_excess
 from nonsmooth.symbolic.files.scene_file import wheel_table

@@ -1,4 +1,4 @@
-"""A CSV table of wheels: ``x,y`` and, where wanted, any of the other names in ``COLUMNS``, in any order.
+"""A table of wheels, as CSV or as a data frame: ``x,y`` and, where wanted, other names in ``COLUMNS``, in any order.
 
 The first column of ``NAMES`` holds what the wheels are called wherever something is said of them.
 Cells are separated by commas, semicolons or tabs; lines that begin with ``#`` are comments; other columns are not read,
@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -241,3 +241,46 @@ def _unread(header: list[str], columns: list[str | None]) -> tuple[str, ...]:
 
 def _is_name(cell: str) -> bool:
     return len(cell) <= MAX_NAME and cell.isprintable()
+
+
+# ---- a data frame --------------------------------------------------------------------------------
+#
+# Wheels of a data frame, read cell by cell as those of a CSV file are.
+
+
+DATA_FRAME = "table"  # what messages call one
+
+
+def wheels_of_table(table: Any) -> list[dict[str, Any]]:
+    """The wheels one by one, as tables ``[[wheel]]`` of a scene file.
+
+    Args:
+        table: a data frame of pandas or polars, or a mapping from names of columns to their entries.
+
+    Raises:
+        SceneError: for a table that is none, columns of different lengths, and whatever cannot be read.
+    """
+    names = [str(name) for name in (table if isinstance(table, Mapping) else getattr(table, "columns", ()))]
+    columns = [list(_column_of(table[name], name)) for name in names]
+    if not columns or len({len(column) for column in columns}) != 1:
+        received = "none" if not columns else f"columns of {', '.join(str(len(column)) for column in columns)}"
+        raise SceneError(DATA_FRAME, "", "columns of one length, x and y among them", StatedFact(received))
+    stream = io.StringIO()
+    rows = ([_cell_of(value) for value in row] for row in zip(*columns, strict=True))
+    csv.writer(stream, lineterminator="\n").writerows([names, *rows])
+    return parse_wheels(stream.getvalue(), DATA_FRAME, "Array.from_table").documents()
+
+
+def _column_of(column: Any, name: str) -> Iterable[Any]:
+    if isinstance(column, str) or not isinstance(column, Iterable):
+        raise SceneError(DATA_FRAME, name, "a list of entries", column)
+    return column
+
+
+def _cell_of(value: Any) -> str:
+    """A cell of a CSV file: empty where nothing is stated; two entries of a direction in brackets."""
+    if value is None or value != value or str(value) == "<NA>":  # noqa: PLR0124 - NaN alone is not itself
+        return ""
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(str, value))}]"
+    return str(value)

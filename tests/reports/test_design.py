@@ -18,7 +18,7 @@ import nonsmooth as ns
 from nonsmooth.reports.derivations.parts import PART_NAMES
 from nonsmooth.reports.designs.design import DesignResult
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
-from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
 from nonsmooth.symbolic.mechanics.scene import Wheel

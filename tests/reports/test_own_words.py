@@ -18,8 +18,8 @@ from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.checks import subject
 from nonsmooth.reports.designs.freedom import Freedom
-from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.figures.wheels import wheel_labels
+from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.reports.sweeps import outcome as outcomes
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.scene_file import load_scene, one_by_one

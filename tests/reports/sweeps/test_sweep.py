@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.output.document import Table, plain_text
+from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.figure import axis_label, build_figure
