@@ -72,7 +72,7 @@ def stated_answers(result: Check, answers: Answers) -> StatedAnswers:
 def answers_view(result: Check, answers: Answers) -> RenderableType:
     """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
     stated = stated_answers(result, answers)
-    parts: list[RenderableType] = [Text(stated.contact), answers_table(map(_row, stated.answers))]
+    parts: list[RenderableType] = [Text(stated.contact), answers_table(answer_lines(stated.answers))]
     if answers.rest_points is not None:
         parts.append(Text(_rest_points_text(answers.rest_points, result.scene.units.after_length)))
     for lines in stated.contradictions:
@@ -126,14 +126,15 @@ def contradiction_lines(found: Contradiction) -> tuple[str, str, str]:
     return head, f"  one side: {found.sides[0]}", f"  the other: {found.sides[1]}"
 
 
+def answer_lines(answers: Iterable[Answer]) -> Iterator[tuple[str, str, str]]:
+    """Question, verdict and why of each."""
+    return ((answer.name, str(answer.verdict), answer.sentence) for answer in answers)
+
+
 def tipped_view(scene: Scene, answers: Sequence[Answer]) -> RenderableType:
     """The answers about a body that does not stand on the wheels."""
     head = Text(one_line(scene.name), "bold").append(f": {len(scene.wheels)} wheels", "not bold")
-    return Group(head, answers_table(map(_row, answers)))
-
-
-def _row(answer: Answer) -> tuple[str, str, str]:
-    return answer.name, str(answer.verdict), answer.sentence
+    return Group(head, answers_table(answer_lines(answers)))
 
 
 def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Record:
@@ -198,8 +199,7 @@ def _rest_points_text(points: Sequence[RestPoint], unit: str) -> str:
 
 def _rest_point_text(point: RestPoint, unit: str) -> str:
     """``(0.3, 0.1) comes home from within 0.02 m``."""
-    places = " to " if len(point.points) == 2 else ", "
-    at = places.join(place_text(corner, PLACE_DIGITS) for corner in point.points)
+    at = _places_text(point.points)
     verdict = "not judged" if point.position is None else str(point.position)
     if point.within is None:
         return f"{at} {verdict}"
@@ -244,9 +244,12 @@ def merged_rows(destinations: Destinations) -> list[Destination]:
 
 def goal_text(found: Destination) -> str:
     """What becomes of a body there, and where that is."""
-    places = " to " if len(found.points) == 2 else ", "  # the ends of a line, or opposite corners
-    at = places.join(place_text(point, PLACE_DIGITS) for point in found.points)
-    return f"{found.goal} {at}" if at else str(found.goal)
+    return f"{found.goal} {_places_text(found.points)}".rstrip()
+
+
+def _places_text(points: Sequence[Sequence[Any]]) -> str:
+    """A place, the ends of a line or opposite corners; nothing without a place."""
+    return (" to " if len(points) == 2 else ", ").join(place_text(point, PLACE_DIGITS) for point in points)
 
 
 def share_text(share: float) -> str:

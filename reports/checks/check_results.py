@@ -16,7 +16,7 @@ from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
 from nonsmooth.proofs.findings.verdicts import Theorem4, said
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
-from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answers_record, check_record, checks_record
+from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answer_lines, answers_record, check_record, checks_record
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.progress import progress, steps
@@ -88,8 +88,7 @@ class ArrayAnswers(Result):
 
     def lines(self) -> Iterator[Line]:
         """Question, verdict and why of everything that is said."""
-        for answer in self._answers.values():
-            yield answer.name, str(answer.verdict), answer.sentence
+        yield from answer_lines(self._answers.values())
 
     def table(self) -> DataTable:
         """One line for each question."""

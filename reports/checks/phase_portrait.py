@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ from nonsmooth.analysis.fields.cell_values import inside, polynomial_values, rat
 from nonsmooth.analysis.fields.stated_field import StatedField, stated_fields
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
+from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.reports.figures.style import INK, Floats, legend_below, new_figure, title_figure
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.facts import with_exact
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 
 SCHEMA = "nonsmooth-phase-portrait/1"
 
@@ -181,14 +181,11 @@ class PhasePortrait(Result):
         function, region = self.stability.function, self.stability.reach.region
         if function is None:
             return
-        half = float(function.domain.radius or self.system.check.radius)
-        line = np.linspace(-half, half, MESH)
-        xs, ys = np.meshgrid(line, line)
-        potential = sampled_potential(function.result.cells, xs, ys)
-        axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
+        line, potential = sampled_potential(self.system, function)
+        axes.contour(line, line, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
         axes.plot([], [], color=REGION, linewidth=0.5, label="level sets of V")
         if region is not None and region.falls:
-            axes.contour(xs, ys, potential, levels=[float(region.level)], colors=REGION, linewidths=2.0, zorder=5)
+            axes.contour(line, line, potential, levels=[float(region.level)], colors=REGION, linewidths=2.0, zorder=5)
             axes.plot([], [], color=REGION, linewidth=2.0, label="certified region")
 
 
@@ -218,10 +215,13 @@ def sampled_rates(
     return first, second
 
 
-def sampled_potential(cells: Iterable[LyapunovCell], xs: Floats, ys: Floats) -> Floats:
-    """V at many points."""
+def sampled_potential(system: SwitchedSystem, function: PlaneFunction) -> tuple[Floats, Floats]:
+    """V over the square on which it is known, and the displacements at which it is sampled along each side."""
+    half = float(function.domain.radius or system.check.radius)
+    line = np.linspace(-half, half, MESH)
+    xs, ys = np.meshgrid(line, line)
     potential = np.zeros_like(xs)
-    for cell in cells:
+    for cell in function.result.cells:
         here = inside(cell, xs, ys)
         potential[here] = polynomial_values(cell.potential, xs, ys)[here]
-    return potential
+    return line, potential

@@ -25,6 +25,7 @@ from nonsmooth.reports.figures.style import (
     legend_below,
     length_label,
     new_figure,
+    view_square,
     wrapped,
 )
 from nonsmooth.reports.figures.wheels import draw_wheel
@@ -212,7 +213,7 @@ class VehicleResult(Result):
         ax.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
         if motion.icr is not None:
             ax.plot(*motion.icr, "o", color=LINES[2], fillstyle="none", label="instant centre")
-        ax.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
+        view_square(ax, (x, y), half)
         ax.set(xlabel=length_label("x (forward)", scene.units), ylabel=length_label("y (left)", scene.units))
         ax.set_title(wrapped(f"{one_line(scene.name)}, rule {motion.rule.name}"), parse_math=False, fontsize="medium")
 

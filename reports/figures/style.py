@@ -152,10 +152,16 @@ def line_entry(label: str, **style: Any) -> Line2D:
 # ---- views ---------------------------------------------------------------------------------------
 
 
+def view_square(axes: Axes, middle: XY, half: float) -> None:
+    """Equal axes in a square of this half-width."""
+    x, y = middle
+    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
+
+
 def view_centre(axes: Axes, scene: Scene, half: float) -> None:
     """Equal axes for the centre of mass, in a square of this half-width about the checked point."""
-    x, y = scene.check.place
-    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", **centre_labels(scene.units))
+    view_square(axes, scene.check.place, half)
+    axes.set(**centre_labels(scene.units))
 
 
 def draw_checked_point(axes: Axes, scene: Scene) -> None:

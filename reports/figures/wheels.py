@@ -26,6 +26,7 @@ from nonsmooth.reports.figures.style import (
     mark_entry,
     new_figure,
     title_axes,
+    view_square,
 )
 from nonsmooth.symbolic.mechanics.body import Disc, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import whole
@@ -67,16 +68,18 @@ def wheels_in_view(axes: Axes, wheels: Iterable[Wheel]) -> list[Wheel]:
 
 def draw_axis(axes: Axes, place: XY, along: XY, half: float) -> None:
     """A friction axis as a thin line through the wheel, longer than the rim."""
-    (x, y), (ax, ay), reach = place, along, AXIS * half
-    axes.plot(
-        [x - reach * ax, x + reach * ax], [y - reach * ay, y + reach * ay], color=AXIS_COLOR, linewidth=1.2, zorder=3.5
-    )
+    axes.plot(*_through(place, along, AXIS * half), color=AXIS_COLOR, linewidth=1.2, zorder=3.5)
+
+
+def _through(place: XY, along: XY, half: float) -> tuple[list[float], list[float]]:
+    """A line of this half-length with its middle at a place."""
+    (x, y), (dx, dy) = place, along
+    return [x - half * dx, x + half * dx], [y - half * dy, y + half * dy]
 
 
 def draw_rim(axes: Axes, wheel: Wheel, half: float, color: str = INK) -> None:
     """The rim as a thick line."""
-    (x, y), (dx, dy) = in_floats(wheel.position), in_floats(wheel.unit_direction)
-    rim = ([x - half * dx, x + half * dx], [y - half * dy, y + half * dy])
+    rim = _through(in_floats(wheel.position), in_floats(wheel.unit_direction), half)
     axes.plot(*rim, color=color, linewidth=RIM_WIDTH, solid_capstyle="butt", zorder=3)
 
 
@@ -247,7 +250,7 @@ def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
     corners = np.concatenate(shown)
     low, high = corners.min(axis=0), corners.max(axis=0)
     (x, y), half = (low + high) / 2, 0.53 * float((high - low).max())
-    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
+    view_square(axes, (x, y), half)
     _draw_square(axes, centre, radius)
     draw_checked_point(axes, scene)
     if len(body):

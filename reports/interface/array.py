@@ -117,6 +117,8 @@ class Array(PythonScene):
     document: Mapping[str, Any]
     folder: Path = field(compare=False)
 
+    _nameless = "array"
+
     def __init__(
         self,
         wheels: Iterable[Wheel],
@@ -244,9 +246,8 @@ class Array(PythonScene):
     @property
     def origin(self) -> tuple[str, Path]:
         """The name of the array in messages, and the scene file that it would have."""
-        name = self.document.get("name")
-        label = name if isinstance(name, str) and name.strip() else "array"
-        return label, self.folder / f"{label}.toml"
+        label, file = super().origin
+        return label, self.folder / file
 
     @cached_property
     def partition(self) -> Partition:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from nonsmooth.reports.output.study_options import options_of
 
@@ -26,6 +26,8 @@ class PythonScene(ABC):
 
     document: Mapping[str, Any]
 
+    _nameless: ClassVar[str]  # what messages call it where the document names none
+
     @property
     @abstractmethod
     def exact(self) -> Any:
@@ -38,9 +40,11 @@ class PythonScene(ABC):
         return kind
 
     @property
-    @abstractmethod
     def origin(self) -> tuple[str, Path]:
         """Its name in messages, and the scene file that it would have."""
+        name = self.document.get("name")
+        label = name if isinstance(name, str) and name.strip() else self._nameless
+        return label, Path(f"{label}.toml")
 
     @abstractmethod
     def with_(self, **changes: Any) -> Self:

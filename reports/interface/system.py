@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.scene import PythonScene
@@ -47,6 +46,8 @@ class System(PythonScene):
     """
 
     document: Mapping[str, Any]
+
+    _nameless = "system"
 
     def __init__(
         self,
@@ -281,10 +282,9 @@ class System(PythonScene):
         from nonsmooth.symbolic.files.documents import deep_nesting_refused
         from nonsmooth.symbolic.files.system_builder import build_system
 
-        name = self.document.get("name")
-        label = name if isinstance(name, str) and name.strip() else "system"
+        label, file = self.origin
         with deep_nesting_refused(label):
-            return build_system(dict(self.document), label, Path(f"{label}.toml"))
+            return build_system(dict(self.document), label, file)
 
     def __repr__(self) -> str:
         states, rhs = self.document["system"]["states"], self.document["system"]["rhs"]
@@ -383,12 +383,6 @@ class System(PythonScene):
     def exact(self) -> SwitchedSystem:
         """See ``system``."""
         return self.system
-
-    @property
-    def origin(self) -> tuple[str, Path]:
-        """What messages call it, and the file whose name it has where it is given none."""
-        name = self.system.name
-        return name, Path(f"{name}.toml")
 
 
 def _changed(document: Mapping[str, Any], **changes: Any) -> dict[str, Any]:

@@ -574,8 +574,7 @@ class LawResult(Result):
 
     def table(self) -> DataTable:
         """One line for each region and wheel (and imposed twist): where, and the speed as a formula."""
-        rows = self.law.rows()
-        return DataTable(tuple(rows[0]), [tuple(row.values()) for row in rows])
+        return DataTable.of_rows(self.law.rows())
 
     def blocks(self) -> Sequence[Block]:
         """The terms, and the table."""

@@ -60,25 +60,27 @@ def constraints_section(wheels: Iterable[Wheel]) -> Section:
 
 def _askew(wheels: Iterable[Wheel]) -> list[Block]:
     """The rows of wheels whose friction axis is not their rim, where there are any."""
-    if all(wheel.axis is None for wheel in wheels):
-        return []
     rows = display(
         r"\Omega_i = \begin{pmatrix} a_i^T & a_i \cdot J p_i & -u_i\, a_i \cdot d_i \\"
         r" n_i^T & n_i \cdot J p_i & -u_i\, n_i \cdot d_i \end{pmatrix}, \qquad n_i = J a_i",
         "Omega_i = [[a_i^T, a_i . J p_i, -u_i a_i . d_i], [n_i^T, n_i . J p_i, -u_i n_i . d_i]], n_i = J a_i",
     )
-    return [paragraph("Where the friction axis `a_i` is not the rim, the rows are those along and across it:"), rows]
+    return _where_askew(wheels, "rows", rows)
 
 
 def askew_slips(wheels: Iterable[Wheel]) -> list[Block]:
     """The slips of wheels whose friction axis is not their rim, where there are any."""
-    if all(wheel.axis is None for wheel in wheels):
-        return []
     slips = display(
         r"a_i \cdot v(p_i) - u_i\, a_i \cdot d_i, \qquad n_i \cdot v(p_i) - u_i\, n_i \cdot d_i, \qquad n_i = J a_i",
         "a_i . v(p_i) - u_i a_i . d_i, n_i . v(p_i) - u_i n_i . d_i, n_i = J a_i",
     )
-    return [paragraph("Where the friction axis `a_i` is not the rim, the slips are those along and across it:"), slips]
+    return _where_askew(wheels, "slips", slips)
+
+
+def _where_askew(wheels: Iterable[Wheel], what: str, formula: Block) -> list[Block]:
+    """A formula along and across the friction axes, where one is not the rim."""
+    said = paragraph(f"Where the friction axis `a_i` is not the rim, the {what} are those along and across it:")
+    return [] if all(wheel.axis is None for wheel in wheels) else [said, formula]
 
 
 def constraining_wheels(result: CellCheck) -> list[Wheel]:

@@ -135,9 +135,7 @@ class HeadingsResult(Result):
 
     def table(self) -> DataTable:
         """One line for each start."""
-        return DataTable(
-            ("theta_0", "x", "y", "theta", "reason"), [tuple(row.values()) for row in self.facts()["rows"]]
-        )
+        return DataTable.of_rows(self.facts()["rows"])
 
     def summary(self) -> str:
         """The headings that return."""

@@ -46,6 +46,11 @@ class DataTable(NamedTuple):
     columns: Sequence[str]
     lines: Iterable[Sequence[Any]]
 
+    @classmethod
+    def of_rows(cls, rows: Sequence[Record]) -> DataTable:
+        """The table of records that have the same keys, one record at least."""
+        return cls(tuple(rows[0]), [tuple(row.values()) for row in rows])
+
 
 class Result(ABC):
     """What a study has found."""

@@ -94,8 +94,7 @@ class SweepResult(Result):
 
     def table(self) -> DataTable:
         """One line for each scene."""
-        rows = list(flat_rows(self.sweep))
-        return DataTable(tuple(rows[0]), [tuple(row.values()) for row in rows])
+        return DataTable.of_rows(list(flat_rows(self.sweep)))
 
     def blocks(self) -> Sequence[Block]:
         """The answers, and where they change."""

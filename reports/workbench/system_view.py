@@ -116,10 +116,7 @@ def _level_sets(result: StabilityResult) -> Record:
     if function is None:
         return {}
     x, y = point(system.check.equilibrium)
-    half = float(function.domain.radius or system.check.radius)
-    line = np.linspace(-half, half, MESH)
-    xs, ys = np.meshgrid(line, line)
-    potential = sampled_potential(function.result.cells, xs, ys)
+    line, potential = sampled_potential(system, function)
     axes = Figure().subplots()
 
     def curves(levels: Sequence[float]) -> list[Any]:
