@@ -18,7 +18,7 @@ from nonsmooth.reports.figures.style import (
     require_drawable,
     title_axes,
 )
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -77,7 +77,7 @@ class ComparisonResult(Result):
         (first, cells), *others = ((name, len(partition.cells)) for name, partition in agreement.partitions.items())
         counts = [f"{cells} cells under rule {first}", *(f"{count} under rule {name}" for name, count in others)]
         found = table(("rules", "agreement on the square"), rows, (1.0, 3.0))
-        return [Paragraph((", ".join(counts + twists),)), found, Paragraph((NOTE,))]
+        return [*sentences(", ".join(counts + twists)), found, *sentences(NOTE)]
 
     def summary(self) -> str:
         """The shares of the area on which rules agree."""

@@ -12,7 +12,7 @@ import numpy as np
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.minimizers.sampling import SampledField, sample_field
 from nonsmooth.reports.figures.style import figure_bytes
-from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
@@ -127,7 +127,7 @@ class WheelsResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """How many."""
-        return [Paragraph((self.summary(),))]
+        return sentences(self.summary())
 
     def summary(self) -> str:
         """How many."""
@@ -229,7 +229,7 @@ class FieldResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """What the samples say."""
-        return [Paragraph((self.headline,)), findings(self.said)]
+        return [*sentences(self.headline), findings(self.said)]
 
     def summary(self) -> str:
         """What is drawn, and of how many samples."""

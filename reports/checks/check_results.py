@@ -17,7 +17,7 @@ from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, rec
 from nonsmooth.proofs.findings.verdicts import Theorem4, said
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answer_lines, answers_record, check_record, checks_record
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.progress import progress, steps
 from nonsmooth.reports.output.terminal import header_table, verdict_text
@@ -96,7 +96,7 @@ class ArrayAnswers(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The lines as a table."""
-        return [Paragraph((self.headline(),)), table(QUESTION, self.lines(), (1.0, 1.0, 4.0))]
+        return [*sentences(self.headline()), table(QUESTION, self.lines(), (1.0, 1.0, 4.0))]
 
     def draw(self, ax: Axes) -> None:
         """The wheels."""
@@ -578,7 +578,7 @@ class SummaryResult(Result):
         refused = [line for line in self.lines if line.refusal]
         reasons = [f"refused: {one_line(line.origin)}, rule {line.rule}: {line.refusal}" for line in refused]
         rows = table(*self.table(), (3.0, 1.0, 1.0, 1.0, 1.0, 1.0))
-        return [rows, *(Paragraph((reason,)) for reason in reasons), Paragraph((self.summary(),))]
+        return [rows, *sentences(*reasons, self.summary())]
 
     def summary(self) -> str:
         """``position: 5 comes home, 2 leaves; Theorem 4: 5 holds, 2 fails; plain systems: 1 stable``."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from flint import arb
 
 from nonsmooth.proofs.findings.verdicts import Quantity
-from nonsmooth.reports.output.document import Block, Paragraph, Table, table
+from nonsmooth.reports.output.document import Block, Table, sentences, table
 from nonsmooth.reports.output.facts import Record, as_record
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.enclosures import rational_below
@@ -31,8 +31,7 @@ HEADER = ("theta", "at", "wheels", "near there", "heading", "status")
 
 def headings_blocks(headings: HeadingsOfRest) -> list[Block]:
     """What a terminal shows: a table of the entries, those that attract first, and what is not known."""
-    said = [Paragraph((note,)) for note in notes(headings)]
-    return [Paragraph((title(headings),)), *headings_table(headings), *said]
+    return [*sentences(title(headings)), *headings_table(headings), *sentences(*notes(headings))]
 
 
 def headings_table(headings: HeadingsOfRest) -> list[Table]:

@@ -16,7 +16,7 @@ from rich.text import Text
 from nonsmooth.analysis.measurements.harness import FittedSlope, Measured, ResultRow, Run
 from nonsmooth.reports.figures.style import LINES, legend_below, line_entry, mark_entry, new_figure
 from nonsmooth.reports.output.console import INTERRUPTED
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.terminal import header_table
 from nonsmooth.reports.studies.result import DataTable, Record, Result
 from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
@@ -79,7 +79,7 @@ class MeasurementResult(Result):
         """The rows."""
         names, lines = self.table()
         rows = [["" if value is None else str(value) for value in line] for line in lines]
-        return [Paragraph((self.head,)), table(names, rows, (1.0,) * len(names))]
+        return [*sentences(self.head), table(names, rows)]
 
     def draw(self, ax: Axes) -> None:
         """The errors of all rows, one line for each name."""

@@ -17,7 +17,7 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.reports.figures.style import INK, Floats, legend_below, new_figure, title_figure
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.studies.result import DataTable, Record, Result
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -115,9 +115,9 @@ class PhasePortrait(Result):
         names, lines = self.table()
         states = ", ".join(self.system.states)
         head = f"{one_line(self.system.name)}: plain switched system in {states}, measured from the point"
-        blocks: list[Block] = [Paragraph((head,)), table(names, lines, (1.0,) * len(names))]
+        blocks: list[Block] = [*sentences(head), table(names, lines)]
         rows = [(place_text(part.start, 4), place_text(part.end, 4), str(part.kind)) for part in self.borders]
-        return [*blocks, table(("from", "to", "solutions"), rows, (1.0,) * 3)] if rows else blocks
+        return [*blocks, table(("from", "to", "solutions"), rows)] if rows else blocks
 
     def summary(self) -> str:
         """How many cells, and the verdict on the checked point."""

@@ -23,7 +23,7 @@ from nonsmooth.proofs.system_facts import (
     system_facts,
 )
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import Record, fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
@@ -142,7 +142,7 @@ class FactResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The headline, and the lines as a table."""
-        return [Paragraph((self.headline(),)), findings(fact_rows(self.found))]
+        return [*sentences(self.headline()), findings(fact_rows(self.found))]
 
     def summary(self) -> str:
         """The verdict."""

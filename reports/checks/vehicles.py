@@ -29,7 +29,7 @@ from nonsmooth.reports.figures.style import (
     wrapped,
 )
 from nonsmooth.reports.figures.wheels import draw_wheel
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, Paragraph, sentences, table
 from nonsmooth.reports.output.facts import Record, exact_texts, floats
 from nonsmooth.reports.output.refusals import RefusedError
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result
@@ -244,8 +244,7 @@ class VehicleResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The motion under every rule, the slips and forces of the wheels, and what follows from measurements."""
-        remarks = [Paragraph((line,)) for line in self._remarks()]
-        return [Paragraph((self.summary(),)), self._rules(), self._wheels(), *remarks]
+        return [*sentences(self.summary()), self._rules(), self._wheels(), *sentences(*self._remarks())]
 
     def _rules(self) -> Block:
         """The motion under every rule that says one."""
@@ -253,7 +252,7 @@ class VehicleResult(Result):
         for motion in vehicle_motions(self.vehicle):
             if not isinstance(motion, RefusalError):
                 rows.append((motion.rule.name, *_twist_cells(motion_record(motion)), _multiplier_cell(motion)))
-        return table(("rule", "v_x", "v_y", "omega", "turns about", "multiplier"), rows, (1.0,) * 6)
+        return table(("rule", "v_x", "v_y", "omega", "turns about", "multiplier"), rows)
 
     def _wheels(self) -> Block:
         """Slips and forces of every wheel under the vehicle's own rule."""
@@ -265,7 +264,7 @@ class VehicleResult(Result):
             force = ["-", "-"] if own["forces"] is None else map(_cell, own["forces"][k])
             rows.append((str(wheel.index), short_text(wheel.speed), *map(_cell, own["slips"][k]), *force))
         header = ("wheel", "speed", "slip along", "slip across", "force along", "force across")
-        return table(header, rows, (1.0,) * 6)
+        return table(header, rows)
 
     def _remarks(self) -> Iterator[str]:
         measured, spin = self._measured, self._spin

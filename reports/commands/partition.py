@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.clauses.every_load.possible_twists import PossibleTwist
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import Record, with_exact
 from nonsmooth.reports.output.files import PICTURES
 from nonsmooth.reports.output.progress import steps
@@ -180,7 +180,7 @@ class PossibleMotions(Result):
             *(f"note: {note}" for note in later_notes(self.scene.field)),
         ]
         rows = table(*self.table(), (1.0, 1.0, 1.0, 1.0, 1.0, 3.0))
-        return [Paragraph((self.summary(),)), rows, *(Paragraph((note,)) for note in notes)]
+        return [*sentences(self.summary()), rows, *sentences(*notes)]
 
     def summary(self) -> str:
         """How many there are."""

@@ -34,6 +34,7 @@ from nonsmooth.reports.output.document import (
     Text,
     Verdict,
     findings,
+    sentences,
 )
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.files import make_folder, write_whole
@@ -127,7 +128,7 @@ class ReportResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """What it is about, and its sections."""
-        return [Paragraph((self.title,)), findings(self._said())]
+        return [*sentences(self.title), findings(self._said())]
 
     def summary(self) -> str:
         """What it says in a line."""

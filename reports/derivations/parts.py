@@ -29,6 +29,7 @@ from nonsmooth.reports.output.document import (
     decimal,
     number,
     point,
+    sentences,
 )
 from nonsmooth.reports.output.prose import paragraph, with_formulas
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import is_paper_array, sign_form_section, without_sign_form
@@ -283,7 +284,7 @@ def _ends(subject: ArraySubject) -> Section:
         items.append(f"With inertia: within {accuracy}{unit} of where it ends {when} (simulated).")
     blocks: list[Block] = [Bullets(tuple((item,) for item in items))]
     if answers.destinations is not None:
-        blocks.append(Paragraph((f"{destinations_head(scene, answers.destinations.starts).capitalize()}:",)))
+        blocks += sentences(f"{destinations_head(scene, answers.destinations.starts).capitalize()}:")
         blocks.append(destinations_table(answers.destinations, GOES))
     return Section("Where and when bodies end", tuple(blocks))
 
@@ -355,7 +356,7 @@ def _open(subject: ArraySubject) -> Section:
     blocks: list[Block] = [Bullets(tuple(items))] if items else [paragraph("Nothing that was asked.")]
     sampled = [name for name, is_there in _sampled(subject) if is_there]
     if sampled:
-        blocks.append(Paragraph((f"Simulated or sampled, which proves nothing: {', '.join(sampled)}.",)))
+        blocks += sentences(f"Simulated or sampled, which proves nothing: {', '.join(sampled)}.")
     report, check = (Code(subject.invocation.line(*words)) for words in (("derive", "-o", "report.html"), ("check",)))
     blocks.append(paragraph("Every step and its proof: {}. The answers alone: {}.", report, check))
     return Section("Not decided", tuple(blocks))

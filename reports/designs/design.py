@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import as_json, toml_text
 from nonsmooth.reports.output.facts import Record, fact_record
 from nonsmooth.reports.output.files import output_path
@@ -225,11 +225,11 @@ class DesignResult(Result, Generic[Held]):
         refused = [f"the best is refused: {design.best.why_not}"] if design.best.why_not else []
         end = "every candidate is exact and its answers are proved; that none is better is not"
         return [
-            *(Paragraph((line,)) for line in said),
+            *sentences(*said),
             table(("question", *arrays), rows, (1.0, *(2.0 for _ in arrays))),
-            *(Paragraph((line,)) for line in refused),
+            *sentences(*refused),
             *([table(*self.table(), (1.0, 2.0, 1.0, 1.0))] if self.is_another else []),
-            Paragraph((end if design.fewest is None else _fewest_words(design.fewest),)),
+            *sentences(end if design.fewest is None else _fewest_words(design.fewest)),
         ]
 
     def summary(self) -> str:

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon
@@ -90,7 +90,7 @@ class FilippovSet(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The members as a table."""
-        return [Paragraph((self.summary(),)), table(*self.table(), (1.0,) * 6)]
+        return [*sentences(self.summary()), table(*self.table())]
 
     def draw(self, ax: Axes) -> None:
         """The velocities as arrows from zero, their hull, and the cell of each."""

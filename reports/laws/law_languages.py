@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable, law_table
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Record, Result, short_lines
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, short_text
@@ -579,7 +579,7 @@ class LawResult(Result):
     def blocks(self) -> Sequence[Block]:
         """The terms, and the table."""
         names, lines = self.table()
-        return [Paragraph((str(self.law.kind),)), table(names, lines, (1.0,) * len(names))]
+        return [*sentences(str(self.law.kind)), table(names, lines)]
 
     def summary(self) -> str:
         """How many regions."""

@@ -182,12 +182,12 @@ def display(latex: str, plain: str) -> Display:
 def table(
     header: Sequence[Entry],
     rows: Iterable[Sequence[Entry]],
-    widths: tuple[float, ...],
+    widths: tuple[float, ...] = (),
     marks: Iterable[Marks] = (),
 ) -> Table:
-    """A table whose entries are single inlines or texts."""
+    """A table whose entries are single inlines or texts; its columns are equally wide unless told."""
     body = tuple(tuple(_text(entry) for entry in row) for row in rows)
-    return Table(tuple(_text(entry) for entry in header), body, widths, tuple(marks))
+    return Table(tuple(_text(entry) for entry in header), body, widths or (1.0,) * len(header), tuple(marks))
 
 
 def without_empty_columns(shown: Table) -> Table:
@@ -198,6 +198,11 @@ def without_empty_columns(shown: Table) -> Table:
         return tuple(parts[k] for k in kept)
 
     return replace(shown, header=of(shown.header), rows=tuple(map(of, shown.rows)), widths=of(shown.widths))
+
+
+def sentences(*lines: str) -> list[Block]:
+    """A paragraph for each line."""
+    return [Paragraph((line,)) for line in lines]
 
 
 def findings(rows: Iterable[tuple[str, str]]) -> Table:

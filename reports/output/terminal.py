@@ -15,7 +15,7 @@ from rich.table import Table as TerminalTable
 from rich.text import Text
 
 from nonsmooth.proofs.findings.verdicts import Theorem4
-from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text, table
+from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text, sentences, table
 from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
@@ -99,8 +99,8 @@ def partition_blocks(partition: Partition) -> Sequence[Block]:
         "R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin",
         *(f"note: {note}" for note in later_notes(partition.scene.field)),
     )
-    cells = table(("cell", "rows held", "v_x", "v_y", "omega", "area"), rows, (1.0,) * 6)
-    return [Paragraph((f"{head}, rule {partition.rule}",)), cells, *(Paragraph((note,)) for note in notes)]
+    cells = table(("cell", "rows held", "v_x", "v_y", "omega", "area"), rows)
+    return [*sentences(f"{head}, rule {partition.rule}"), cells, *sentences(*notes)]
 
 
 def scenes_view(kinds: Iterable[dict[str, str]]) -> RenderableType:

@@ -27,7 +27,6 @@ from nonsmooth.reports.output.document import (
     Inline,
     Listing,
     Math,
-    Paragraph,
     Section,
     Table,
     Text,
@@ -35,6 +34,7 @@ from nonsmooth.reports.output.document import (
     Verdict,
     number,
     point,
+    sentences,
     table,
 )
 from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
@@ -94,8 +94,8 @@ def array_section(subject: ArraySubject) -> Section:
         str(len(scene.wheels)),
     )
     axes = "`mu_R` and `mu_S` act along and across the friction axis `a_i`, which is not the rim everywhere."
-    notes = [paragraph(axes)] * askew
-    notes += [Paragraph((f"Note: {note}.",)) for note in angle_notes(scene.field)]
+    notes: list[Block] = [paragraph(axes)] * askew
+    notes += sentences(*(f"Note: {note}." for note in angle_notes(scene.field)))
     listing = table(header, rows, widths)
     picture = () if ANSWERS in subject.parts else (array_figure(subject),)  # the first section shows it
     return Section("The array", (intro, *notes, *picture, listing))

@@ -34,7 +34,7 @@ from nonsmooth.reports.figures.style import (
     title_figure,
 )
 from nonsmooth.reports.figures.wheels import AXES_SHARE, draw_names, outline_of, placed
-from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.simulations.maps import (
     ArrayMap,
@@ -239,17 +239,11 @@ class BodyMapResult(ArrayMap):
         latest = f"t = {ended.max():.6g}{second}" if len(ended) else f"none until t = {self.found.until:.6g}{second}"
         rows.append((f"latest end{self.massless}", latest))
         head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"
-        open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
+        open_heading = [OPEN_HEADING] if rule_of(self.scene).keeps_rows else []
         if self.scene.body is None:
-            open_heading = [Paragraph((TURNS_ON,))]
-        beside = [Paragraph((text,)) for text in self._beside_the_check()]
-        return [
-            Paragraph((head,)),
-            Paragraph((self.square(self.found.starts),)),
-            findings(rows),
-            *open_heading,
-            *beside,
-        ]
+            open_heading = [TURNS_ON]
+        below = sentences(*open_heading, *self._beside_the_check())
+        return [*sentences(head, self.square(self.found.starts)), findings(rows), *below]
 
     def _tipping(self) -> Iterator[tuple[str, str]]:
         """How many bodies tip where they start, from which distance on and over which lines; how many on their way."""

@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.ending import EndMotion
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, accuracy_text, in_unit, is_near, sampled_record
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
@@ -221,9 +221,9 @@ class FailedPathsResult(Result):
         """Of one start each end; of many the farthest move, and how many no longer come home."""
         until = f"until t = {self.until:.4g}{self.scene.units.after_time}"
         accuracy = f"home: within {accuracy_text(self.scene)} of the checked point"
-        said = Paragraph((f"sampled, without inertia, {until}; {accuracy}",))
+        said = f"sampled, without inertia, {until}; {accuracy}"
         if len(self.whole) == 1:
-            return [said, self._of_one_start(), *self._worst()]
+            return [*sentences(said), self._of_one_start(), *self._worst()]
         names = (
             "failed",
             in_unit("end moves at most", self.scene.units.length),
@@ -237,7 +237,7 @@ class FailedPathsResult(Result):
             counts = (self.lost(failed), sum(p.does_tip for p in after), self.unknown(failed))
             lines.append([str(failed), _text(self.farthest(failed)), *map(str, counts)])
         home = f"{self.came} of {len(self.whole)} starts come home with all wheels"
-        return [said, Paragraph((home,)), table(names, lines, (1.5, 1.0, 1.0, 0.5, 0.7)), *self._worst()]
+        return [*sentences(said, home), table(names, lines, (1.5, 1.0, 1.0, 0.5, 0.7)), *self._worst()]
 
     def _of_one_start(self) -> Block:
         (before,), unit = self.whole, self.scene.units.length
@@ -273,18 +273,18 @@ class FailedPathsResult(Result):
         worst = self._worst_first()[0]
         if not self.came:  # which is the worst for bodies that end elsewhere anyhow is no question
             said = f"with all wheels none of {len(self.whole)} comes home; {worst} moves the end farthest"
-            return [Paragraph((said,))]
+            return sentences(said)
         lost = self.lost(worst)
         left = sum(map(self.unknown, self.failures))
         every = "all that came home and are known" if left else "all that came home"
         said = f"{lost} of {self.came} no longer come home" if lost else f"{every} still do"
         unknown = f"of {left} of {len(self.paths)} paths it is not known where bodies end"
-        open_ones = [Paragraph((f"{unknown}: not followed so far, or other solutions branch off",))]
+        open_ones = sentences(f"{unknown}: not followed so far, or other solutions branch off")
         farthest = max(self.failures, key=lambda failed: self.farthest(failed) or 0.0)
         if farthest != worst:
             unit = self.scene.units.after_length
             said += f"; {farthest} moves an end farthest, by {_text(self.farthest(farthest))}{unit}"
-        return [Paragraph((f"the worst: {worst}: {said} ({RANKED})",)), *(open_ones if left else [])]
+        return [*sentences(f"the worst: {worst}: {said} ({RANKED})"), *(open_ones if left else [])]
 
     def summary(self) -> str:
         """How many paths."""

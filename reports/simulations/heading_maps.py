@@ -18,7 +18,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, OnStep, turned_heading
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.reports.figures.style import figure_with_legend, title_axes
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import distance_from_point, sampled_record, shown_angle
@@ -165,8 +165,8 @@ class HeadingsResult(Result):
         names = ("started at", "starts", "how it ends", "heading", "from the point", "returns")
         found = table(names, rows, (1.2, 0.5, 1.2, 0.8, 0.9, 0.5))
         left = len(self.arcs) - len(shown)
-        others = [Paragraph((f"{left} other arcs, none of which returns, are in --json",))] if left else []
-        return [Paragraph((head,)), Paragraph((self.summary(),)), found, *others]
+        others = sentences(f"{left} other arcs, none of which returns, are in --json") if left else []
+        return [*sentences(head, self.summary()), found, *others]
 
     def draw(self, ax: Axes) -> None:
         """The heading at the end over that at the start, in the scene's unit; a dashed line where it would be kept."""

@@ -38,7 +38,7 @@ from nonsmooth.reports.figures.style import (
     time_label,
     title_figure,
 )
-from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
@@ -307,7 +307,7 @@ class SettleMapResult(ArrayMap):
         rows.append((f"latest arrival{self.massless}", arrival))
         rows.append(("never arrive", percent_text(1 - summary["arrived"])))
         rows.append(("not unique", percent_text(1 - summary["unique"])))
-        return [Paragraph((self.head,)), Paragraph((self.square(self.found.starts),)), findings(rows)]
+        return [*sentences(self.head, self.square(self.found.starts)), findings(rows)]
 
     @property
     def head(self) -> str:

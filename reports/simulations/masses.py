@@ -24,7 +24,7 @@ from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.cells.contact_rule import massless_rule
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import in_unit, pose_text, shown_angle
 from nonsmooth.reports.simulations.paths import ArrayPath
@@ -110,9 +110,9 @@ class NewtonEulerPath(ArrayPath):
         angle = units.angle if units.length or units.in_degrees else ""
         labels = (units.time, units.length, units.length, angle, units.speed, angle and f"{angle}/{units.time}")
         names = map(in_unit, ("t", "x", "y", "theta", "speed", "omega"), labels)
-        moments = table(tuple(names), rows, (1.0,) * 6)
-        begin = super().blocks() if path.events else [Paragraph((line,)) for line in (*self.head(), self.ending[1])]
-        return [*begin, moments, Paragraph((f"end: {self.end}",)), Paragraph((mass_note(self.scene),))]
+        moments = table(tuple(names), rows)
+        begin = super().blocks() if path.events else sentences(*self.head(), self.ending[1])
+        return [*begin, moments, *sentences(f"end: {self.end}", mass_note(self.scene))]
 
     def summary(self) -> str:
         """How many steps, and how it ends."""
@@ -209,8 +209,8 @@ class MassResult(Result):
         limit = "" if study.limits is None else f"-> 0: the distance of rule {self.limit}'s own path from the others; "
         names = ("mass", *(f"rule {rule}" for rule in rules))
         said = [*self._notes(), limit + mass_note(self.scene)]
-        distances = table(names, rows, (1.0,) * len(names))
-        return [Paragraph((head,)), Paragraph((what,)), distances, *(Paragraph((line,)) for line in said)]
+        distances = table(names, rows)
+        return [*sentences(head, what), distances, *sentences(*said)]
 
     def _notes(self) -> Iterable[str]:
         """Which paths were compared for a shorter time, and which not at all."""

@@ -14,7 +14,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, OrbitErrors, SlideSense
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
-from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
@@ -212,7 +212,7 @@ class OrbitResult(Result):
     def blocks(self) -> Sequence[Block]:
         """What is said, by name."""
         head = f"{one_line(self.system.name)}: periodic orbit of {', '.join(self.system.states)}"
-        return [Paragraph((head,)), findings(self.words())]
+        return [*sentences(head), findings(self.words())]
 
     def __repr__(self) -> str:
         return short_lines(f"{self.system.name}: {self.summary()}", self.words())

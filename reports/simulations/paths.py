@@ -35,7 +35,7 @@ from nonsmooth.proofs.answers.answer import half_life, has_dynamics
 from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
-from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.files import FILMS, output_path, write_whole
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
@@ -144,10 +144,10 @@ class PathResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """Events and end under what is followed, and whether other solutions branch off."""
-        head = [Paragraph((line,)) for line in self.head()]
+        head = sentences(*self.head())
         _, ends = self.ending
         said = (ends, *self.beside(), UNIQUE[self.trajectory.unique])
-        return [*head, findings(self._events()), *(Paragraph((line,)) for line in said)]
+        return [*head, findings(self._events()), *sentences(*said)]
 
     def beside(self) -> Sequence[str]:
         """What else is said of the end."""

@@ -19,7 +19,7 @@ from nonsmooth.analysis.bodies.sampled_tables import SampledTables, sample_table
 from nonsmooth.proofs.answers.answer import at_least, at_most
 from nonsmooth.proofs.answers.robust import WORDS
 from nonsmooth.reports.figures.style import INK, figure_with_legend, length_label, title_axes
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
@@ -141,7 +141,7 @@ class SampledTablesResult(Result):
         names = ("drawn", "end moves (95 %)", "from the point (95 %)", "farthest", "not found")
         lines = [f"{head} ({how})", self.summary()]
         shown = table(names, rows, (1.6, 1.0, 1.1, 0.9, 0.6))
-        return [*(Paragraph((line,)) for line in lines), shown, Paragraph((self._binds(),))]
+        return [*sentences(*lines), shown, *sentences(self._binds())]
 
     def _binds(self) -> str:
         """Which tolerance binds, and how much farther it moves the end than the next."""

@@ -36,7 +36,7 @@ from nonsmooth.reports.figures.style import (
     new_figure,
     title_figure,
 )
-from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import ProgressCall, progress
 from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
@@ -218,9 +218,9 @@ class SystemMap(MapResult):
     def blocks(self) -> Sequence[Block]:
         """The shares, and the verdict beside them."""
         rows = [*self.shares, ("proved", str(self.verdict))]
-        lines = [Paragraph((line,)) for one in self.contradictions for line in contradiction_lines(one)]
+        lines = [line for one in self.contradictions for line in contradiction_lines(one)]
         what = f"{self.count} x {self.count} starts over the checked square, seen at t = {self.until:g} (sampled)"
-        return [Paragraph((f"{one_line(self.portrait.system.name)}: {what}",)), findings(rows), *lines]
+        return [*sentences(f"{one_line(self.portrait.system.name)}: {what}"), findings(rows), *sentences(*lines)]
 
     def __repr__(self) -> str:
         contradicted = [("contradiction", one.text) for one in self.contradictions]

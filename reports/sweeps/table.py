@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from nonsmooth.proofs.answers.answer import Position, at_most
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.checks.answers import FAILURE
-from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.studies.result import counted_words
 from nonsmooth.reports.sweeps.borders import Border
@@ -86,10 +86,10 @@ def sweep_title(sweep: Sweep) -> str:
 
 def sweep_blocks(sweep: Sweep) -> list[Block]:
     """The answers as a table, where they change, and how many there are of each."""
-    head, left = Paragraph((f"{one_line(_name(sweep))}: {_kind(sweep)}",)), len(sweep.outcomes) - MOST_SHOWN
-    more = [Paragraph((f"{left} more scenes (--json and -o list them)",))] if left > 0 else []
-    contradicted = [Paragraph((line,)) for line in _contradictions(sweep)]
-    return [head, _answers_table(sweep), *more, *contradicted, *_borders_blocks(sweep), Paragraph((counted(sweep),))]
+    head, left = f"{one_line(_name(sweep))}: {_kind(sweep)}", len(sweep.outcomes) - MOST_SHOWN
+    more = [f"{left} more scenes (--json and -o list them)"] if left > 0 else []
+    below = sentences(*more, *_contradictions(sweep))
+    return [*sentences(head), _answers_table(sweep), *below, *_borders_blocks(sweep), *sentences(counted(sweep))]
 
 
 def _contradictions(sweep: Sweep) -> Iterator[str]:
@@ -238,15 +238,15 @@ def _borders_blocks(sweep: Sweep) -> Iterator[Block]:
     if sweep.borders is None:
         return
     if not sweep.borders:
-        yield Paragraph(("no answer changes along the edges of the grid",))
+        yield from sentences("no answer changes along the edges of the grid")
         return
     shown = [(border, name) for border in sweep.borders[:MOST_SHOWN] for name in border.changed]
     rows = [(_place(sweep, border), title_of(name), border_text(border, name)) for border, name in shown]
-    yield Paragraph(("where the answers change (each border within 1e-9):",))
+    yield from sentences("where the answers change (each border within 1e-9):")
     yield table(("border", "question", "answer"), rows, (1.0, 1.0, 2.0))
     left = len(sweep.borders) - MOST_SHOWN
     if left > 0:
-        yield Paragraph((f"{left} more borders (--json lists them)",))
+        yield from sentences(f"{left} more borders (--json lists them)")
 
 
 def _place(sweep: Sweep, border: Border) -> str:
