@@ -24,7 +24,7 @@ from nonsmooth.reports.output.terminal import header_table, verdict_text
 from nonsmooth.reports.studies.result import DataTable, Result, counted_words, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, contact_set, tipped, wheels_text
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.number_text import numbers_text, short_text
+from nonsmooth.symbolic.numbers.number_text import exact_place, numbers_text
 from nonsmooth.symbolic.numbers.plane import XY
 
 if TYPE_CHECKING:
@@ -211,8 +211,7 @@ class CheckResult(ArrayAnswers):
     @property
     def at(self) -> XY:
         """The point that was checked."""
-        x, y = self.scene.check.equilibrium
-        return float(x), float(y)
+        return self.scene.check.place
 
     @property
     def contact_set(self) -> ContactSet:
@@ -332,8 +331,7 @@ class CheckResult(ArrayAnswers):
 
     def headline(self) -> str:
         """What is checked, and where."""
-        x, y = (short_text(value) for value in self.scene.check.equilibrium)
-        return f"{super().headline()}, at ({x}, {y})"
+        return f"{super().headline()}, at {exact_place(self.scene.check.equilibrium)}"
 
     def _said(self) -> Iterator[tuple[str, str]]:
         yield from super()._said()

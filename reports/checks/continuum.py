@@ -14,7 +14,7 @@ from nonsmooth.reports.output.facts import Record, with_exact
 from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.output.terminal import header_table
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, outline_text
-from nonsmooth.symbolic.numbers.number_text import float_text, short_text
+from nonsmooth.symbolic.numbers.number_text import exact_place, float_text, short_text
 
 HEADER = ("what moves", "position", "rotation")
 NOTE = "predicted in floats for force per area along the field; position settles first; not proved, not in the verdict"
@@ -121,11 +121,10 @@ def _row(prediction: Prediction) -> Row:
 
 
 def _array_row(result: Check) -> Row:
-    drift = result.rotation.drift
-    x, y = map(short_text, result.scene.check.equilibrium)
+    drift, point = result.rotation.drift, exact_place(result.scene.check.equilibrium)
     spin = "" if drift is None else f"; drift at rest [{', '.join(map(float_text, drift.interval))}]"
     return (
         f"the array, rule {result.scene.contact.rule}",
-        f"equilibrium at ({x}, {y}): {result.equilibrium.verdict}; {result.translation.verdict}",
+        f"equilibrium at {point}: {result.equilibrium.verdict}; {result.translation.verdict}",
         f"{result.rotation.verdict}{spin}",
     )

@@ -447,11 +447,10 @@ class Array(PythonScene):
     # ---- how it shows itself ---------------------------------------------------------------------
 
     def __repr__(self) -> str:
-        from nonsmooth.symbolic.numbers.number_text import short_text
+        from nonsmooth.symbolic.numbers.number_text import exact_place, short_text
 
         scene = self.scene
-        x, y = (short_text(entry) for entry in scene.check.equilibrium)
-        square = f"checked at ({x}, {y}) within {short_text(scene.check.radius)}"
+        square = f"checked at {exact_place(scene.check.equilibrium)} within {short_text(scene.check.radius)}"
         return f"Array {scene.name!r}: {len(scene.wheels)} wheels, rule {scene.contact.rule}, {square}"
 
     def _repr_html_(self) -> str:

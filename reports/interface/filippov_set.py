@@ -15,7 +15,7 @@ from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.number_text import brief_text, short_text
+from nonsmooth.symbolic.numbers.number_text import brief_text, exact_place, short_text
 from nonsmooth.symbolic.numbers.plane import XY, dot, in_floats, minus
 
 if TYPE_CHECKING:
@@ -109,8 +109,7 @@ class FilippovSet(Result):
             beyond: dict[str, Any] = {"ha": ("center", "left", "right")[across], "va": ("center", "bottom", "top")[up]}
             ax.annotate(label, tip, (4 * across, 4 * up), textcoords="offset points", color=INK, **beyond)
         ax.plot([0], [0], marker="+", color=INK, markersize=11)
-        x, y = (short_text(value) for value in self.point)
-        ax.set(xlabel="x'", ylabel="y'", title=f"F({x}, {y})")
+        ax.set(xlabel="x'", ylabel="y'", title=f"F{exact_place(self.point)}")
         ax.axis("equal")
         ax.margins(0.35)
 
@@ -123,9 +122,8 @@ class FilippovSet(Result):
 
     def summary(self) -> str:
         """Whether it holds zero."""
-        x, y = (short_text(value) for value in self.point)
-        holds = "holds" if self.holds_zero else "does not hold"
-        return f"F({x}, {y}) of {self.partition.scene.name} {holds} 0; V* = {short_text(self.upper_derivative)}"
+        name, holds = self.partition.scene.name, "holds" if self.holds_zero else "does not hold"
+        return f"F{exact_place(self.point)} of {name} {holds} 0; V* = {short_text(self.upper_derivative)}"
 
 
 def filippov_set(partition: Partition, point: Sequence[Any]) -> FilippovSet:

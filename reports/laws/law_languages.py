@@ -23,7 +23,7 @@ from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable, law_t
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Record, Result, short_lines
-from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, short_text
+from nonsmooth.symbolic.numbers.number_text import exact_place, float_text, numbers_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Check
@@ -597,5 +597,4 @@ def law_of(check: Check, name: LawName = LawName.CERTIFIED) -> LawResult:
     Raises:
         NoLawError: where there is none.
     """
-    x, y = (short_text(value) for value in check.scene.check.equilibrium)
-    return LawResult(law_table(check, name), f"({x}, {y})")
+    return LawResult(law_table(check, name), exact_place(check.scene.check.equilibrium))

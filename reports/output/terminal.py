@@ -20,7 +20,7 @@ from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
-from nonsmooth.symbolic.numbers.number_text import short_text
+from nonsmooth.symbolic.numbers.number_text import exact_place, short_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -136,11 +136,11 @@ def headline(result: Check) -> Text:
     from nonsmooth.symbolic.mechanics.contact_set import wheels_text
 
     scene = result.scene
-    x, y = (short_text(entry) for entry in scene.check.equilibrium)
+    point = exact_place(scene.check.equilibrium)
     head = Text(one_line(scene.name), "bold")
     head.append(f": {wheels_text(scene)}, rule {scene.contact.rule}", "not bold")
     unit = scene.units.after_length
-    head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}{unit}", "not bold")
+    head.append(f", checked at c* = {point} within {short_text(scene.check.radius)}{unit}", "not bold")
     if scene.check.wider is not None:
         stated = f"{short_text(scene.check.wider)}{unit}"
         head.append(f" (of the {stated} that are stated: farther out other wheels may carry it)", "not bold")

@@ -22,7 +22,7 @@ from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel, default_
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_text import float_text, short_text
+from nonsmooth.symbolic.numbers.number_text import exact_place, float_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus
 
 
@@ -248,10 +248,8 @@ def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:
     side = side_of_outline(body, place)
     if side:
         return side > 0
-    x, y = (short_text(value) for value in outward_at(body, place))
-    found = StatedFact(
-        f"wheel {wheel.index} under its edge: a small shift along ({x}, {y}) puts it under the body, against it beside"
-    )
+    shift = f"a small shift along {exact_place(outward_at(body, place))} puts it under the body, against it beside"
+    found = StatedFact(f"wheel {wheel.index} under its edge: {shift}")
     raise SceneError(scene.origin, "body", "a pose with every wheel under the body or beside it", found)
 
 

@@ -140,6 +140,11 @@ def place_text(values: Iterable[SupportsFloat], digits: int = FLOAT_DIGITS) -> s
     return f"({', '.join(float_text(value, digits) for value in values)})"
 
 
+def exact_place(values: Iterable[Any]) -> str:
+    """The same of exact numbers, short ones as they are: ``(0, 1/4)``."""
+    return f"({', '.join(map(short_text, values))})"
+
+
 def measured_text(value: float | None) -> str:
     """Two digits; counts and zero as they are; a dash for none."""
     if value is None:
