@@ -26,7 +26,7 @@ class MovingOutline:
     def __init__(self, body: Body, places: Floats) -> None:
         """For wheels at places (n, 2)."""
         self.places = np.asarray(places, float)
-        self._middle = np.array([float(entry) for entry in body.centroid])
+        self._middle = np.array(body.centroid, float)
         self._radius: float | None = None
         if isinstance(body.outline, Disc):
             self._radius = float(body.outline.radius)

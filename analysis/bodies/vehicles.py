@@ -154,7 +154,7 @@ def _by_cells(vehicle: Vehicle, rule: CellRule) -> VehicleMotion:
         return VehicleMotion(vehicle, rule, rule.literal_twists(vehicle.scene, _centre(vehicle)), None)
     cells = build_partition(vehicle.scene).cells_at(vehicle.centre_of_mass)
     exact = tuple(dict.fromkeys(twist for cell in cells for twist in cell.twists))
-    return VehicleMotion(vehicle, rule, np.array([[float(x) for x in twist] for twist in exact]), exact)
+    return VehicleMotion(vehicle, rule, np.array(exact, float), exact)
 
 
 def _least_dissipation(vehicle: Vehicle, rule: SmoothRule) -> VehicleMotion:
@@ -174,7 +174,7 @@ def _least_dissipation(vehicle: Vehicle, rule: SmoothRule) -> VehicleMotion:
 
 def _centre(vehicle: Vehicle) -> Floats:
     """The centre of mass, shape (1, 2)."""
-    return np.array([[float(x) for x in vehicle.centre_of_mass]])
+    return np.array([vehicle.centre_of_mass], float)
 
 
 def require_friction(scene: Scene, rule: SmoothRule) -> None:

@@ -212,7 +212,7 @@ class _Regions:
         try:
             return _loads_at(self.model, self.moments, start)[0]
         except CollinearLoadError:
-            centre, reach = np.array([float(x) for x in start]), float(self.scene.check.radius)
+            centre, reach = np.array(start, float), float(self.scene.check.radius)
             for step, way in product(STEPS_BESIDE, WAYS):
                 active = loaded_wheels(self.positions, centre + step * reach * np.array(way))
                 region = self.of(active)
@@ -228,7 +228,7 @@ class _Regions:
         wheel = int(polygon.sides[k].label.split()[1])
         if self.of(active ^ {wheel}) is not None:
             return active ^ {wheel}, True
-        start, end = (np.array([float(x) for x in polygon.vertices[n % len(polygon.vertices)]]) for n in (k, k + 1))
+        start, end = (np.array(polygon.vertices[n % len(polygon.vertices)], float) for n in (k, k + 1))
         along = end - start
         outward = np.array([along[1], -along[0]])
         for step in STEPS_BESIDE:

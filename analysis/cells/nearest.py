@@ -185,7 +185,7 @@ def _contenders(
     With reach r of the region about its centre, a wheel farther from the centre than the rank-th nearest
     wheel plus 2 r cannot.  Where coordinates overflow the distance is nan, and the wheel is kept.
     """
-    centre = np.array([float(x) for x in region.centre])
+    centre = np.array(region.centre, float)
     vertices = float_points(region.vertices)
     rank = min(rank, len(among))
     with np.errstate(over="ignore", invalid="ignore"):

@@ -207,7 +207,7 @@ def collinear_rows(scene: Scene) -> Rows:
         if state is None:
             raise ValueError("required independent rows, received dependent ones")
         truth, condition = _by_elimination(rows)
-        found = np.array([float(entry) for entry in state.twist])
+        found = np.array(state.twist, float)
         error = float(np.abs(found - truth).max()) / (float(np.abs(truth).max()) or 1.0)
         said, why = f"omega = {found[2]:.6g}", "exact and rounded once, whatever the condition"
         case, bound = "wheels nearly in line, twist", 4 * EPSILON

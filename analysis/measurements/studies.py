@@ -412,7 +412,7 @@ def _by_sympy(triples: Sequence[RowTriple], clock: Clock) -> Twists:
 
 
 def _by_numpy(triples: Sequence[RowTriple], clock: Clock) -> Twists:
-    matrices = np.array([[[float(entry) for entry in row.normal] for row in rows] for rows in triples])
+    matrices = np.array([[row.normal for row in rows] for rows in triples], float)
     right = np.array([[float(row.rhs) for row in rows] for rows in triples])
     found: Twists = np.linalg.solve(matrices, right[..., None])[..., 0].tolist()
     return found

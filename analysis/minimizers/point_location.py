@@ -47,7 +47,7 @@ class PointLocator:
             self._normals.append(normals / lengths[:, None])
             self._offsets.append(np.array([float(side.offset) for side in cell.polygon.sides]) / lengths)
         # the last row belongs to OUTSIDE
-        self._twists = np.array([[float(x) for x in cell.twists[0]] for cell in partition.cells] + [[np.nan] * 3])
+        self._twists = np.array([*(cell.twists[0] for cell in partition.cells), [np.nan] * 3], float)
 
     def locate(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
         """Position in ``partition.cells`` for points (m, 2); :data:`OUTSIDE` where no cell holds the point."""

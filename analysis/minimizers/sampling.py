@@ -119,7 +119,7 @@ def greedy_twist(ordered: Sequence[Wheel]) -> tuple[NDArray[np.float64], int]:
 
 def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
     """The rows of a wheel that have friction, with their right-hand sides; the larger friction first."""
-    p, a = (np.array([float(x) for x in v]) for v in (wheel.position, wheel.unit_grip))
+    p, a = (np.array(v, float) for v in (wheel.position, wheel.unit_grip))
     n, moved = turned(a), turned(p)
     along, across = (float(speed) for speed in wheel.slip_speeds)
     roll = float(wheel.friction.roll), np.append(a, a @ moved), along

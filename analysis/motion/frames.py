@@ -108,7 +108,7 @@ class _Path:
         start, end = self.spans[k]
         since = min(max(time, start), end) - start
         exact = not isinstance(self.pieces[k].start, float)
-        return np.array([float(x) for x in self.pieces[k].state(Fraction(since) if exact else since)])
+        return np.array(self.pieces[k].state(Fraction(since) if exact else since), float)
 
     def _slope(self, time: float) -> Floats:
         """Of the line between two samples; zero for a path of one."""
@@ -296,7 +296,7 @@ class _CellsAt:
         """``sum_w g_w u_w`` with the control vector fields of a cell."""
         motion = np.zeros(3)
         for wheel, column in self.cells[k].states[0].control_fields.items():
-            motion += speeds[self.places[wheel]] * np.array([float(x) for x in column])
+            motion += speeds[self.places[wheel]] * np.array(column, float)
         return motion
 
 

@@ -102,7 +102,7 @@ class _Widened(HybridField):
 
 def _simulated(widened: _Widened, start: Sequence[float], until: float, stepper: Stepper, method: str) -> Trajectory:
     """The path of samples."""
-    x, field = np.array([float(value) for value in start]), widened.field
+    x, field = np.array(start, float), widened.field
     if field.mode_at(x) is None:
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
     path = follow(widened, (0.0, x), until, stepper)

@@ -175,7 +175,7 @@ class FilippovFaces(HybridField):
         Raises:
             ValueError, TrajectoryError: as for :func:`follow_smooth`.
         """
-        x = np.array([float(value) for value in start])
+        x = np.array(start, float)
         self.faces = self.field.faces_at(x) if np.isfinite(x).all() else []
         if not self.faces:
             raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")

@@ -222,7 +222,7 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
     """
     from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
 
-    x, y = (float(value) for value in scene.check.equilibrium)
+    x, y = scene.check.place
     side = np.linspace(-1, 1, FEW_STARTS) * float(scene.check.radius) * INSIDE
     starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)
     if not np.isfinite(starts).all():

@@ -164,7 +164,7 @@ class PossibleMotions(Result):
         """One line for each twist on an area."""
         lines = []
         for each in self.areas:
-            corners = ", ".join(place_text([float(x) for x in corner], DIGITS) for corner in each.corners)
+            corners = ", ".join(place_text(corner, DIGITS) for corner in each.corners)
             here = "possible" if each.holds(self.scene.check.equilibrium) else ""
             lines.append((each.state.name, *map(short_text, each.state.twist), here, corners))
         return DataTable(COLUMNS, lines)

@@ -266,7 +266,7 @@ def _ends(subject: ArraySubject) -> Section:
     items = []
     if found.get("at") is not None and found.get("after") is not None:
         within = found.get("ends_within")
-        place = f"about {place_text([float(entry) for entry in found['at']])}" if within != 0 else "at the point"
+        place = f"about {place_text(found['at'])}" if within != 0 else "at the point"
         near = f", within {at_most(within)}{unit} of the checked point" if within else ""
         after = f"after at most {at_most(found['after'])}{second}"
         items.append(f"Without inertia: {place}{near}, {after}, from {start} (proved).")

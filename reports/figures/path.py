@@ -398,7 +398,7 @@ def _view(trajectory: Trajectory, radius: float) -> tuple[float, float, float, f
     states = trajectory.array
     centre = (states.min(axis=0) + states.max(axis=0)) / 2
     half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or radius
-    x, y = (float(value) for value in centre)
+    x, y = in_floats(centre)
     return x - half, x + half, y - half, y + half
 
 

@@ -169,7 +169,7 @@ def outline_of(scene: Scene) -> Floats | None:
     outline = scene.body.outline
     if isinstance(outline, Disc):
         angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
-        middle = np.array([float(entry) for entry in scene.body.centroid])
+        middle = np.array(scene.body.centroid, float)
         return middle + float(outline.radius) * np.column_stack([np.cos(angles), np.sin(angles)])
     return float_points(scene.body.vertices)
 

@@ -162,8 +162,8 @@ class DrivenLoop:
         return tuple(self._cone(own, cone) for cone in self.feedback.cones)
 
     def _cone(self, own: Scene, cone: LawCone) -> ImposedMotions:
-        rays = None if cone.rays is None else (_floats(cone.rays[0]), _floats(cone.rays[1]))
-        twists = np.array([_floats(imposed.twist) for imposed in cone.twists])
+        rays = None if cone.rays is None else (np.array(cone.rays[0], float), np.array(cone.rays[1], float))
+        twists = np.array([imposed.twist for imposed in cone.twists], float)
         speeds = np.array([rim_speeds(own, imposed) for imposed in cone.twists])
         rule = rule_of(own)
         if not isinstance(rule, SmoothRule):
@@ -202,7 +202,7 @@ class DrivenLoop:
         if values[0] < self.reach**2:
             rise = float((values - np.minimum.accumulate(values)).max())
             if rise > RISE_SLACK * values[0]:
-                where = place_text([float(entry) for entry in path.states[0]])
+                where = place_text(path.states[0])
                 raise ContradictionError(
                     self.scene.name,
                     "the feedback clause certifies that V falls under the law",
@@ -210,10 +210,6 @@ class DrivenLoop:
                 )
         elif np.abs(path.array[:, :2]).max() >= self.reach:
             raise TrajectoryError("the body leaves the square in which the speeds impose their twists")
-
-
-def _floats(values: Sequence[object]) -> Vector:
-    return np.array([float(value) for value in values])  # type: ignore[arg-type]
 
 
 def _constant(twist: Vector) -> Motion:

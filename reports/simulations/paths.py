@@ -192,7 +192,7 @@ class PathResult(Result):
     def __repr__(self) -> str:
         end, path = self.trajectory.end, self.trajectory
         unique = {True: "unique", False: "not unique", None: "uniqueness not known"}[path.unique]
-        place = place_text([float(value) for value in end.state], 5)
+        place = place_text(end.state, 5)
         head = f"path of {self.name}, method {path.method}: {_counted(len(path.events))}, {unique}"
         return short_lines(head, [(f"{end.reason}:", f"{place} at t = {float_text(end.t)}")])
 

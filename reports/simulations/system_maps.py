@@ -269,4 +269,4 @@ def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: Pro
             yield np.full(2, np.nan)
             continue
         is_cut_short = end.reason in (EndReason.STEPS, EndReason.EVENTS)
-        yield np.full(2, np.nan) if is_cut_short else np.array([float(v) for v in end.state])
+        yield np.full(2, np.nan) if is_cut_short else np.array(end.state, float)
