@@ -69,7 +69,6 @@ class CheckOptions(Options):
     law_name: LawName = option(
         LawName.CERTIFIED,
         "With --law: another law (rule nearest), certified or not, which the file then says.",
-        LawName,
     )
     require: str | None = option(
         None,
@@ -85,7 +84,6 @@ class CheckOptions(Options):
         "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
         "by another V in more states, in three by tetrahedra, too; fast takes seconds, best a minute; auto: fast of a "
         "plain system.",
-        RegionSearch,
     )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
 

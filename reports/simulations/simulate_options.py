@@ -43,11 +43,9 @@ class SimulateOptions(Options):
         metavar="X,Y,THETA",
     )
     grid: int | None = option(
-        None, "Map where N x N starts in the square end, instead of one path.", int | None, heading=MAP, metavar="N"
+        None, "Map where N x N starts in the square end, instead of one path.", heading=MAP, metavar="N"
     )
-    until: float | None = option(
-        None, "Last time; 2 unless given, with --grid until all have ended.", float | None, metavar="T"
-    )
+    until: float | None = option(None, "Last time; 2 unless given, with --grid until all have ended.", metavar="T")
     heading: float = option(
         0.0,
         "Heading of all starts with --grid, such as 30deg or pi/6; without a unit in that of the scene's angles.",
@@ -59,29 +57,26 @@ class SimulateOptions(Options):
         None,
         "Which headings return, and from how far: a body with an outline from N headings of a full turn, at the place "
         "of --from or the checked point.",
-        int | None,
         heading=MAP,
         metavar="N",
     )
-    kinematics: Kinematics = option(Kinematics.EXACT, "Exact pose, or leading order as in the paper.", Kinematics)
+    kinematics: Kinematics = option(Kinematics.EXACT, "Exact pose, or leading order as in the paper.")
     method: PathMethod = option(
-        PathMethod.EVENTS, "Events, the paper's hysteresis, smoothing, or full dynamics.", PathMethod, heading=PATH
+        PathMethod.EVENTS, "Events, the paper's hysteresis, smoothing, or full dynamics.", heading=PATH
     )
-    width: float = option(1e-3, "Width of --method hysteresis or smoothed, in units of the state.", float, heading=PATH)
-    feedback: bool = option(False, "Close the loop by the law that check certifies.", bool, heading=LOOP)
+    width: float = option(1e-3, "Width of --method hysteresis or smoothed, in units of the state.", heading=PATH)
+    feedback: bool = option(False, "Close the loop by the law that check certifies.", heading=LOOP)
     law: LawName = option(
         LawName.CERTIFIED,
         "Another feedback law, with --feedback, certified or not: printed is the paper's, cascade takes theta first "
         "(tangential rims: its length l is the checked radius).",
-        LawName,
         heading=LOOP,
     )
-    gain: float = option(1.0, "Gain of the law, with --feedback (1/time).", float, heading=LOOP, metavar="K")
+    gain: float = option(1.0, "Gain of the law, with --feedback (1/time).", heading=LOOP, metavar="K")
     mass: float | None = option(
         None,
         "With --method dynamics: mass per weight, 1/g; unless given that of standard gravity in the scene's [units], "
         "and 0.1 without units.",
-        float | None,
         heading=BODY,
         metavar="M",
     )
@@ -89,21 +84,18 @@ class SimulateOptions(Options):
         None,
         "With --method dynamics: inertia per weight; unless given that of a plate of the body's outline, or of a disc "
         "as large as the array.",
-        float | None,
         heading=BODY,
         metavar="I",
     )
     compare_masses: bool = option(
         False,
         "With --method dynamics: its distance from each rule's path, for M, M/10, ..., M/10000.",
-        bool,
         heading=BODY,
     )
     fail: str | None = option(
         None,
         "Also with these wheels failed together, such as 5,7, or every wheel alone (any): stopped, and lifted. How far "
         "the end moves, and what no longer comes home, --from one start or those of --grid.",
-        str | None,
         heading=FAILED,
         metavar="N,...|any",
     )
@@ -111,19 +103,15 @@ class SimulateOptions(Options):
         None,
         "How far from the point bodies end on N tables drawn within [tolerance], by all tolerances at once and by each "
         "alone: sampled.",
-        int | None,
         heading=TABLES,
         metavar="N",
     )
-    seed: int = option(0, "Seed of --tables: equal seeds draw equal tables.", int, heading=TABLES, metavar="S")
-    certified: bool = option(
-        False, "With --tables, beside the sample what is proved for every table.", bool, heading=TABLES
-    )
+    seed: int = option(0, "Seed of --tables: equal seeds draw equal tables.", heading=TABLES, metavar="S")
+    certified: bool = option(False, "With --tables, beside the sample what is proved for every table.", heading=TABLES)
     orbit: bool = option(
         False,
         "The periodic orbit near --from, or that its path approaches until --until (100 unless given), or comes from: "
         "period, Floquet multipliers, stability, and whether that is proved.",
-        bool,
         heading=ORBIT,
     )
 
