@@ -12,11 +12,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
@@ -51,6 +50,7 @@ from nonsmooth.proofs.systems.findings import ExaminedFunction
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -61,8 +61,6 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 # Samples are random points of the cube, or points on rays, where the guards of an inequality hold; the search goes on
 # closer and closer to the best of them.  Nothing here is proved.
 
-
-Floats: TypeAlias = NDArray[np.float64]
 
 RAYS, SHRINKING, DISTANCES = 25, 0.5625, 10  # of points at which ratios are looked at: rays for each orthant
 GRID = {1: 3, 2: 13, 3: 5, 4: 3}  # points of a side of the cube that they pass, besides

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, combinations_with_replacement
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,7 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
@@ -322,8 +323,6 @@ def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFuncti
 # Whole numbers near its multiples are proposed, the sum of squares before all: the smallest that keep nine tenths of
 # the rate 2 s, or else three quarters, and so on; long ones where no short ones do.  The exact audit decides.
 
-
-Floats: TypeAlias = NDArray[np.float64]
 
 SHARES = (0.97, 0.85, 0.6, 0.3, 0.0)  # of s: mu of the forms that are rounded
 SHORT, LONG = tuple(range(1, 65)), (1 << 9, 1 << 12, 1 << 18, 1 << 24)  # multiples of the largest coefficient

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, lyapunov_cells
@@ -23,7 +22,6 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.systems.decay_rate import SublevelRegion
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
-    Floats,
     Sides,
     build_formula,
     build_sides,
@@ -35,6 +33,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
@@ -160,7 +159,7 @@ def _outline(cells: Sequence[FieldCell], radius: float) -> _Outline:
     return _Outline(units, count / DISTANCES * border, border)
 
 
-def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> NDArray[np.bool_]:
+def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> Mask:
     """Whether solutions reach the point without leaving the square, by the classical Runge-Kutta method.
 
     Those that stand still, as all do beyond the square, are followed no further.
@@ -253,7 +252,7 @@ def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[
     return (np.asarray(found.x[:-1]), float(found.x[-1])) if found.status == 0 else None
 
 
-def where_inside(region: Region, points: Floats) -> NDArray[np.bool_]:
+def where_inside(region: Region, points: Floats) -> Mask:
     """Which points a closed region holds, in floats."""
     kept = np.ones(len(points), dtype=bool)
     for a, b, c in (map(float, side) for side in region.sides):

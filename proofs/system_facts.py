@@ -32,8 +32,8 @@ from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 if TYPE_CHECKING:
     from nonsmooth.proofs.system_audit import AuditResult
     from nonsmooth.proofs.systems.basin import CertifiedBasin
-    from nonsmooth.proofs.systems.basin_rings import Floats
     from nonsmooth.symbolic.mechanics.scene import Scene
+    from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 def system_facts(result: DecidedSystem) -> Iterator[Fact]:

@@ -7,8 +7,8 @@ import re
 import mujoco
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.reports.simulations.mjcf import SETTLING
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 NUMBER = r"[-+0-9.e]+"
 

@@ -19,11 +19,12 @@ import mujoco
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.reports.interface.array import Array, Wheel
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 GRAVITY = 9.81
 HALF, THICK = 3.0, 0.02  # half sides of the plate: it covers all wheels from everywhere

@@ -14,13 +14,14 @@ from functools import partial
 import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.bodies.motions_on_sets import Mask, MotionsOnSets, Numbers
+from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets, Numbers
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import XY
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place

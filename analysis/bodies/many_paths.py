@@ -19,21 +19,15 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.motions_on_sets import (
-    NOBODY,
-    LeastTwists,
-    Mask,
-    Numbers,
-    nearest_wheels,
-    widest_gaps,
-)
+from nonsmooth.analysis.bodies.motions_on_sets import NOBODY, LeastTwists, Numbers, nearest_wheels, widest_gaps
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest

@@ -32,13 +32,14 @@ from nonsmooth.analysis.dynamics.newton_euler import (
     array_size,
     speed_scale,
 )
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import DenseStep, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import Integrator
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 HELD = 1e-6  # of the body's size: a wheel that swings across the edge by less is held there
 MOST_EVENTS = 5_000

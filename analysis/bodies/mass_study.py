@@ -36,7 +36,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, all_rule
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model, contacts_under
+from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -47,6 +47,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.many_twists import Contacts, ManyTwists
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- the contacts under many poses of one body at once -------------------------------------------
 #
@@ -27,7 +28,6 @@ from nonsmooth.symbolic.mechanics.springs import EqualSprings
 # through the two with the widest gap.
 
 
-Mask = NDArray[np.bool_]
 Numbers = NDArray[np.int_]
 
 NOBODY = -1  # number of a wheel that is none

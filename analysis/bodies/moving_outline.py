@@ -11,9 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.mechanics.body import Body, Disc
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 Numbers = NDArray[np.int_]
 

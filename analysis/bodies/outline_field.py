@@ -21,17 +21,8 @@ from nonsmooth.analysis.bodies.supports import CarryingWheels, finite_start, tip
 from nonsmooth.analysis.bodies.switching import subsets_of
 from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.fields.constant_field import array_field
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import (
-    SURFACE_SLACK,
-    Face,
-    Member,
-    Surface,
-    Vector,
-    affine_surface,
-    sign_patterns,
-)
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Member, Surface, affine_surface, sign_patterns
 from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.follow import Mode, Path
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -42,7 +33,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import counted_in_own_length
 from nonsmooth.symbolic.numbers.number_text import numbers_text
 from nonsmooth.symbolic.numbers.plane import around, cross
-from nonsmooth.symbolic.numbers.plane_arrays import places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 # ---- cells on one set of wheels ------------------------------------------------------------------
@@ -232,7 +223,7 @@ class OutlineField:
         """Members met so far in whose cells several motions tie."""
         return frozenset(self._tied)
 
-    def faces_at(self, x: Vector) -> list[Face]:
+    def faces_at(self, x: Floats) -> list[Face]:
         """Every face whose closure holds a pose, those that hold most surfaces first; none where the body tips.
 
         Raises:
@@ -240,21 +231,21 @@ class OutlineField:
         """
         return self._around(x).faces
 
-    def has_contact(self, x: Vector) -> bool:
+    def has_contact(self, x: Floats) -> bool:
         """Edges over two wheels do not touch, but for wheels at equal places."""
         return False
 
-    def on_border(self, x: Vector) -> bool:
+    def on_border(self, x: Floats) -> bool:
         """Whether the body tips at a pose, or just beside it."""
         return self._around(x).border
 
-    def under(self, x: Vector) -> Wheels:
+    def under(self, x: Floats) -> Wheels:
         """The wheels strictly under the body, beyond the slack of its edge."""
         return frozenset(int(k) for k in np.flatnonzero(self._depths_at(x) > self._slack))
 
     # ---- faces -----------------------------------------------------------------------------------
 
-    def _around(self, x: Vector) -> _Around:
+    def _around(self, x: Floats) -> _Around:
         depths = self._depths_at(x)
         edge = [int(k) for k in np.flatnonzero(np.abs(depths) <= self._slack)]
         place = _Place(self.under(x), tuple(edge))
@@ -272,7 +263,7 @@ class OutlineField:
             self._known[key] = self._build(place, surfaces, patterns)
         return self._known[key]
 
-    def _patterns_at(self, surfaces: Sequence[Surface], x: Vector) -> tuple[Pattern, ...]:
+    def _patterns_at(self, surfaces: Sequence[Surface], x: Floats) -> tuple[Pattern, ...]:
         """Patterns of signs that have poses; those of lines alone are the same at every pose."""
         key = tuple(map(id, surfaces)) if all(surface.flat for surface in surfaces) else None
         if key is None:
@@ -281,7 +272,7 @@ class OutlineField:
             self._of_lines[key] = sign_patterns([surface.normal(x) for surface in surfaces])
         return self._of_lines[key]
 
-    def _add_set(self, place: _Place, wheels: Wheels, x: Vector) -> None:
+    def _add_set(self, place: _Place, wheels: Wheels, x: Floats) -> None:
         """The cells at a pose on the wheels inside and some of those under the edge, and the lines through it."""
         chosen = place.inside | wheels
         if len(chosen) < 3:
@@ -349,7 +340,7 @@ class OutlineField:
 
     # ---- edges -----------------------------------------------------------------------------------
 
-    def _depths_at(self, x: Vector) -> Floats:
+    def _depths_at(self, x: Floats) -> Floats:
         """All depths at a pose; those of the last pose are kept, as every edge asks for them."""
         key = x.tobytes()
         if self._depths[0] != key:
@@ -359,7 +350,7 @@ class OutlineField:
     def _edge(self, wheel: int) -> Surface:
         """The poses at which a wheel lies under the edge of the body; positive where it carries."""
 
-        def value(x: Vector) -> float:
+        def value(x: Floats) -> float:
             return float(self._depths_at(x)[wheel])
 
         return Surface(f"wheel {self._names[wheel]}", value, lambda x: self._outline.gradient(x, wheel))

@@ -34,7 +34,7 @@ from nonsmooth.analysis.bodies.supports import (
 from nonsmooth.analysis.bodies.switching import Switching
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.cells.loads import LoadError, TipsThereError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import (
     DenseStep,
@@ -61,7 +61,7 @@ from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import numbers_text
-from nonsmooth.symbolic.numbers.plane_arrays import places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 # Work along a path in evaluations of pose rates, steps in regimes and minimizers by multipliers counted as some: twenty

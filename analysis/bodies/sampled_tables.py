@@ -23,13 +23,13 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rule_of, smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, with_friction_sets
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, with_friction_sets
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
 
 RESTS = 1e-7  # of the fastest rim
 STEPS = 40  # of Broyden's method

@@ -18,7 +18,7 @@ from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
-from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.minimum import resists_every_motion
 from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, CutNewton, SmoothNewton
@@ -27,6 +27,7 @@ from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import XY, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 

@@ -24,11 +24,12 @@ from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.bodies.mass_study import BROKEN_OFF
 from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model, with_friction_sets
+from nonsmooth.analysis.fields.contact_model import contact_model, with_friction_sets
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # Tolerances beside those of a path that is shown; still larger ones take more steps where bodies are light.
 COARSER = 1e3

@@ -19,12 +19,13 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline, WholePlane
 from nonsmooth.analysis.bodies.set_motion import Wheels
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, HybridField, Mode, Path, Stretch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, State
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Vector, around
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 LOOKS = 8  # parts of a step at whose ends wheels are looked at
 ON_EDGE = 1e-10  # of the body's size: depths below are zero

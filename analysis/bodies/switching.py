@@ -18,8 +18,8 @@ import numpy as np
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, TippedError, Wheels
 from nonsmooth.analysis.bodies.supports import CarryingWheels
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- products of weights that mix the motions of all subsets of some wheels ----------------------
 #

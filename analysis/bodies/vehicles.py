@@ -18,7 +18,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.cells.loads import elastic_loads_at
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import free_motions
@@ -36,6 +36,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import XY, Vector, in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 MOST_EXACT = 12  # wheels up to which the cells of the rules with cells are built
 ROUNDING = 1e-9  # rate of turn times the length of the vehicle, relative to the speeds: below it a float is no turn

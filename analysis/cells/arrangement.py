@@ -46,6 +46,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, clear_sign, is_clear, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
@@ -58,7 +59,6 @@ FLOAT_ERROR = 2.0**-39  # of a sum of absolute terms: what a sum of up to ten th
 EXACT_FLOATS = 2.0**52  # sums of whole numbers below this are floats
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # the other coordinates, in turn
 
-Floats: TypeAlias = NDArray[np.float64]
 Lexicographic: TypeAlias = tuple[int, int]
 
 
@@ -428,7 +428,7 @@ def normal_floats(numbers: Collection[Number]) -> list[float]:
     return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in found]
 
 
-def float_corners(points: Sequence[Point]) -> NDArray[np.float64]:
+def float_corners(points: Sequence[Point]) -> Floats:
     """Points as rows ``(1, x, y)``."""
     return np.array([[1.0, *normal_floats(point)] for point in points]).reshape(-1, 3)
 

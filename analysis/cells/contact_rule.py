@@ -18,12 +18,10 @@ from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED, MIXED_RULE
 from nonsmooth.symbolic.numbers.number_text import numbers_text
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
     from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
+    from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 class ContactRule(ABC):
@@ -92,7 +90,7 @@ class CellRule(ContactRule):
         return self.build_partition(covering(scene))
 
     @abstractmethod
-    def literal_twists(self, scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """Twists at points (m, 2) of a centred scene, shape (m, 3), by the words of the rule, knowing nothing of cells.
 
         Slow, in floats: the oracle of the cells in tests and measurements; no verdict uses it.

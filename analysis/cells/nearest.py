@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
@@ -62,12 +62,12 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
     return Partition(scene, "nearest", domain, tuple(cells), len(search.considered))
 
 
-def float_positions(scene: Scene) -> NDArray[np.float64]:
+def float_positions(scene: Scene) -> Floats:
     """``p_i`` in floats, shape (n, 2)."""
     return places_of(scene.wheels)
 
 
-def relevant_wheels(scene: Scene, positions: NDArray[np.float64]) -> tuple[Wheel, ...]:
+def relevant_wheels(scene: Scene, positions: Floats) -> tuple[Wheel, ...]:
     """The wheels that can have a say in the checked square, by their :func:`float_positions`."""
     search = _Search(scene, prune=True, positions=positions)
     for _ in search.chains(square(scene.check.equilibrium, scene.check.radius)):
@@ -94,7 +94,7 @@ class _Search:
         considered: the wheels that can be in a chain somewhere, by their positions in the scene.
     """
 
-    def __init__(self, scene: Scene, prune: bool, positions: NDArray[np.float64]) -> None:
+    def __init__(self, scene: Scene, prune: bool, positions: Floats) -> None:
         self.wheels, self.prune, self.positions = scene.wheels, prune, positions
         self.bisectors = _Bisectors(scene.wheels)
         self.considered: set[int] = set()
@@ -177,9 +177,7 @@ def _adds_to(basis: Sequence[Triple], wheel: Wheel) -> bool:
     return any(len(independent([*basis, row.normal])) > len(basis) for row in preferred_rows(wheel))
 
 
-def _contenders(
-    positions: NDArray[np.float64], among: NDArray[np.int_], region: Polygon, rank: int
-) -> NDArray[np.int_]:
+def _contenders(positions: Floats, among: NDArray[np.int_], region: Polygon, rank: int) -> NDArray[np.int_]:
     """Wheels that can be among the ``rank`` nearest somewhere in the region, nearest to its centre first.
 
     With reach r of the region about its centre, a wheel farther from the centre than the rank-th nearest
@@ -203,7 +201,7 @@ def _region(
     i: int,
     rivals: Iterable[int],
     within: Polygon,
-    positions: NDArray[np.float64] | None = None,
+    positions: Floats | None = None,
     *,
     by_distance: bool = False,
 ) -> Polygon | None:
@@ -243,7 +241,7 @@ def _certain_region(
     i: int,
     rivals: NDArray[np.int_],
     within: Polygon,
-    positions: NDArray[np.float64] | None = None,
+    positions: Floats | None = None,
     *,
     by_distance: bool = False,
 ) -> Polygon | None:
@@ -386,7 +384,7 @@ def distance(a: Place, b: Place) -> float:
     return math.hypot(a[0] - b[0], a[1] - b[1])
 
 
-def distances_from(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+def distances_from(points: Floats, place: Floats) -> Floats:
     """The same for many points, shape (n, 2), at once."""
     with np.errstate(over="ignore", invalid="ignore"):
         difference = points - place

@@ -15,13 +15,14 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.arrangement import Arrangement, Floats, SlopeOfD, minus
+from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD, minus
 from nonsmooth.analysis.cells.loads import Affine
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.outline import Filtered, Form, Three
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
@@ -48,7 +49,7 @@ class Slopes:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
         sure = certainty(table.values, table.bounds[:, None], arrangement.corners)
-        possible: NDArray[np.bool_] = np.any(~(sure > 1), axis=2)
+        possible: Mask = np.any(~(sure > 1), axis=2)
         kept = table.distinct(np.flatnonzero(possible.any(axis=1)))
         self._pairs: list[list[int]] = table.pairs[kept].tolist()
         self._values = table.values[kept].reshape(-1, 3)

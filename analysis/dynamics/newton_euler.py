@@ -36,10 +36,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.float_loads import affine_loads, hull_sides, loads_at
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.symbolic.numbers.plane_arrays import turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
 
 # ---- normal forces along a path ------------------------------------------------------------------
 #

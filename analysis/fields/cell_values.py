@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
 from nonsmooth.analysis.fields.stated_field import StatedField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
-
-Floats: TypeAlias = NDArray[np.float64]
 
 
 def polynomial_values(polynomial: Polynomial, xs: Floats, ys: Floats) -> Floats:
@@ -42,7 +39,7 @@ def _values(polynomial: Polynomial, variables: list[Floats]) -> Floats:
     return total
 
 
-def inside(cell: FieldCell, xs: Floats, ys: Floats) -> NDArray[np.bool_]:
+def inside(cell: FieldCell, xs: Floats, ys: Floats) -> Mask:
     """Which places lie in a closed cell."""
     kept = np.ones(xs.shape, dtype=bool)
     for a, b, c in cell.region.sides:

@@ -17,10 +17,11 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
-from nonsmooth.analysis.fields.switched_field import Member, ScalarVelocity, Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import Member, ScalarVelocity, Velocity
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-Pose: TypeAlias = Vector | tuple[float, ...]  # (x, y, theta): paths are followed in single floats
+Pose: TypeAlias = Floats | tuple[float, ...]  # (x, y, theta): paths are followed in single floats
 Speeds: TypeAlias = Callable[[Pose], Mapping[int, float]]  # pose to surface speed by wheel index
 StateLaw: TypeAlias = Callable[[ContactState], Speeds]  # what is constant in a cell is prepared once
 

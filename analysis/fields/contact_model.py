@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import Rule, SmoothRule
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet, float_sets
@@ -29,9 +29,7 @@ from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, turned
-
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, turned
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # Relative to the largest vector: singular values below belong to directions in which nothing points.
 RANK_SLACK = 1e-10
@@ -21,7 +21,7 @@ RANK_SLACK = 1e-10
 WEIGHT_SLACK = 1e-10
 
 
-def basic_weights(vectors: Array) -> Array:
+def basic_weights(vectors: Floats) -> Floats:
     """All basic solutions of ``l @ vectors = 0, sum l = 1, l >= 0``, one per row.
 
     Every solution is a convex combination of these; none means that the hull of the vectors does not hold zero.
@@ -37,7 +37,7 @@ def basic_weights(vectors: Array) -> Array:
     return weights / weights.sum(axis=1, keepdims=True)
 
 
-def central_weights(vectors: Array) -> Array | None:
+def central_weights(vectors: Floats) -> Floats | None:
     """A solution of ``l @ vectors = 0, sum l = 1`` whose least entry t is largest; None where there is none.
 
     t is not negative exactly where the hull of the vectors holds zero, and it changes continuously with them: with the
@@ -57,7 +57,7 @@ def central_weights(vectors: Array) -> Array | None:
     return weights
 
 
-def _columns(vectors: Array) -> Array:
+def _columns(vectors: Floats) -> Floats:
     """Coordinates of some vectors in an orthonormal basis of what they span (none if all are zero), and a last one."""
     scale = float(np.abs(vectors).max(initial=0.0))
     if not scale:
@@ -67,7 +67,9 @@ def _columns(vectors: Array) -> Array:
     return np.concatenate([reduced, np.ones((len(vectors), 1))], axis=1)
 
 
-def _basic_solutions(columns: Array, chosen: Sequence[tuple[int, ...]], bounded: int) -> tuple[NDArray[np.int_], Array]:
+def _basic_solutions(
+    columns: Floats, chosen: Sequence[tuple[int, ...]], bounded: int
+) -> tuple[NDArray[np.int_], Floats]:
     """The chosen columns that mix into ``(0, ..., 0, 1)``, with their weights, of which the first are not negative."""
     subsets = np.array(chosen)
     systems = columns[subsets].transpose(0, 2, 1)
@@ -79,7 +81,7 @@ def _basic_solutions(columns: Array, chosen: Sequence[tuple[int, ...]], bounded:
     return subsets[regular][possible], solutions[possible]
 
 
-def least_norm_weights(points: Array) -> Array:
+def least_norm_weights(points: Floats) -> Floats:
     """Convex weights of the point of least norm in the hull of some points.
 
     With ``mu >= 0`` minimizing ``|mu @ points|^2 + (sum mu - 1)^2`` the weights are ``mu / sum mu``: for a fixed sum
@@ -97,7 +99,7 @@ def least_norm_weights(points: Array) -> Array:
     return np.asarray(solution / solution.sum())
 
 
-def origin_distance(points: Array) -> float:
+def origin_distance(points: Floats) -> float:
     """Distance of the hull of some points from the origin."""
     return float(np.linalg.norm(least_norm_weights(points) @ points))
 

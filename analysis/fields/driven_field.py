@@ -18,15 +18,16 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity, affine_surface
+from nonsmooth.analysis.fields.switched_field import Surface, Velocity, affine_surface
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 STATES = ("x", "y", "theta")
 # Entries of unit normals that differ by less are the same plane: far above their rounding, and a plane that is taken
 # for another one would have to be this close to it.
 SAME_PLANE = 1e-12
 
-Motion: TypeAlias = Callable[[Vector], Vector]  # the twist about c*, at unit gain, by the displacement c of the body
+Motion: TypeAlias = Callable[[Floats], Floats]  # the twist about c*, at unit gain, by the displacement c of the body
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +41,10 @@ class ImposedMotions:
         speeds: the speeds that impose each, wheel by wheel, shape (m, n).
     """
 
-    rays: tuple[Vector, Vector] | None
-    twists: Vector
+    rays: tuple[Floats, Floats] | None
+    twists: Floats
     motions: tuple[Motion, ...]
-    speeds: Vector
+    speeds: Floats
 
 
 def driven_field(cones: Sequence[ImposedMotions], centre: Sequence[float], size: float, gain: float) -> SignField:
@@ -70,25 +71,25 @@ def driven_field(cones: Sequence[ImposedMotions], centre: Sequence[float], size:
     return SignField(STATES, tuple(surfaces), flow, size, kinematics="exact")
 
 
-def _surface(normal: Vector, home: Vector, index: int, lines: int) -> Surface:
+def _surface(normal: Floats, home: Floats, index: int, lines: int) -> Surface:
     name = f"direction {index + 1}" if index < lines else f"tie {index - lines + 1}"
     return affine_surface(name, normal.tolist(), float(normal @ home))
 
 
-def _rate(cone: ImposedMotions, chosen: int, g: Vector, gain: float) -> Vector:
+def _rate(cone: ImposedMotions, chosen: int, g: Floats, gain: float) -> Floats:
     """The pose rate ``(v + omega J c, omega)`` of the imposed motion."""
     vx, vy, omega = -gain * float(g @ cone.twists[chosen]) * cone.motions[chosen](g[:2])
     return np.array([vx - omega * g[1], vy + omega * g[0], omega])
 
 
-def _ties(twists: Vector) -> list[Vector]:
+def _ties(twists: Floats) -> list[Floats]:
     """Normals of the planes on which two of the products are equally large."""
     return [a + side * b for a, b in combinations(twists, 2) for side in (-1.0, 1.0)]
 
 
-def _distinct(normals: Sequence[Vector]) -> list[Vector]:
+def _distinct(normals: Sequence[Floats]) -> list[Floats]:
     """Unit normals of different planes."""
-    found: list[Vector] = []
+    found: list[Floats] = []
     for normal in normals:
         unit = normal / np.linalg.norm(normal)
         if all(min(np.abs(unit - other).max(), np.abs(unit + other).max()) > SAME_PLANE for other in found):
@@ -96,14 +97,14 @@ def _distinct(normals: Sequence[Vector]) -> list[Vector]:
     return found
 
 
-def _side(normals: Sequence[Vector], signs: Signs, normal: Vector) -> int:
+def _side(normals: Sequence[Floats], signs: Signs, normal: Floats) -> int:
     """On which side of its plane a pattern of signs lies."""
     products = [float(other @ normal) / float(np.linalg.norm(normal)) for other in normals]
     index = int(np.argmax(np.abs(products)))
     return signs[index] * sign(products[index])
 
 
-def _cone(cones: Sequence[ImposedMotions], lines: Sequence[Vector], signs: Signs) -> ImposedMotions:
+def _cone(cones: Sequence[ImposedMotions], lines: Sequence[Floats], signs: Signs) -> ImposedMotions:
     """The cone of a pattern: left of its first ray and right of its last; the first of all where none is.
 
     Patterns without points are asked for too, by smoothing.
@@ -117,7 +118,7 @@ def _cone(cones: Sequence[ImposedMotions], lines: Sequence[Vector], signs: Signs
     return cones[0]
 
 
-def _largest(cone: ImposedMotions, normals: Sequence[Vector], signs: Signs) -> int:
+def _largest(cone: ImposedMotions, normals: Sequence[Floats], signs: Signs) -> int:
     """The twist with the largest ``|g . xi_l|``: ``|a| > |b|`` where ``(a - b)(a + b) > 0``."""
     wins = [0] * len(cone.twists)
     for first, second in combinations(range(len(cone.twists)), 2):

@@ -15,17 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.cell_complex import CellComplex
-from nonsmooth.analysis.fields.switched_field import (
-    SURFACE_SLACK,
-    Face,
-    Member,
-    Surface,
-    Vector,
-    Velocity,
-    affine_surface,
-)
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Member, Surface, Velocity, affine_surface
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import cross, dot
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 class PolygonField(ABC):
@@ -54,7 +47,7 @@ class PolygonField(ABC):
         """Size of the domain (length)."""
         return self.cells.size
 
-    def faces_at(self, x: Vector) -> list[Face]:
+    def faces_at(self, x: Floats) -> list[Face]:
         """Corners, edges and cells whose closure holds the position."""
         slack = SURFACE_SLACK * self.size
         at_corner = np.hypot(*(self._points - x[:2]).T) <= slack
@@ -62,11 +55,11 @@ class PolygonField(ABC):
         found += [edge for edge in self._edges if self._holds(edge, x, slack)]
         return found + [cell for cell in self._cells if self._holds(cell, x, slack)]
 
-    def has_contact(self, x: Vector) -> bool:
+    def has_contact(self, x: Floats) -> bool:
         """Polygons have no curved sides."""
         return False
 
-    def on_border(self, x: Vector) -> bool:
+    def on_border(self, x: Floats) -> bool:
         """Whether the position lies on an edge with a cell on one side only."""
         slack = SURFACE_SLACK * self.size
         for line, first, last in self._borders:
@@ -84,13 +77,13 @@ class PolygonField(ABC):
     def _members(self) -> tuple[Member, ...]:
         return tuple(Member(self.mode_name(k), self.velocity(k)) for k in range(len(self.cells.polygons)))
 
-    def _holds(self, face: Face, x: Vector, slack: float) -> bool:
+    def _holds(self, face: Face, x: Floats, slack: float) -> bool:
         """Whether a closed face holds a position."""
         inside = all(side * surface.value(x) >= -slack for surface, side in face.bounds)
         return inside and all(abs(surface.value(x)) <= slack for surface in face.keep)
 
     @cached_property
-    def _points(self) -> Vector:
+    def _points(self) -> Floats:
         return np.array(self._floats.points)
 
     @cached_property
@@ -139,26 +132,26 @@ class PolygonField(ABC):
 
     # ---- modes ---------------------------------------------------------------------------
 
-    def mode_at(self, x: Vector) -> int | None:
+    def mode_at(self, x: Floats) -> int | None:
         """The cell that holds the position; None outside the domain."""
         margins = self._margins(x)
         best = int(np.argmax(margins))
         return best if margins[best] >= 0 else None
 
-    def nearest_mode(self, x: Vector) -> int:
+    def nearest_mode(self, x: Floats) -> int:
         """The cell that holds the position or, outside the domain, violates the least."""
         return int(np.argmax(self._margins(x)))
 
-    def margin(self, mode: int, x: Vector) -> float:
+    def margin(self, mode: int, x: Floats) -> float:
         """Distance from the nearest side, negative outside."""
         sides = self._floats.polygons[mode].sides
         return min(side.offset - side.normal[0] * x[0] - side.normal[1] * x[1] for side in sides)
 
-    def following(self, mode: int, x: Vector, width: float) -> int | None:
+    def following(self, mode: int, x: Floats, width: float) -> int | None:
         """The cell that holds the position now."""
         return self.mode_at(x)
 
-    def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
+    def blend(self, x: Floats, width: float) -> Iterator[tuple[Velocity, float]]:
         """Weights that fall from one to zero between ``width`` inside and ``width`` outside a cell, normalized.
 
         On the border of the domain, where nothing lies beyond, the cells inside keep all the weight.
@@ -171,13 +164,13 @@ class PolygonField(ABC):
         for k in np.flatnonzero(shares):
             yield self._members[k].velocity, float(shares[k])
 
-    def _margins(self, x: Vector) -> Vector:
+    def _margins(self, x: Floats) -> Floats:
         """Signed distance of a position from the border of every cell."""
         normals, offsets, starts = self._sides
         return np.asarray(np.minimum.reduceat(offsets - normals @ x[:2], starts))
 
     @cached_property
-    def _sides(self) -> tuple[Vector, Vector, NDArray[np.intp]]:
+    def _sides(self) -> tuple[Floats, Floats, NDArray[np.intp]]:
         """Normals and offsets of all sides, cell by cell, and where each cell's sides begin."""
         polygons = self._floats.polygons
         sides = [side for polygon in polygons for side in polygon.sides]

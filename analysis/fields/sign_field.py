@@ -14,16 +14,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import (
-    SURFACE_SLACK,
-    Face,
-    Member,
-    Surface,
-    Vector,
-    Velocity,
-    sign_patterns,
-    span,
-)
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Member, Surface, Velocity, sign_patterns, span
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Signs: TypeAlias = tuple[int, ...]
 
@@ -55,7 +47,7 @@ class SignField:
     _known: dict[tuple[object, ...], list[Face]] = field(default_factory=dict, init=False, repr=False)
     _members: dict[Signs, Member] = field(default_factory=dict, init=False, repr=False)
 
-    def faces_at(self, x: Vector) -> list[Face]:
+    def faces_at(self, x: Floats) -> list[Face]:
         """Faces at a state: every pattern of -, 0, + of the surfaces through it that has points there."""
         values = [surface.value(x) for surface in self.surfaces]
         near = [self._active(surface, x, value) for surface, value in zip(self.surfaces, values, strict=True)]
@@ -67,7 +59,7 @@ class SignField:
             self._known[key] = [self._face(_filled(sides, active, p), patterns, active) for p in patterns]
         return self._known[key]
 
-    def has_contact(self, x: Vector) -> bool:
+    def has_contact(self, x: Floats) -> bool:
         """Whether curved surfaces touch at a state: their normals there are more than the dimensions they span.
 
         Where the normals span the whole space, the tangent cone of a pattern without points is empty with a margin.
@@ -78,11 +70,11 @@ class SignField:
         subsets = (chosen for count in range(2, len(active) + 1) for chosen in combinations(active, count))
         return any(_touch(chosen, x) for chosen in subsets)
 
-    def on_border(self, x: Vector) -> bool:
+    def on_border(self, x: Floats) -> bool:
         """A plain system has no border."""
         return False
 
-    def _active(self, surface: Surface, x: Vector, value: float) -> bool:
+    def _active(self, surface: Surface, x: Floats, value: float) -> bool:
         """Whether a state is within the slack of a surface."""
         steepness = surface.steepness(x)
         if abs(value) > SURFACE_SLACK * self.size * steepness:
@@ -112,7 +104,7 @@ class SignField:
 
     # ---- modes: every switching function is a relay of its own ---------------------------
 
-    def mode_at(self, x: Vector) -> Signs:
+    def mode_at(self, x: Floats) -> Signs:
         """Signs of the switching functions, 1 on a surface."""
         return tuple(-1 if surface.value(x) < 0 else 1 for surface in self.surfaces)
 
@@ -124,11 +116,11 @@ class SignField:
         """The inequalities of a pattern."""
         return ", ".join(f"{s.name} {'>' if side > 0 else '<'} 0" for s, side in zip(self.surfaces, mode, strict=True))
 
-    def margin(self, mode: Signs, x: Vector) -> float:
+    def margin(self, mode: Signs, x: Floats) -> float:
         """Smallest signed distance from a surface."""
         return min(sign * height for sign, height in zip(mode, self._heights(x), strict=True))
 
-    def following(self, mode: Signs, x: Vector, width: float) -> Signs:
+    def following(self, mode: Signs, x: Floats, width: float) -> Signs:
         """Relays that are beyond their width switch; the farthest one always does.
 
         An event is found to rounding: relative to the width, and where the width is small beside the state, to that
@@ -139,7 +131,7 @@ class SignField:
         beyond = max(-width, min(heights)) * reached
         return tuple(-sign if height <= beyond else sign for sign, height in zip(mode, heights, strict=True))
 
-    def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
+    def blend(self, x: Floats, width: float) -> Iterator[tuple[Velocity, float]]:
         """Products of smoothed signs ``clip(h/width, -1, 1)``."""
         smoothed = [min(1.0, max(-1.0, height / width)) for height in self._heights(x)]
         sides = [(round(value),) if abs(value) == 1 else (-1, 1) for value in smoothed]
@@ -148,7 +140,7 @@ class SignField:
             if weight:
                 yield self.flow(pattern), weight
 
-    def _heights(self, x: Vector) -> list[float]:
+    def _heights(self, x: Floats) -> list[float]:
         """Signed distances from the surfaces, to first order."""
         heights = []
         for surface in self.surfaces:
@@ -157,7 +149,7 @@ class SignField:
         return heights
 
 
-def _touch(surfaces: Sequence[Surface], x: Vector) -> bool:
+def _touch(surfaces: Sequence[Surface], x: Floats) -> bool:
     """Whether the normals of surfaces, not all of them flat, span less than they may."""
     if all(surface.flat for surface in surfaces):
         return False

@@ -18,12 +18,11 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.convex_weights import origin_distance
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-Vector: TypeAlias = NDArray[np.float64]
-Velocity: TypeAlias = Callable[[float, Vector], Vector]
+Velocity: TypeAlias = Callable[[float, Floats], Floats]
 Mode: TypeAlias = Any  # a sign pattern or the number of a cell
 
 # Relative to the size of the domain: the distance within which a state counts as on a surface. Above the integrator's
@@ -36,16 +35,16 @@ class Surface:
     """A switching function with its gradient; flat where that is constant."""
 
     name: str
-    value: Callable[[Vector], float]
-    gradient: Callable[[Vector], Vector]
+    value: Callable[[Floats], float]
+    gradient: Callable[[Floats], Floats]
     flat: bool = False
     _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False)  # of a flat surface
 
-    def steepness(self, x: Vector) -> float:
+    def steepness(self, x: Floats) -> float:
         """The length of the gradient."""
         return self._kept.get("steepness") or self._keep("steepness", length(self.gradient(x)))
 
-    def normal(self, x: Vector) -> Vector:
+    def normal(self, x: Floats) -> Floats:
         """The gradient of unit length."""
         found = self._kept.get("normal")
         return self._keep("normal", self.gradient(x) / self.steepness(x)) if found is None else found
@@ -66,7 +65,7 @@ class ScalarVelocity:
     def __init__(self, rates: Callable[..., tuple[float, ...]]) -> None:
         self.rates = rates
 
-    def __call__(self, t: float, x: Vector) -> Vector:
+    def __call__(self, t: float, x: Floats) -> Floats:
         """The rates as an array."""
         return np.array(self.rates(*x.tolist()))
 
@@ -102,7 +101,7 @@ class Face:
     members: tuple[Member, ...]
 
 
-def length(vector: Vector) -> float:
+def length(vector: Floats) -> float:
     """Euclidean norm."""
     return math.sqrt(vector.dot(vector))
 
@@ -134,13 +133,13 @@ class FacedField(Protocol):
     def heading(self) -> int | None:
         """Index of the state that may drift at rest, where there is one."""
 
-    def faces_at(self, x: Vector) -> list[Face]:
+    def faces_at(self, x: Floats) -> list[Face]:
         """Every face whose closure holds a state, cells last; none outside the domain."""
 
-    def has_contact(self, x: Vector) -> bool:
+    def has_contact(self, x: Floats) -> bool:
         """Whether curved surfaces touch at a state, so that cells may lie there that no tangent cone shows."""
 
-    def on_border(self, x: Vector) -> bool:
+    def on_border(self, x: Floats) -> bool:
         """Whether a state lies on the border of the domain."""
 
 
@@ -151,7 +150,7 @@ class SwitchedField(FacedField, Protocol):
     negative outside.
     """
 
-    def mode_at(self, x: Vector) -> Mode | None:
+    def mode_at(self, x: Floats) -> Mode | None:
         """The mode at a state; None outside the domain."""
 
     def velocity(self, mode: Mode) -> Velocity:
@@ -160,13 +159,13 @@ class SwitchedField(FacedField, Protocol):
     def mode_name(self, mode: Mode) -> str:
         """What the mode is called."""
 
-    def margin(self, mode: Mode, x: Vector) -> float:
+    def margin(self, mode: Mode, x: Floats) -> float:
         """Signed distance from the border of a mode (units of the state), positive inside."""
 
-    def following(self, mode: Mode, x: Vector, width: float) -> Mode | None:
+    def following(self, mode: Mode, x: Floats, width: float) -> Mode | None:
         """The mode after one has been left by ``width``; None outside the domain."""
 
-    def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
+    def blend(self, x: Floats, width: float) -> Iterator[tuple[Velocity, float]]:
         """Fields with convex weights that vary continuously over ``width`` to either side of a surface."""
 
 
@@ -179,7 +178,7 @@ class SwitchedField(FacedField, Protocol):
 CONE_SLACK = 1e-9
 
 
-def has_points(pattern: Sequence[int], normals: Sequence[Vector]) -> bool:
+def has_points(pattern: Sequence[int], normals: Sequence[Floats]) -> bool:
     """Whether the tangent cone ``n_k . d = 0`` (held), ``side n_k . d > 0`` (others) is not empty.
 
     By Gordan's theorem the open cone is empty iff a convex combination of the projected normals is zero.
@@ -192,7 +191,7 @@ def has_points(pattern: Sequence[int], normals: Sequence[Vector]) -> bool:
     return not others or origin_distance(np.array(others)) > CONE_SLACK
 
 
-def sign_patterns(normals: Sequence[Vector]) -> tuple[tuple[int, ...], ...]:
+def sign_patterns(normals: Sequence[Floats]) -> tuple[tuple[int, ...], ...]:
     """Every pattern of -, 0, + of surfaces through a point whose tangent cone has points; most zeros first.
 
     One surface after the other: a pattern without points has none with a further sign.  In the plane n lines leave
@@ -205,7 +204,7 @@ def sign_patterns(normals: Sequence[Vector]) -> tuple[tuple[int, ...], ...]:
     return tuple(sorted(patterns, key=lambda p: (-p.count(0), p)))
 
 
-def span(columns: Vector) -> Vector:
+def span(columns: Floats) -> Floats:
     """Orthonormal basis of the span of some columns."""
     basis, values, _ = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(basis[:, values > CONE_SLACK])

@@ -16,18 +16,12 @@ from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, names, weighted
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_field import (
-    SURFACE_SLACK,
-    ScalarVelocity,
-    Surface,
-    Vector,
-    Velocity,
-    affine_surface,
-)
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, ScalarVelocity, Surface, Velocity, affine_surface
 from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
 
@@ -178,7 +172,7 @@ class _Polynomials:
         self.velocity: Velocity = ScalarVelocity(self.at)
         self._constant = None if any(any(e) for _, e in terms) else np.array(self.at(*[0.0] * count))
 
-    def __call__(self, x: Vector) -> Vector:
+    def __call__(self, x: Floats) -> Floats:
         """The values, in order."""
         return np.array(self.at(*x.tolist())) if self._constant is None else self._constant
 
@@ -274,7 +268,7 @@ def with_roots(roots: SignedRoots, start: Sequence[float]) -> tuple[float, ...]:
     return tuple(_with_roots(np.array(start, dtype=float), places).tolist()) if len(start) else ()
 
 
-def _with_roots(x: Vector, places: Sequence[int]) -> Vector:
+def _with_roots(x: Floats, places: Sequence[int]) -> Floats:
     return np.concatenate([x, np.sqrt(np.abs(x[list(places)]))])
 
 
@@ -282,10 +276,10 @@ def _rooted_surface(roots: SignedRoots, surface: Surface, places: Sequence[int])
     """A switching function of states and roots as one of the states, by the chain rule."""
     own = len(roots.states)
 
-    def value(x: Vector) -> float:
+    def value(x: Floats) -> float:
         return surface.value(_with_roots(x, places))
 
-    def gradient(x: Vector) -> Vector:
+    def gradient(x: Floats) -> Floats:
         inner = surface.gradient(_with_roots(x, places))
         slopes = np.array(inner[:own], dtype=float)
         for place, along in zip(places, inner[own:], strict=True):

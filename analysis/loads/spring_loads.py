@@ -9,12 +9,9 @@ on one line, is made regular by a tiny multiple of the identity.
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
-from numpy.typing import NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 MAX_STEPS = 60  # Newton steps; random arrays of 3 to 100 wheels need at most 15
 MAX_HALVINGS = 40  # a step halved that often no longer changes a double
@@ -25,7 +22,7 @@ LOAD_ERROR = 1e-9  # of the weight and its moment: what balances
 LOADED = 2.0**-30  # of the weight: what a wheel that is named as loaded carries at least
 
 
-def spring_loads(moments: Floats, goals: Floats, start: Floats | None = None) -> tuple[Floats, NDArray[np.bool_]]:
+def spring_loads(moments: Floats, goals: Floats, start: Floats | None = None) -> tuple[Floats, Mask]:
     """Loads (m, n), and where they were found, (m,).
 
     Args:
@@ -72,7 +69,7 @@ def loaded_wheels(positions: Floats, point: Floats) -> frozenset[int] | None:
     return frozenset(np.flatnonzero(loads[0] > LOADED).tolist()) if solved[0] else None
 
 
-def _taken(moments: Floats, chosen: NDArray[np.bool_]) -> Floats:
+def _taken(moments: Floats, chosen: Mask) -> Floats:
     """Those of some goals."""
     return moments if moments.ndim == 2 else moments[chosen]
 
@@ -97,9 +94,7 @@ def _newton_step(moments: Floats, forces: Floats, right: Floats) -> Floats:
     return np.asarray(np.linalg.solve(hessian + REGULAR * np.eye(3), right[..., None])[..., 0])
 
 
-def _descended(
-    moments: Floats, goals: Floats, y: Floats, forces: Floats, step: Floats
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _descended(moments: Floats, goals: Floats, y: Floats, forces: Floats, step: Floats) -> tuple[Floats, Floats, Mask]:
     """Y after steps that are halved until the convex function no longer rises, ``m_i . y``, and which are whole."""
     size = np.ones(len(y))
     before = _energy(goals, y, forces)

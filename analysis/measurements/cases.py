@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
@@ -53,7 +53,7 @@ from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_fric
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import power_text
 from nonsmooth.symbolic.numbers.plane import Pose
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, scaled_system
 
 POWERS = (-9, -6, -3, 3, 6, 9)  # of ten: other units of length or time

@@ -16,7 +16,7 @@ from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import Member, Velocity
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.measurements.reference_paths import (
     STARTS,
@@ -31,6 +31,7 @@ from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- paths ---------------------------------------------------------------------------------------
@@ -206,7 +207,7 @@ def _simulated(
     """One of the program's own integrators; the field looks at the clock at every evaluation."""
 
     def watched(velocity: Velocity) -> Velocity:
-        def watching(t: float, x: Vector) -> Vector:
+        def watching(t: float, x: Floats) -> Floats:
             clock.check()
             return velocity(t, x)
 
@@ -244,7 +245,7 @@ def follow_without_events(
     """
     from scipy.integrate import solve_ivp  # half a second that most commands need not wait
 
-    def velocity(t: float, x: Vector) -> Vector:
+    def velocity(t: float, x: Floats) -> Floats:
         clock.check()
         if isinstance(field, SignField):
             return field.velocity(field.mode_at(x))(t, x)

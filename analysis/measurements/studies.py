@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces, rule_
 from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
@@ -37,6 +37,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import XY
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- the upper derivative ------------------------------------------------------------------------
 #

@@ -15,7 +15,6 @@ from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.cells.partition import Cell, Partition
@@ -28,7 +27,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
 
 RulePair: TypeAlias = tuple[str, str]
 
@@ -142,16 +141,14 @@ def _differences(scene: Scene, rule: SmoothRule, partitions: Mapping[str, Partit
     }
 
 
-def comparison_grid(scene: Scene) -> NDArray[np.float64]:
+def comparison_grid(scene: Scene) -> Floats:
     """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
     centre = np.array(scene.check.place)
     across, up = (float(scene.check.radius) * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
     return np.asarray(centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2))
 
 
-def _difference(
-    scene: Scene, points: NDArray[np.float64], first: NDArray[np.float64], second: NDArray[np.float64], missing: str
-) -> TwistDifference:
+def _difference(scene: Scene, points: Floats, first: Floats, second: Floats, missing: str) -> TwistDifference:
     if not len(points):
         return TwistDifference(0, None, None, None, missing)
     centre = np.array(scene.check.place)

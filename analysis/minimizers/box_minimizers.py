@@ -15,10 +15,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, rounding_error
 from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
 from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, SAME_VERTEX, distinct
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 TOGETHER = 40  # points in one linear program: beyond, the time of the simplex method grows faster than their number
 HIGHS_FEASIBILITY = 1e-10  # smallest feasibility tolerance of HiGHS, on rows and limits of order 1

@@ -21,8 +21,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces, Rule
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 ROUNDING = 1e-14  # of D and of its gap, relative to the sum of the absolute terms they are made of
 

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
 from nonsmooth.analysis.minimizers.sum_of_supports import SETTLED, SupportSums, by_smoothing, finished
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # Relative to the value at rest: the gap that rounding makes of the slips of wheels that stick.  A result with such a
 # gap is verified by its forces before it is taken.

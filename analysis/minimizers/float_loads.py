@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError, TipsThereError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
@@ -145,7 +146,7 @@ def _affine(points: Floats) -> Floats:
     return np.column_stack([np.ones(len(points)), points])
 
 
-def _outside(corners: Floats, points: Floats) -> NDArray[np.bool_]:
+def _outside(corners: Floats, points: Floats) -> Mask:
     """Whether points (m, 2) lie outside the convex hull of the corners (n, 2)."""
     sides = hull_sides(corners)
     return np.asarray((points @ sides[:, :2].T + sides[:, 2] > ON_HULL).any(axis=1))

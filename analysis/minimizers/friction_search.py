@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 STARTS = 256
 STEPS = 15

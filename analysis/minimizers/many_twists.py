@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 STEPS = 25  # of Newton's method at one g
 SHARPER = 0.2  # from one g to the next
@@ -52,7 +53,7 @@ class Contacts(NamedTuple):
         along_first, goals = (np.concatenate([array[:, :, 0], array[:, :, 1]], axis=1) for array in (rows, targets))
         return cls(along_first, goals, loads, cuts)
 
-    def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> Contacts:
+    def take(self, chosen: Mask | NDArray[np.int_]) -> Contacts:
         """Of some bodies."""
         return Contacts(*(array[chosen] for array in self))
 
@@ -90,28 +91,28 @@ class ManyTwists:
         self._unit, self.work = speed or 1.0, 0
         self._smoothing = SMOOTHING_OF_ROLLERS if rollers else SMOOTHING
 
-    def minimize(self, contacts: Contacts, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    def minimize(self, contacts: Contacts, start: Floats) -> tuple[Floats, Mask]:
         """``x`` of shape (m, 3) from others, and whether it settled."""
         return self._again(contacts, *self.track(contacts, start), np.zeros_like(start), 1.0)
 
-    def follow(self, contacts: Contacts, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    def follow(self, contacts: Contacts, start: Floats) -> tuple[Floats, Mask]:
         """The same from near starts, where twists may have jumped since: g is first made larger, but not by much."""
         return self._again(contacts, *self.track(contacts, start), start, COARSE / SHARPER)
 
-    def track(self, contacts: Contacts, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    def track(self, contacts: Contacts, start: Floats) -> tuple[Floats, Mask]:
         """The same by Newton's method from near starts alone, without another try where it does not settle."""
         return self._settle(contacts, start, self._smoothing)
 
     def _again(
-        self, contacts: Contacts, found: Floats, settled: NDArray[np.bool_], start: Floats, smoothing: float
-    ) -> tuple[Floats, NDArray[np.bool_]]:
+        self, contacts: Contacts, found: Floats, settled: Mask, start: Floats, smoothing: float
+    ) -> tuple[Floats, Mask]:
         """Where it did not settle, from a start and with g large at first."""
         again = np.flatnonzero(~settled)
         if len(again):
             found[again], settled[again] = self._from_smooth(contacts.take(again), start[again], smoothing)
         return found, settled
 
-    def _from_smooth(self, contacts: Contacts, start: Floats, smoothing: float) -> tuple[Floats, NDArray[np.bool_]]:
+    def _from_smooth(self, contacts: Contacts, start: Floats, smoothing: float) -> tuple[Floats, Mask]:
         """With g large at first: there Newton's method settles from afar."""
         found = start.copy()
         known = np.zeros(len(start), bool)
@@ -124,7 +125,7 @@ class ManyTwists:
                 return found, known
             smoothing *= SHARPER
 
-    def _settle(self, contacts: Contacts, start: Floats, smoothing: float) -> tuple[Floats, NDArray[np.bool_]]:
+    def _settle(self, contacts: Contacts, start: Floats, smoothing: float) -> tuple[Floats, Mask]:
         """Newton's method at one g."""
         found, settled, g = start.copy(), np.zeros(len(start), bool), smoothing * self._unit
         at, sets, slips = np.arange(len(start)), UnitDiscs(contacts.cuts), contacts.slips(start)
@@ -212,7 +213,7 @@ class MovingTwists:
         """Begin at twists (m, 3) on the paths of these numbers (m,)."""
         self._last[paths] = twists * self._unit
 
-    def at(self, centres: Floats, paths: NDArray[np.int_]) -> tuple[Floats, NDArray[np.bool_]]:
+    def at(self, centres: Floats, paths: NDArray[np.int_]) -> tuple[Floats, Mask]:
         """Twists at centres of mass (m, 2) of the paths of these numbers (m,): shape (m, 3), and whether they settled.
 
         Raises:

@@ -10,9 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.dissipation import (
     Functional,
     dissipation,
@@ -24,6 +23,7 @@ from nonsmooth.analysis.minimizers.dissipation import (
 from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, optimal_face, undetermined
 from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- friction forces that balance exactly and stay inside their limits ---------------------------
 #
@@ -149,7 +149,7 @@ class Minima:
         """``D(xi) - sum_k f_k b_k``, shape (m,): no twist dissipates less than ``values - gaps``."""
         return self.values - input_power(self.model, self.forces)
 
-    def check(self, gap: float = GAP) -> NDArray[np.bool_]:
+    def check(self, gap: float = GAP) -> Mask:
         """Verify every point from twists and forces alone, shape (m,).
 
         Forces inside their limits, forces and moments in balance, and no gap between dissipated and input power:
@@ -208,7 +208,7 @@ class Minimum:
 DEPENDENT = 1e-9  # singular value, relative to the largest, of rows that leave a motion free
 
 
-def proved(minima: Minima) -> NDArray[np.bool_]:
+def proved(minima: Minima) -> Mask:
     """Points (m,) at which all minimizers are known: twist and face proved, and every motion resisted."""
     found = minima.check() & resists_every_motion(minima.model, minima.loads)
     for k in minima.faces:
@@ -216,7 +216,7 @@ def proved(minima: Minima) -> NDArray[np.bool_]:
     return found
 
 
-def resists_every_motion(model: ContactRows, loads: Floats) -> NDArray[np.bool_]:
+def resists_every_motion(model: ContactRows, loads: Floats) -> Mask:
     """Whether the loaded rows with friction are of rank three, at loads (m, n); shape (m,)."""
     limited = (model.limits(loads) > 0).reshape(len(loads), -1)
     _, first, which = np.unique(np.packbits(limited, axis=1), axis=0, return_index=True, return_inverse=True)
@@ -226,7 +226,7 @@ def resists_every_motion(model: ContactRows, loads: Floats) -> NDArray[np.bool_]
     return np.array(full, dtype=bool)[which.reshape(-1)]
 
 
-def minima_without_proof(found: NDArray[np.bool_]) -> str:
+def minima_without_proof(found: Mask) -> str:
     """In words, how many of so many minima are not proved; empty where all are."""
     missing = int(np.count_nonzero(~found))
     return f"{missing} of {len(found)} minima without proof" if missing else ""

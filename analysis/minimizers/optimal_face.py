@@ -20,10 +20,10 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, rounding_error, share_of_limit
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 AT_LIMIT = 1e-7  # a force this close to its limit, relatively, counts as at its limit
 DEPENDENT = 1e-7  # singular values of unit rows below this count as zero: the face may extend along them
@@ -44,8 +44,8 @@ class Conditions(NamedTuple):
     """
 
     mix: Floats
-    equation: NDArray[np.bool_]
-    idle: NDArray[np.bool_]
+    equation: Mask
+    idle: Mask
 
 
 def conditions(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> Conditions:
@@ -57,7 +57,7 @@ def conditions(functional: Functional, model: ContactRows, loads: Floats, forces
     return Conditions(mix, equation & ~idle, idle)
 
 
-def undetermined(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> NDArray[np.bool_]:
+def undetermined(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> Mask:
     """Points (m,) at which the equations may leave more than one twist: the Gram matrix of unit rows is singular."""
     mix, equation, _ = conditions(functional, model, loads, forces)
     roll, side = row_frame(model.rows)[0].reshape(-1, 2, 3).transpose(1, 0, 2)
@@ -122,7 +122,7 @@ def row_frame(rows: Floats) -> tuple[Floats, Floats]:
     return np.asarray(rows @ to_twists), np.asarray(to_twists)
 
 
-def _vertices(rows: Floats, slips: Floats, equation: NDArray[np.bool_], scale: float) -> Floats:
+def _vertices(rows: Floats, slips: Floats, equation: Mask, scale: float) -> Floats:
     """Vertices x of ``rows x + slips = 0`` (equations), ``>= 0`` (others), among ``x`` in the span of the rows."""
     span = _span(rows)
     origin, *_ = np.linalg.lstsq(rows[equation], -slips[equation], rcond=DEPENDENT)

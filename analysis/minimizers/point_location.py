@@ -22,7 +22,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.
@@ -39,8 +39,8 @@ class PointLocator:
     def __init__(self, partition: Partition) -> None:
         self.partition = partition
         self.scale = float(partition.scene.check.radius) * SIDE_SLACK
-        self._normals: list[NDArray[np.float64]] = []
-        self._offsets: list[NDArray[np.float64]] = []
+        self._normals: list[Floats] = []
+        self._offsets: list[Floats] = []
         for cell in partition.cells:
             normals = float_points(side.normal for side in cell.polygon.sides)
             lengths = np.hypot(*normals.T)
@@ -49,7 +49,7 @@ class PointLocator:
         # the last row belongs to OUTSIDE
         self._twists = np.array([*(cell.twists[0] for cell in partition.cells), [np.nan] * 3], float)
 
-    def locate(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+    def locate(self, points: Floats) -> NDArray[np.int_]:
         """Position in ``partition.cells`` for points (m, 2); :data:`OUTSIDE` where no cell holds the point."""
         if len(points) < _MANY:
             return self._search(points)
@@ -63,7 +63,7 @@ class PointLocator:
         vertices = float_points(self.partition.domain.vertices)
         return _Buckets(vertices.min(axis=0), vertices.max(axis=0), self._search)
 
-    def _search(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+    def _search(self, points: Floats) -> NDArray[np.int_]:
         """The first cell of each point none of whose sides it violates."""
         found = np.full(len(points), OUTSIDE)
         for start in range(0, len(points), _BLOCK):
@@ -71,7 +71,7 @@ class PointLocator:
             found[block] = self._search_block(points[block])
         return found
 
-    def _search_block(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+    def _search_block(self, points: Floats) -> NDArray[np.int_]:
         found = np.full(len(points), OUTSIDE)
         waiting = np.arange(len(points))
         for k, (normals, offsets) in enumerate(zip(self._normals, self._offsets, strict=True)):
@@ -83,11 +83,11 @@ class PointLocator:
                 break
         return found
 
-    def twists(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def twists(self, points: Floats) -> Floats:
         """Twist (vx, vy, omega) of each point's cell, NaN outside the square."""
         return self._twists[self.locate(points)]
 
-    def minima(self, points: NDArray[np.float64]) -> Minima:
+    def minima(self, points: Floats) -> Minima:
         """The explicit minimizer of rule ``box`` at points (m, 2), with the forces that prove it.
 
         Raises:
@@ -112,9 +112,9 @@ class _Buckets:
 
     def __init__(
         self,
-        low: NDArray[np.float64],
-        high: NDArray[np.float64],
-        search: Callable[[NDArray[np.float64]], NDArray[np.int_]],
+        low: Floats,
+        high: Floats,
+        search: Callable[[Floats], NDArray[np.int_]],
     ) -> None:
         self._low, self._per_unit = low, _BUCKETS / (high - low)
         lines = low + (high - low) * np.linspace(0, 1, _BUCKETS + 1)[:, None]
@@ -125,12 +125,12 @@ class _Buckets:
         self._table = np.full((_BUCKETS + 2, _BUCKETS + 2), _MIXED)
         self._table[1:-1, 1:-1] = np.where(one & (at[:-1, :-1] != OUTSIDE), at[:-1, :-1], _MIXED)
 
-    def cells_of(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+    def cells_of(self, points: Floats) -> NDArray[np.int_]:
         """The cell of each point (m, 2) whose bucket lies in one, :data:`_MIXED` for the others."""
         column, row = (self._numbers(points[:, axis], axis) for axis in (0, 1))
         return self._table[column, row]
 
-    def _numbers(self, coordinates: NDArray[np.float64], axis: int) -> NDArray[np.int_]:
+    def _numbers(self, coordinates: Floats, axis: int) -> NDArray[np.int_]:
         """Numbers of buckets along one axis, counted with the layer around them, in which NaN lies too."""
         places = (coordinates - self._low[axis]) * self._per_unit[axis] + 1
         return np.fmax(np.fmin(places, _BUCKETS + 1), 0).astype(int)

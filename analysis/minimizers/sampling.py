@@ -14,11 +14,10 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
@@ -27,7 +26,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, free_motions, minima_without_proof, proved
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import places_of, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, turned
 
 if TYPE_CHECKING:
     pass
@@ -55,19 +54,17 @@ class SampledDerivative:
     not_certified: str = ""
 
 
-def _random_points(scene: Scene, samples: int) -> NDArray[np.float64]:
+def _random_points(scene: Scene, samples: int) -> Floats:
     radius = float(scene.check.radius)
     return np.random.default_rng(0).uniform(-radius, radius, size=(samples, 2))
 
 
-def _rates(points: NDArray[np.float64], twists: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rates(points: Floats, twists: Floats) -> Floats:
     """``2 c . v``."""
     return np.asarray(2 * (twists[:, :2] * points).sum(axis=1))
 
 
-def _largest_rates(
-    points: NDArray[np.float64], rates: NDArray[np.float64], not_certified: str = ""
-) -> SampledDerivative:
+def _largest_rates(points: Floats, rates: Floats, not_certified: str = "") -> SampledDerivative:
     if not len(points):
         return SampledDerivative(0, None, None, None, not_certified)
     relative = rates / np.hypot(*points.T)
@@ -76,12 +73,12 @@ def _largest_rates(
     return SampledDerivative(len(points), float(rates.max()), float(relative[best]), at, not_certified)
 
 
-def literal_twist(scene: Scene, point: NDArray[np.float64]) -> NDArray[np.float64]:
+def literal_twist(scene: Scene, point: Floats) -> Floats:
     """Twist of rule ``nearest`` at a point: wheels by distance, larger friction first, greedy to rank three."""
     return greedy_twist(_by_distance(scene, point))[0]
 
 
-def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def literal_twists(scene: Scene, points: Floats) -> Floats:
     """:func:`literal_twist` at points (m, 2), shape (m, 3): once for all points with the same nearest wheels."""
     positions = places_of(scene.wheels)
     nearest = min(len(positions), NEAREST)
@@ -97,14 +94,14 @@ def literal_twists(scene: Scene, points: NDArray[np.float64]) -> NDArray[np.floa
     return np.asarray(twists)
 
 
-def _by_distance(scene: Scene, point: NDArray[np.float64]) -> list[Wheel]:
+def _by_distance(scene: Scene, point: Floats) -> list[Wheel]:
     """The wheels, the nearest first."""
     return sorted(scene.wheels, key=lambda w: np.hypot(*(point - [float(x) for x in w.position])))
 
 
-def greedy_twist(ordered: Sequence[Wheel]) -> tuple[NDArray[np.float64], int]:
+def greedy_twist(ordered: Sequence[Wheel]) -> tuple[Floats, int]:
     """The twist that keeps the first three independent rows with friction, and how many wheels were asked for rows."""
-    rows: list[NDArray[np.float64]] = []
+    rows: list[Floats] = []
     rhs: list[float] = []
     used = 0
     while len(rows) < 3:
@@ -117,7 +114,7 @@ def greedy_twist(ordered: Sequence[Wheel]) -> tuple[NDArray[np.float64], int]:
     return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs))), used
 
 
-def _ordered_rows(wheel: Wheel) -> list[tuple[NDArray[np.float64], float]]:
+def _ordered_rows(wheel: Wheel) -> list[tuple[Floats, float]]:
     """The rows of a wheel that have friction, with their right-hand sides; the larger friction first."""
     p, a = (np.array(v, float) for v in (wheel.position, wheel.unit_grip))
     n, moved = turned(a), turned(p)
@@ -184,12 +181,12 @@ class SampledField:
         return np.asarray(np.hypot(*self.velocities.T))
 
     @property
-    def is_determined(self) -> NDArray[np.bool_]:
+    def is_determined(self) -> Mask:
         """Where the motion is unique and proved (m,)."""
         return ~np.isnan(self.velocities[:, 0])
 
     @property
-    def rests(self) -> NDArray[np.bool_]:
+    def rests(self) -> Mask:
         """Where c stands still (m,)."""
         fastest = float(np.nanmax(self.speeds, initial=0.0))
         return self.is_determined & (self.speeds <= RESTS * fastest)

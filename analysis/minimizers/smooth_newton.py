@@ -26,8 +26,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- regimes of friction -------------------------------------------------------------------------
 #
@@ -46,8 +47,8 @@ class Regime:
     """
 
     contacts: NDArray[np.int_]
-    sticks: NDArray[np.bool_]
-    pinned: NDArray[np.bool_]
+    sticks: Mask
+    pinned: Mask
 
     @cached_property
     def end(self) -> int:
@@ -84,7 +85,7 @@ class Regime:
 NOBODY = Regime(np.zeros(0, int), np.zeros(0, bool), np.zeros(0, bool))
 
 
-def changed(regime: Regime, unknowns: Floats, wrong: NDArray[np.bool_]) -> tuple[Regime, Floats]:
+def changed(regime: Regime, unknowns: Floats, wrong: Mask) -> tuple[Regime, Floats]:
     """The regime and unknowns in which the wrong contacts (t,) slip instead of stick, and the other way round."""
     twist, forces, slips = regime.parts(unknowns)
     lengths = np.sqrt((forces**2).sum(axis=1))
@@ -374,8 +375,6 @@ def _solved(matrix: Floats, right: Floats, regime: Regime) -> Floats | None:
 
 CUT_STEPS = 30  # of Newton's method with all changes of what rolls; beside the last minimum three or four
 ROLLS = 1e-9  # the same: an X or Y that is rounding of the other method
-
-Mask = NDArray[np.bool_]
 
 
 class CutNewton:

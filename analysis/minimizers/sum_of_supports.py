@@ -28,8 +28,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSets, UnitDiscs
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
@@ -71,7 +71,7 @@ class SupportSums:
         self._pairs = np.concatenate(pairs).T
         self.start = (self.weights * np.sqrt(np.square(targets).sum(axis=0))).sum(axis=0)
 
-    def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> SupportSums:
+    def take(self, chosen: Mask | NDArray[np.int_]) -> SupportSums:
         """Only some problems."""
         targets = self.targets if self.targets.shape[-1] == 1 else self.targets[..., chosen]
         pulls = None if self.pulls is None else self.pulls[:, chosen]
@@ -116,7 +116,7 @@ class Judgement(NamedTuple):
     values: Floats
     excess: Floats
     lacks: Floats
-    proved: NDArray[np.bool_]
+    proved: Mask
 
 
 class Solutions:
@@ -130,7 +130,7 @@ class Solutions:
         self.lacks, self.proved = np.full(problems, np.inf), np.zeros(problems, bool)
         self.steps = np.full(problems, np.inf)
 
-    def keep(self, at: NDArray[np.int_], y: Floats, forces: Floats, lacks: Floats, proved: NDArray[np.bool_]) -> None:
+    def keep(self, at: NDArray[np.int_], y: Floats, forces: Floats, lacks: Floats, proved: Mask) -> None:
         """Keep solutions of problems ``at`` that are proved, the last ones of them, or lack less than before."""
         chosen = np.flatnonzero(proved | (~self.proved[at] & (lacks < self.lacks[at])))
         at = at[chosen]
@@ -246,7 +246,7 @@ class Smoothed(NamedTuple):
     turning: Floats
     g: Floats
 
-    def take(self, chosen: NDArray[np.bool_]) -> Smoothed:
+    def take(self, chosen: Mask) -> Smoothed:
         """Only some problems."""
         return Smoothed(*(array[..., chosen] for array in self))
 

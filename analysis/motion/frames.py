@@ -24,11 +24,11 @@ from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.cellwise_field import Speeds
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, float_points, turned
 
 # ---- the spatial twist along a path, from the path alone -----------------------------------------
 #
@@ -210,7 +210,7 @@ def build_frames(
     return Frames(at, poses, twists, np.array(speeds), slips, contacts)
 
 
-def _loaded(scene: Scene, model: ContactModel, poses: Floats) -> NDArray[np.bool_]:
+def _loaded(scene: Scene, model: ContactModel, poses: Floats) -> Mask:
     """The wheels whose load is not zero, shape (m, n); of a body with an outline among those under it."""
     if scene.body is None:
         return loads_at(model, poses[:, :2]) > LOADED
@@ -236,7 +236,7 @@ def wheel_slips(model: ContactModel, twists: Floats, speeds: Floats) -> Floats:
     return np.asarray(moving - surface)
 
 
-def _sticks(slips: Floats, twists: Floats, model: ContactModel, speeds: Floats) -> NDArray[np.bool_]:
+def _sticks(slips: Floats, twists: Floats, model: ContactModel, speeds: Floats) -> Mask:
     """Whether a slip is zero beside the largest speed of any rim or body point over a wheel, at each time."""
     moving = np.abs(twists @ model.rows.T).max(axis=1)
     largest = np.maximum(moving, np.nanmax(np.abs(speeds), axis=1, initial=0.0))
@@ -262,7 +262,7 @@ class _CellsAt:
         gaps = np.minimum.reduceat(self.offsets - self.normals @ pose[:2], self.starts)
         return np.flatnonzero(gaps >= -self.slack).tolist() or [int(np.argmax(gaps))]
 
-    def carrying(self, held: Sequence[int]) -> NDArray[np.bool_]:
+    def carrying(self, held: Sequence[int]) -> Mask:
         """Which wheels keep rows in some cells."""
         found = np.zeros(len(self.places), dtype=bool)
         for k in held:

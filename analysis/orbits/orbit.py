@@ -22,10 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import FacedField, Vector, Velocity, length
+from nonsmooth.analysis.fields.switched_field import FacedField, Velocity, length
 from nonsmooth.analysis.trajectories.faces import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- what is said where no periodic orbit is found, or nothing can be said of one ----------------
 
@@ -93,7 +94,7 @@ class Orbit:
         return self.legs[-1].end
 
     @property
-    def point(self) -> Vector:
+    def point(self) -> Floats:
         """Where the turn begins and ends."""
         return self.legs[0].first
 
@@ -180,12 +181,12 @@ class Orbit:
             errors[nearest] = max(errors[nearest], distances[nearest])
         return OrbitErrors(period_error, tuple(errors.tolist()))
 
-    def _beside(self, move: Vector) -> Orbit:
+    def _beside(self, move: Floats) -> Orbit:
         """A turn of the same length from a start beside this one, on the same surfaces."""
         start = onto(self.point + move, self.legs[0].motion.face.keep, self.field.size)
         return follow_turn(self.field, start, self.period)
 
-    def _changes(self, others: Sequence[Orbit]) -> Vector:
+    def _changes(self, others: Sequence[Orbit]) -> Floats:
         """How much other computations change the multipliers, with some safety and the rounding of any computation."""
         finite = np.where(np.isinf(self.multipliers), 0.0, np.abs(self.multipliers))
         changes = [_differences(self.multipliers, other.multipliers) for other in others]
@@ -205,7 +206,7 @@ class Orbit:
         return "repelling" if outside.all() else "saddle"
 
 
-def follow_turn(field: SignField, x: Vector, period: float, coarseness: float = 1.0) -> Orbit:
+def follow_turn(field: SignField, x: Floats, period: float, coarseness: float = 1.0) -> Orbit:
     """The path from a start over a time that is supposed to be a period; whether it closes, its gap says.
 
     Raises:
@@ -218,7 +219,7 @@ def follow_turn(field: SignField, x: Vector, period: float, coarseness: float = 
     return Orbit(field, path, legs, largest(legs[-1].last - legs[0].first), coarseness)
 
 
-def newton_system(turn: Orbit) -> tuple[Vector, float]:
+def newton_system(turn: Orbit) -> tuple[Floats, float]:
     """Newton's matrix for ``(dx, |f| dT)``, all in units of the states, and the speed ``|f|`` where the turn begins.
 
     Raises:
@@ -234,7 +235,7 @@ def newton_system(turn: Orbit) -> tuple[Vector, float]:
     return system, speed
 
 
-def _differences(first: Multipliers, second: Multipliers) -> Vector:
+def _differences(first: Multipliers, second: Multipliers) -> Floats:
     """Distances between multipliers of two computations, each with its own partner; zero between infinite ones."""
     from scipy.optimize import linear_sum_assignment
 
@@ -297,7 +298,7 @@ class Variation:
         determinant: its determinant by Liouville's formula.
     """
 
-    derivative: Vector
+    derivative: Floats
     determinant: float
 
     def then(self, later: Variation) -> Variation:
@@ -305,7 +306,7 @@ class Variation:
         return Variation(later.derivative @ self.derivative, later.determinant * self.determinant)
 
 
-def jacobian(velocity: Velocity, t: float, x: Vector, step: float) -> Vector:
+def jacobian(velocity: Velocity, t: float, x: Floats, step: float) -> Floats:
     """``df/dx`` (n, n) by central differences of fourth order with a step in units of the states."""
     columns = []
     for move in np.eye(len(x)) * step:
@@ -334,7 +335,7 @@ def leg_variation(leg: Leg, size: float, coarseness: float = 1.0) -> Variation:
         return Variation(np.eye(count), 1.0)
     velocity, (rtol, atol), step = leg.motion.velocity, TOLERANCES, JACOBIAN_STEP * coarseness * size
 
-    def rates(t: float, z: Vector) -> Vector:
+    def rates(t: float, z: Floats) -> Floats:
         x, phi = z[:count], z[count:-1].reshape(count, count)
         slopes = jacobian(velocity, t, x, step)
         return np.concatenate([velocity(t, x), (slopes @ phi).ravel(), [np.trace(slopes)]])
@@ -375,7 +376,7 @@ def saltation(before: Leg, after: Leg, field: FacedField) -> Variation:
     return Variation(jump, 0.0 if before.met[0] in after.motion.face.keep else float(normal @ new) / approach)
 
 
-def normals_held(leg: Leg) -> Vector:
+def normals_held(leg: Leg) -> Floats:
     """Orthonormal normals (n, k) of the surfaces that a leg keeps to, at its first state."""
     held = [surface.normal(leg.first) for surface in leg.motion.face.keep]
     return np.asarray(np.linalg.qr(np.array(held).T)[0]) if held else np.empty((len(leg.first), 0))
@@ -396,6 +397,6 @@ def path_variation(field: FacedField, legs: Sequence[Leg], coarseness: float = 1
     return total
 
 
-def _surfaces_at(field: FacedField, x: Vector) -> int:
+def _surfaces_at(field: FacedField, x: Floats) -> int:
     """How many surfaces pass through a state."""
     return len({id(surface) for face in field.faces_at(x) for surface in face.keep})

@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Velocity
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, follow_turn, newton_system
 from nonsmooth.analysis.trajectories.faces import largest
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 
 EVALUATIONS = 240_000  # of a field, along one path or in all of shooting: some seconds
@@ -99,7 +100,7 @@ def _find_along(field: SignField, start: Sequence[float], until: float) -> Orbit
 
 def _grows(legs: Sequence[Leg]) -> bool:
     """Whether the second half of a path is clearly wider than the first."""
-    halves: tuple[list[Vector], list[Vector]] = ([], [])
+    halves: tuple[list[Floats], list[Floats]] = ([], [])
     for leg in legs:
         for t, x in zip(leg.stretch.times, leg.stretch.states, strict=True):
             halves[t > legs[-1].end / 2].append(x)
@@ -197,7 +198,7 @@ def _require_motion(field: SignField, legs: Sequence[Leg]) -> None:
         raise OrbitError("the path comes to rest, not to a periodic orbit")
 
 
-def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Vector, float]:
+def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Floats, float]:
     """A state soon after a time, and when the path returns to it.
 
     Raises:
@@ -222,7 +223,7 @@ def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Vect
     return x, next(t for t, distance in near if distance <= near_enough) - moment
 
 
-def _returns(legs: Sequence[Leg], x: Vector, along: Vector, moment: float) -> list[tuple[float, float]]:
+def _returns(legs: Sequence[Leg], x: Floats, along: Floats, moment: float) -> list[tuple[float, float]]:
     """Times at which the path crosses the section ``along . (y - x) = 0`` forward, with the distance from x."""
     found: list[tuple[float, float]] = []
     previous: tuple[float, float] | None = None
@@ -240,7 +241,7 @@ def _returns(legs: Sequence[Leg], x: Vector, along: Vector, moment: float) -> li
     return found
 
 
-def _crossing(leg: Leg, x: Vector, along: Vector, before: tuple[float, float], after: tuple[float, float]) -> float:
+def _crossing(leg: Leg, x: Floats, along: Floats, before: tuple[float, float], after: tuple[float, float]) -> float:
     """Time of a crossing between two steps of a leg; heights are turned, as roots are looked for from above."""
     return find_root(lambda t: -float(along @ (leg.at(t) - x)), (before[0], -before[1]), (after[0], -after[1]))
 
@@ -276,7 +277,7 @@ TRUST = 0.5  # of the orbit's extent and of its period: a longer step leaves wha
 SMALLEST = 1e-6  # relative to the size of the states: a smaller orbit is an equilibrium
 
 
-def shoot(field: SignField, x: Vector, period: float) -> Orbit:
+def shoot(field: SignField, x: Floats, period: float) -> Orbit:
     """The periodic orbit beside a turn that nearly closes.
 
     Args:

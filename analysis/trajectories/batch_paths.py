@@ -10,7 +10,7 @@ integrator.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,10 +33,7 @@ from nonsmooth.analysis.trajectories.slides import (
 )
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.numbers.plane import cross, dot
-from nonsmooth.symbolic.numbers.plane_arrays import turned
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
 
 MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
 DONE = -1

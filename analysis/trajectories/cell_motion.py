@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -23,9 +23,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import Flow
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import dot, turned
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 State: TypeAlias = tuple[Any, Any, Any]
 

@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 PARTS = 1_000  # of the time
 ROUNDING = 2.0**-40  # of the states: a way in a part of the time that is rounding

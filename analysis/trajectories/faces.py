@@ -25,15 +25,8 @@ from nonsmooth.analysis.fields.convex_weights import (
     least_norm_weights,
 )
 from nonsmooth.analysis.fields.float_code import Numbers
-from nonsmooth.analysis.fields.switched_field import (
-    SURFACE_SLACK,
-    Face,
-    FacedField,
-    ScalarVelocity,
-    Vector,
-    Velocity,
-    length,
-)
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, ScalarVelocity, Velocity, length
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- the motion on a face of a smooth switched field ---------------------------------------------
 #
@@ -63,30 +56,30 @@ class FaceMotion:
         open: whether both speeds of a slide are zero along it, so that they say nothing of the weights.
     """
 
-    def __init__(self, face: Face, held: Vector | None = None, *, open: bool = False) -> None:
+    def __init__(self, face: Face, held: Floats | None = None, *, open: bool = False) -> None:
         self.face, self.held, self.open = face, held, open
         self._single = face.members[0].velocity if len(face.members) == 1 and not face.keep else None
 
-    def __call__(self, t: float, x: Vector) -> Vector:
+    def __call__(self, t: float, x: Floats) -> Floats:
         """``sum l_k f_k``."""
         return self._single(t, x) if self._single is not None else self.mixed(x, self.fields(t, x))
 
-    def mixed(self, x: Vector, fields: Vector) -> Vector:
+    def mixed(self, x: Floats, fields: Floats) -> Floats:
         """The same from the fields of the members at a state."""
         if self._single is not None:
             return np.asarray(fields[0])
         return np.asarray(self.mix(fields, self.normal_speeds(x, fields)) @ fields)
 
-    def fields(self, t: float, x: Vector) -> Vector:
+    def fields(self, t: float, x: Floats) -> Floats:
         """Fields of the members, one per row."""
         return np.array([member.velocity(t, x) for member in self.face.members], dtype=float)
 
-    def normal_speeds(self, x: Vector, fields: Vector) -> Vector:
+    def normal_speeds(self, x: Floats, fields: Floats) -> Floats:
         """Speeds of the members along the unit normals held, (members, surfaces)."""
         normals = np.array([surface.normal(x) for surface in self.face.keep])
         return np.asarray(fields @ normals.T)
 
-    def mix(self, fields: Vector, speeds: Vector) -> Vector:
+    def mix(self, fields: Floats, speeds: Floats) -> Floats:
         """Weights of the members; outside the mode's region they are extrapolated: negative ones, still tangent."""
         if self.held is not None:
             return self.held
@@ -101,7 +94,7 @@ class FaceMotion:
         weights = central_weights(speeds)
         return np.full(len(fields), 1.0 / len(fields)) if weights is None else weights
 
-    def least_weight(self, t: float, x: Vector) -> float:
+    def least_weight(self, t: float, x: Floats) -> float:
         """The least weight of the mode, as large as it can be: negative where the mode does not exist."""
         weights = central_weights(self.normal_speeds(x, self.fields(t, x)))
         return -1.0 if weights is None else float(weights.min())
@@ -134,7 +127,7 @@ class FaceMotion:
         """Whether it slides on one surface between two fields."""
         return len(self.face.members) == 2 and len(self.face.keep) == 1
 
-    def weights(self, t: float, x: Vector) -> tuple[tuple[str, float], ...]:
+    def weights(self, t: float, x: Floats) -> tuple[tuple[str, float], ...]:
         """Convex weights by member; none where a single field rules."""
         if len(self.face.members) == 1:
             return ()
@@ -142,7 +135,7 @@ class FaceMotion:
         mix = self.mix(fields, self.normal_speeds(x, fields))
         return tuple((m.name, float(w)) for m, w in zip(self.face.members, mix, strict=True) if w)
 
-    def extremes(self, t: float, x: Vector, slack: float = TANGENT_SLACK) -> Vector:
+    def extremes(self, t: float, x: Floats, slack: float = TANGENT_SLACK) -> Floats:
         """Velocities whose hull are the possible motions; none where the mode is impossible.
 
         Speeds within the slack, relative to the fields, are zero.
@@ -155,7 +148,7 @@ class FaceMotion:
         return np.asarray(basic_weights(cleaned) @ fields)
 
 
-def largest(fields: Vector) -> float:
+def largest(fields: Floats) -> float:
     """Largest entry in absolute value."""
     entries = fields.ravel().tolist()  # of few entries NumPy takes longer
     return math.nan if any(map(math.isnan, entries)) else max(map(abs, entries), default=0.0)
@@ -186,7 +179,7 @@ BECOMES_TANGENT, IS_TANGENT, CLEAR_OF_TANGENCY = 1.0, 2.0, 100.0
 WEIGHT_DOUBT = 1e-6  # outside 0 ... 1: weights are roots of differences, which err by LOOK_AHEAD
 
 
-def tangency(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector, speeds: Vector) -> float:
+def tangency(motion: FaceMotion, t: float, x: Floats, size: float, fields: Floats, speeds: Floats) -> float:
     """How far the normal speeds of a slide are from vanishing both, in units of what counts as zero.
 
     Args:
@@ -201,7 +194,7 @@ def tangency(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vecto
     return float(np.abs(speeds).sum()) / nothing if nothing else 0.0
 
 
-def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Vector) -> Vector | None:
+def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Floats) -> Floats | None:
     """Weights (m, 2) of the motions that keep to the surface through a two-fold, the shortest velocity first.
 
     None where the speeds vanish to first order too, so that any weights will do.
@@ -219,7 +212,7 @@ def passing_weights(field: FacedField, motion: FaceMotion, t: float, x: Vector) 
     return weights[np.argsort([length(row @ fields) for row in weights])]
 
 
-def _changes(field: FacedField, motion: FaceMotion, t: float, x: Vector) -> Vector:
+def _changes(field: FacedField, motion: FaceMotion, t: float, x: Floats) -> Floats:
     """``D_kj``: derivative of the normal speed of member k along the field of member j."""
     fields = motion.fields(t, x)
     here = motion.normal_speeds(x, fields)[:, 0]
@@ -232,7 +225,7 @@ def _changes(field: FacedField, motion: FaceMotion, t: float, x: Vector) -> Vect
     return np.column_stack(columns)
 
 
-def _reach(field: FacedField, motion: FaceMotion, x: Vector) -> float:
+def _reach(field: FacedField, motion: FaceMotion, x: Floats) -> float:
     """Length over which derivatives are taken: short of the bounds that the state does not lie on."""
     reach = LOOK_AHEAD * field.size
     for surface, _ in motion.face.bounds:
@@ -242,7 +235,7 @@ def _reach(field: FacedField, motion: FaceMotion, x: Vector) -> float:
     return reach
 
 
-def _doubt(motion: FaceMotion, t: float, x: Vector, size: float, fields: Vector) -> float:
+def _doubt(motion: FaceMotion, t: float, x: Floats, size: float, fields: Floats) -> float:
     """What rounding of the state may change the normal speeds of a slide by; ``fields`` are those at the state.
 
     On a domain so small that no float tells how far to look it is infinite.
@@ -284,19 +277,19 @@ class FaceChoice:
 class _Trial:
     """A motion at a state, with what lies just ahead (evaluated only where a speed vanishes)."""
 
-    def __init__(self, field: FacedField, motion: FaceMotion, t: float, x: Vector) -> None:
+    def __init__(self, field: FacedField, motion: FaceMotion, t: float, x: Floats) -> None:
         self.size, self.motion, self.t, self.x = field.size, motion, t, x
         self.fields = motion.fields(t, x)
         self.scale = largest(self.fields)
         self.slack = TANGENT_SLACK  # relative to that, of speeds
 
     @cached_property
-    def velocity(self) -> Vector:
+    def velocity(self) -> Floats:
         """The motion's velocity."""
         return self.motion.mixed(self.x, self.fields)
 
     @cached_property
-    def speeds(self) -> Vector:
+    def speeds(self) -> Floats:
         """Normal speeds of the members, (members, surfaces)."""
         return self.motion.normal_speeds(self.x, self.fields)
 
@@ -306,12 +299,12 @@ class _Trial:
         return LOOK_AHEAD * self.size / max(length(self.velocity), self.scale, SMALLEST_SPEED)
 
     @cached_property
-    def later(self) -> tuple[float, Vector]:
+    def later(self) -> tuple[float, Floats]:
         """Time and state just ahead."""
         return self.t + self.ahead, self.x + self.ahead * self.velocity
 
     @cached_property
-    def fields_later(self) -> Vector:
+    def fields_later(self) -> Floats:
         """Fields of the members just ahead."""
         return self.motion.fields(*self.later)
 
@@ -365,7 +358,7 @@ class _Trial:
         return verdict
 
 
-def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Vector) -> list[FaceChoice]:
+def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Floats) -> list[FaceChoice]:
     """Continuations at a state among the faces there, those that hold most surfaces first; sure ones where any is."""
     crossing = _crossing(faces, t, x)
     if crossing is not None:
@@ -389,7 +382,7 @@ def face_choices(field: FacedField, faces: Sequence[Face], t: float, x: Vector) 
     return [choice for choice in found if choice.sure] or found
 
 
-def _crossing(faces: Sequence[Face], t: float, x: Vector) -> FaceChoice | None:
+def _crossing(faces: Sequence[Face], t: float, x: Floats) -> FaceChoice | None:
     """The only choice where a state lies on one surface alone, between two fields that clearly cross it.
 
     None elsewhere.  By far the most switches are such, and none of the trials below finds anything else there.
@@ -407,7 +400,7 @@ def _crossing(faces: Sequence[Face], t: float, x: Vector) -> FaceChoice | None:
     return next((FaceChoice(FaceMotion(face)) for face in faces[1:] if beyond in face.bounds), None)
 
 
-def _trials(field: FacedField, face: Face, t: float, x: Vector) -> list[_Trial]:
+def _trials(field: FacedField, face: Face, t: float, x: Floats) -> list[_Trial]:
     """The motion on a face; where both speeds of a slide vanish, those that keep to the surface."""
     trial = _Trial(field, FaceMotion(face), t, x)
     motion = trial.motion

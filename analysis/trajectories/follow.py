@@ -24,7 +24,6 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.trajectories.result import (
     End,
     EndReason,
@@ -36,9 +35,10 @@ from nonsmooth.analysis.trajectories.result import (
     samples,
 )
 from nonsmooth.symbolic.messages.under_way import tell
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-Rate: TypeAlias = Callable[[float, Vector], Vector]  # time derivative of the state at a time and a state
-Interpolant: TypeAlias = Callable[[Any], Vector]  # of a time, as a state (n,); of times (m,), as states (n, m)
+Rate: TypeAlias = Callable[[float, Floats], Floats]  # time derivative of the state at a time and a state
+Interpolant: TypeAlias = Callable[[Any], Floats]  # of a time, as a state (n,); of times (m,), as states (n, m)
 
 HALVINGS = 40  # of a step, in search of a moment at which a guard that starts at zero is positive
 LATE = 2.0**-16  # of a step: by how much its dense output may miss an event
@@ -64,11 +64,11 @@ class DenseStep:
 
     def __init__(
         self,
-        before: tuple[float, Vector],
-        after: tuple[float, Vector],
+        before: tuple[float, Floats],
+        after: tuple[float, Floats],
         dense: Callable[[], Interpolant],
         *,
-        slopes: tuple[Vector, Vector] | None = None,
+        slopes: tuple[Floats, Floats] | None = None,
         easy: bool = False,
         work: int = 0,
     ) -> None:
@@ -78,7 +78,7 @@ class DenseStep:
         self.slopes, self.easy, self.work = slopes, easy, work
         self.again: Callable[[float], DenseStep] | None = None
 
-    def __call__(self, times: Any) -> Vector:
+    def __call__(self, times: Any) -> Floats:
         """State at a time within the step, (n,), or states at many, (n, m)."""
         return np.asarray(self.between(times))
 
@@ -108,22 +108,22 @@ class Stretch:
     """
 
     times: list[float]
-    states: list[Vector]
+    states: list[Floats]
     steps: list[DenseStep]
 
     @property
-    def end(self) -> Vector:
+    def end(self) -> Floats:
         """Last state."""
         return self.states[-1]
 
-    def at(self, time: float) -> Vector:
+    def at(self, time: float) -> Floats:
         """State at a time of the path."""
         k = bisect_right(self.times, time) - 1
         if k >= len(self.steps):
             return self.end
         return self.states[k] if time == self.times[k] else self.steps[k](time)
 
-    def at_all(self, times: Vector) -> Vector:
+    def at_all(self, times: Floats) -> Floats:
         """States (m, n) at many times of the path: each step's dense output is asked once."""
         steps = np.searchsorted(self.times, times, side="right") - 1
         found = np.empty((len(times), self.end.size))
@@ -160,14 +160,14 @@ class Guards(ABC):
     crossed = False
 
     @abstractmethod
-    def at(self, t: float, x: Vector) -> Sequence[float]:
+    def at(self, t: float, x: Floats) -> Sequence[float]:
         """All values at a time and a state."""
 
-    def at_all(self, times: Sequence[float], states: Vector) -> list[Sequence[float]]:
+    def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
         """The same at many times, with states (m, n)."""
         return [self.at(t, x) for t, x in zip(times, states, strict=True)]
 
-    def one(self, k: int, t: float, x: Vector) -> float:
+    def one(self, k: int, t: float, x: Floats) -> float:
         """One of them at a time and a state."""
         return self.at(t, x)[k]
 
@@ -175,7 +175,7 @@ class Guards(ABC):
         """One of them as a function of time within a step."""
         return lambda t: self.one(k, t, step(t))
 
-    def slope(self, k: int, t: float, x: Vector, rate: Vector) -> float:
+    def slope(self, k: int, t: float, x: Floats, rate: Floats) -> float:
         """The derivative of one of them along the motion; zero where nobody asks for dips."""
         return 0.0
 
@@ -272,7 +272,7 @@ def _dip(value: Callable[[float], float], slack: float, before: tuple[float, flo
     return _fall(value, slack, before, (float(lowest.x), float(lowest.fun)))
 
 
-def _ended(step: DenseStep, guards: Guards, time: float, k: int) -> tuple[DenseStep, float, Vector]:
+def _ended(step: DenseStep, guards: Guards, time: float, k: int) -> tuple[DenseStep, float, Floats]:
     """The step in which a guard falls, as far as that, with the time and the state there.
 
     Between its ends a long step errs more than at them.  So it is taken once more, to where its dense output has the
@@ -349,7 +349,7 @@ class Mode(ABC):
         def state(since: Any) -> State:
             return tuple(stretch.at(start + float(since)).tolist())
 
-        def states(since: Vector) -> Vector:
+        def states(since: Floats) -> Floats:
             return stretch.at_all(start + since)
 
         return Piece(start, stretch.times[-1], self.place, self.cells, state, tuple(stretch.times), states)
@@ -387,12 +387,12 @@ class Path:
         """What is shown of the state now, as a tuple."""
         return tuple(self.state[: self.shown].tolist() if isinstance(self.state, np.ndarray) else self.state)
 
-    def at(self, time: float) -> Vector:
+    def at(self, time: float) -> Floats:
         """The whole state at a time of a path whose dense output is kept."""
         k = bisect_right(self.stretches, time, key=lambda stretch: stretch.times[0]) - 1
         return self.stretches[max(k, 0)].at(time)
 
-    def ends_of_steps(self) -> tuple[Vector, Vector]:
+    def ends_of_steps(self) -> tuple[Floats, Floats]:
         """All times (m,) at which a step ended, the start first, and the states (m, n) there."""
         first, *later = self.stretches
         times = [*first.times, *(time for stretch in later for time in stretch.times[1:])]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import WEIGHT_SLACK
-from nonsmooth.analysis.fields.switched_field import Face, FacedField, Surface, Vector, length
+from nonsmooth.analysis.fields.switched_field import Face, FacedField, Surface, length
 from nonsmooth.analysis.trajectories.faces import (
     BECOMES_TANGENT,
     CLEAR_OF_TANGENCY,
@@ -30,6 +30,7 @@ from nonsmooth.analysis.trajectories.follow import DenseStep, Guards
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import ScalarInterpolant
 from nonsmooth.symbolic.numbers.plane import around
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- paths that circle a corner ever faster and nearer without end -------------------------------
 #
@@ -58,7 +59,7 @@ class SurfaceCrossing:
     """A crossing of a surface at a time: out of one member's cell."""
 
     time: float
-    x: Vector
+    x: Floats
     place: str
     surface: Surface
 
@@ -96,20 +97,20 @@ class WhirlMotion(FaceMotion):
             into = names.index(following.place)
             self.gates.append(_Gate(crossing.surface, 1 if speed > 0 else -1, names.index(crossing.place), into))
 
-    def mix(self, fields: Vector, speeds: Vector) -> Vector:
+    def mix(self, fields: Floats, speeds: Floats) -> Floats:
         """The shares of time, changed by as little as keeps the corner."""
         system = np.vstack([speeds.T / (largest(fields) or 1.0), np.ones(len(fields))])
         wanted = np.append(np.zeros(speeds.shape[1]), 1.0)
         return np.asarray(self.shares - np.linalg.pinv(system) @ (system @ self.shares - wanted))
 
-    def speeds_through(self, t: float, x: Vector) -> Vector:
+    def speeds_through(self, t: float, x: Floats) -> Floats:
         """Speeds (gates, 2) through every surface of the turn: before it and behind it, relative to the fields."""
         fields = self.fields(t, x)
         scale = largest(fields) or 1.0
         rows = [gate.sense / scale * (fields[[gate.out_of, gate.into]] @ gate.surface.normal(x)) for gate in self.gates]
         return np.array(rows)
 
-    def lasts(self, t: float, x: Vector) -> float:
+    def lasts(self, t: float, x: Floats) -> float:
         """Positive while every surface is still crossed, and turns do not grow."""
         speeds = self.speeds_through(t, x)
         least = float(speeds.min()) - SPEED_DOUBT
@@ -136,7 +137,7 @@ def last_turn(crossings: Iterable[SurfaceCrossing], size: float) -> Sequence[Sur
     return ()
 
 
-def whirl_around(faces: Sequence[Face], turn: Sequence[SurfaceCrossing], time: float, x: Vector) -> WhirlMotion | None:
+def whirl_around(faces: Sequence[Face], turn: Sequence[SurfaceCrossing], time: float, x: Floats) -> WhirlMotion | None:
     """The mean motion about a corner with these faces, if a turn crosses all its cells there."""
     places = {crossing.place for crossing in turn[1:]}
     for face in faces:
@@ -161,11 +162,11 @@ class Guard:
         normal: its gradient, where that is the same everywhere.
     """
 
-    value: Callable[[float, Vector], float]
+    value: Callable[[float, Floats], float]
     slack: float
-    slope: Callable[[float, Vector, Vector], float]
+    slope: Callable[[float, Floats, Floats], float]
     surface: Surface | None = None
-    normal: Vector | None = None
+    normal: Floats | None = None
 
 
 class FaceGuards(Guards):
@@ -175,12 +176,12 @@ class FaceGuards(Guards):
         surfaces: the bound that each of them is; None for the others.
     """
 
-    def __init__(self, field: FacedField, choice: FaceChoice, t: float, x: Vector) -> None:
+    def __init__(self, field: FacedField, choice: FaceChoice, t: float, x: Floats) -> None:
         self._own = guards_of(field, choice, t, x)
         self.slacks = [guard.slack for guard in self._own]
         self.surfaces = [guard.surface for guard in self._own]
 
-    def at(self, t: float, x: Vector) -> Sequence[float]:
+    def at(self, t: float, x: Floats) -> Sequence[float]:
         """All values.
 
         Raises:
@@ -191,11 +192,11 @@ class FaceGuards(Guards):
             raise TrajectoryError(f"required numbers, received none at t = {t:.6g}, {x.tolist()}")
         return values
 
-    def one(self, k: int, t: float, x: Vector) -> float:
+    def one(self, k: int, t: float, x: Floats) -> float:
         """One value."""
         return self._own[k].value(t, x)
 
-    def slope(self, k: int, t: float, x: Vector, rate: Vector) -> float:
+    def slope(self, k: int, t: float, x: Floats, rate: Floats) -> float:
         """The derivative of one along the motion."""
         own = self._own[k]
         return own.slope(t, x, rate) if own.normal is None else float(own.normal.dot(rate))
@@ -208,7 +209,7 @@ class FaceGuards(Guards):
         return between.along(own.normal.tolist(), own.value(step.start, step.first))
 
 
-def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Vector) -> list[Guard]:
+def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Floats) -> list[Guard]:
     """Bounds of the face, then normal speeds of its members or the least weight of its mode."""
     motion, face = choice.motion, choice.motion.face
     if isinstance(motion, WhirlMotion):
@@ -225,11 +226,11 @@ def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Vector) -> lis
     return guards
 
 
-def _bound(surface: Surface, side: int, slack: float, x: Vector) -> Guard:
-    def value(t: float, x: Vector) -> float:
+def _bound(surface: Surface, side: int, slack: float, x: Floats) -> Guard:
+    def value(t: float, x: Floats) -> float:
         return side * surface.value(x)
 
-    def slope(t: float, x: Vector, velocity: Vector) -> float:
+    def slope(t: float, x: Floats, velocity: Floats) -> float:
         return side * float(surface.gradient(x).dot(velocity))
 
     normal = side * surface.gradient(x) if surface.flat else None
@@ -251,7 +252,7 @@ def _exits(field: FacedField, choice: FaceChoice, scale: float) -> list[Guard]:
     return guards
 
 
-def _exit(motion: FaceMotion, member: int, order: int) -> Callable[[float, Vector], float]:
+def _exit(motion: FaceMotion, member: int, order: int) -> Callable[[float, Floats], float]:
     """A member's normal speed, with the sign it has inside the mode."""
     surface, velocity = motion.face.keep[0], motion.face.members[member].velocity
     return lambda t, x: order * float(surface.normal(x) @ velocity(t, x))
@@ -263,7 +264,7 @@ def _tangent(field: FacedField, motion: FaceMotion) -> Guard:
     A dip within a step needs no search: there the exits are met, at a state that is tangent too.
     """
 
-    def value(t: float, x: Vector) -> float:
+    def value(t: float, x: Floats) -> float:
         fields = motion.fields(t, x)
         here = tangency(motion, t, x, field.size, fields, motion.normal_speeds(x, fields))
         return CLEAR_OF_TANGENCY - here if motion.weights_open else here - BECOMES_TANGENT
@@ -271,10 +272,10 @@ def _tangent(field: FacedField, motion: FaceMotion) -> Guard:
     return Guard(value, GUARD_SLACK, lambda t, x, velocity: 0.0)
 
 
-def _difference(value: Callable[[float, Vector], float], size: float) -> Callable[[float, Vector, Vector], float]:
+def _difference(value: Callable[[float, Floats], float], size: float) -> Callable[[float, Floats, Floats], float]:
     """The derivative of a guard along a motion, by a short step ahead."""
 
-    def slope(t: float, x: Vector, velocity: Vector) -> float:
+    def slope(t: float, x: Floats, velocity: Floats) -> float:
         ahead = LOOK_AHEAD * size / max(length(velocity), SMALLEST_SPEED)
         return (value(t + ahead, x + ahead * velocity) - value(t, x)) / ahead
 

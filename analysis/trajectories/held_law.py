@@ -18,9 +18,9 @@ from itertools import product
 import numpy as np
 
 from nonsmooth.analysis.fields.driven_field import ImposedMotions
-from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajectory
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 STEP = 0.02  # h, of the shortest time in which a twist answers: 1 over the gain and its squared size
 MOST_STEPS = 20_000
@@ -42,7 +42,7 @@ class PoseErrors:
     place: float = 0.0
     heading: float = 0.0
 
-    def candidates(self) -> Vector:
+    def candidates(self) -> Floats:
         """Errors ``(x, y, theta)`` that are tried, shape (m, 3): none, and those on the border."""
         turns = 2 * np.pi * np.arange(SIDES) / SIDES
         places = [(0.0, 0.0), *zip(self.place * np.cos(turns), self.place * np.sin(turns), strict=True)]
@@ -62,19 +62,19 @@ class HeldLaw:
 
     cones: Sequence[ImposedMotions]
     gain: float
-    limits: Vector | None = None
+    limits: Floats | None = None
 
-    def speeds(self, seen: Vector) -> Vector:
+    def speeds(self, seen: Floats) -> Floats:
         """The speeds of all wheels for a pose that the law is given."""
         cone, chosen, factor = self._choice(seen)
         return np.asarray(factor * cone.speeds[chosen])
 
-    def twist(self, seen: Vector, pose: Vector) -> Vector:
+    def twist(self, seen: Floats, pose: Floats) -> Floats:
         """How a body at a pose moves under the speeds for another one."""
         cone, chosen, factor = self._choice(seen)
         return np.asarray(factor * cone.motions[chosen](pose[:2]))
 
-    def _choice(self, seen: Vector) -> tuple[ImposedMotions, int, float]:
+    def _choice(self, seen: Floats) -> tuple[ImposedMotions, int, float]:
         """The cone, which of its twists, and the factor ``-k (g . xi_l)``, smaller where a speed would end."""
         cone = next((cone for cone in self.cones if _holds(cone, seen)), self.cones[0])
         products = cone.twists @ seen
@@ -119,7 +119,7 @@ class _SampledLoop(HybridField):
 
     dense = False
 
-    def __init__(self, law: HeldLaw, errors: Vector, late: int, count: int) -> None:
+    def __init__(self, law: HeldLaw, errors: Floats, late: int, count: int) -> None:
         """For errors (m, 3) of the pose that the law is given, which is so many samples old."""
         self._law, self._errors, self._late, self._count = law, errors, late, count
 
@@ -139,7 +139,7 @@ class _Constant(Mode):
 
     place, cells = "", ()
 
-    def __init__(self, twist: Vector) -> None:
+    def __init__(self, twist: Floats) -> None:
         self.rate = twist
 
 
@@ -149,13 +149,13 @@ class _Held:
     def __init__(self, step: float) -> None:
         self._step = step
 
-    def steps(self, rate: Vector, t: float, x: Vector, until: None) -> Iterator[DenseStep]:
+    def steps(self, rate: Floats, t: float, x: Floats, until: None) -> Iterator[DenseStep]:
         """One step."""
         after = t + self._step, _moved(x, rate, self._step)
         yield DenseStep((t, x), after, lambda: lambda time: _moved(x, rate, time - t))
 
 
-def _holds(cone: ImposedMotions, pose: Vector) -> bool:
+def _holds(cone: ImposedMotions, pose: Floats) -> bool:
     """Whether the direction of c lies in the cone: left of its first ray and right of its last."""
     if cone.rays is None:
         return True
@@ -164,7 +164,7 @@ def _holds(cone: ImposedMotions, pose: Vector) -> bool:
     return bool(ax * y - ay * x >= 0 >= bx * y - by * x)
 
 
-def _moved(pose: Vector, twist: Vector, time: float) -> Vector:
+def _moved(pose: Floats, twist: Floats, time: float) -> Floats:
     """A rigid motion of constant spatial twist ``c' = v + omega J c``, exactly."""
     x, y, theta = pose
     vx, vy, omega = twist

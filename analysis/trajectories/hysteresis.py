@@ -17,10 +17,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.analysis.fields import switched_field
-from nonsmooth.analysis.fields.switched_field import SwitchedField, Vector, Velocity
+from nonsmooth.analysis.fields.switched_field import SwitchedField, Velocity
 from nonsmooth.analysis.trajectories.follow import Guards, HybridField, Mode, Path, Stepper, follow
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.steppers import FixedSteps, Integrator
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 TOLERANCES = 1e-9, 1e-12  # relative and absolute, within a mode: far below the error of any usable width
 MAX_SWITCHES = 1_000_000  # a width of 1e-6 over a path of unit length
@@ -90,7 +91,7 @@ class _Widened(HybridField):
             ValueError: for more evaluations than are allowed.
         """
 
-        def rate(t: float, x: Vector) -> Vector:
+        def rate(t: float, x: Floats) -> Floats:
             if next(self._evaluations) > self._most:
                 raise ValueError(
                     f"required a width that {self._most} evaluations resolve, received {self.width:g} at t = {t:.6g}"
@@ -128,7 +129,7 @@ class _Margin(Guards):
     def __init__(self, relay: _Relay, mode: switched_field.Mode) -> None:
         self._relay, self._mode, self.located = relay, mode, relay.locates
 
-    def at(self, t: float, x: Vector) -> Sequence[float]:
+    def at(self, t: float, x: Floats) -> Sequence[float]:
         """The margin of the mode, and the width."""
         return (self._relay.field.margin(self._mode, x) + self._relay.width,)
 
@@ -180,5 +181,5 @@ class _Layer(_Widened, Mode):
         self.rate = self.counted(self._mixed)
         return self
 
-    def _mixed(self, t: float, x: Vector) -> Vector:
+    def _mixed(self, t: float, x: Floats) -> Floats:
         return np.asarray(sum(weight * velocity(t, x) for velocity, weight in self.field.blend(x, self.width)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +20,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, float_points
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,19 +43,19 @@ class SettleMap(ShortRepr):
     points: Floats
     basin: NDArray[np.int_]
     ends: tuple[tuple[EndReason, str], ...]
-    unique: NDArray[np.bool_]
+    unique: Mask
 
     @property
-    def settled(self) -> NDArray[np.bool_]:
+    def settled(self) -> Mask:
         """Whether the heading has a limit where c comes to rest or approaches an equilibrium."""
         return self._ends_by(EndReason.REST, EndReason.APPROACH) & np.isfinite(self.theta)
 
     @property
-    def arrived(self) -> NDArray[np.bool_]:
+    def arrived(self) -> Mask:
         """Whether c comes to rest in finite time (theta may turn on)."""
         return self._ends_by(EndReason.REST, EndReason.TURNING) & np.isfinite(self.arrival)
 
-    def _ends_by(self, *reasons: EndReason) -> NDArray[np.bool_]:
+    def _ends_by(self, *reasons: EndReason) -> Mask:
         return np.array([reason in reasons for reason, _ in self.ends])[self.basin]
 
     @property

@@ -10,10 +10,10 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 State: TypeAlias = tuple[Any, ...]
 
@@ -109,7 +109,7 @@ class Piece:
     cells: tuple[str, ...]
     state: Callable[[Any], State] = field(repr=False, compare=False)
     times: tuple[Any, ...]
-    states: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = field(repr=False, compare=False, default=None)
+    states: Callable[[Floats], Floats] | None = field(repr=False, compare=False, default=None)
 
     def record(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -180,7 +180,7 @@ class Trajectory(ShortRepr):
             return self.end.state if piece is self.pieces[-1] else piece.state(piece.end - piece.start)
         return piece.state(max(time - piece.start, 0 * time))
 
-    def sample(self, times: Iterable[float]) -> NDArray[np.float64]:
+    def sample(self, times: Iterable[float]) -> Floats:
         """States (m, n) at many times, as floats."""
         asked = np.asarray(list(times), float)
         if not self.pieces or any(piece.states is None for piece in self.pieces):
@@ -223,11 +223,11 @@ class Trajectory(ShortRepr):
         )
 
     @property
-    def t(self) -> NDArray[np.float64]:
+    def t(self) -> Floats:
         """Sample times (m,) as floats."""
         return np.array(_floats(self.times))
 
-    def dense(self, count: int, until: float = math.inf) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def dense(self, count: int, until: float = math.inf) -> tuple[Floats, Floats]:
         """Sample times with more between them, and the states there: arcs look round.
 
         The samples themselves where there are no pieces.
@@ -244,7 +244,7 @@ class Trajectory(ShortRepr):
         return finer, self.sample(finer.tolist())
 
     @property
-    def array(self) -> NDArray[np.float64]:
+    def array(self) -> Floats:
         """Sampled states (m, n) as floats."""
         return np.array([_floats(state) for state in self.states])
 

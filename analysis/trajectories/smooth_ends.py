@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.fields.contact_model import Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -175,9 +176,7 @@ def _merged(ends: SmoothEnds, distance: float) -> SmoothEnds:
     return SmoothEnds(ends.places[kept], numbers[ends.reached], ends.speeds[kept])
 
 
-def _follow_all(
-    field: _Field, points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float
-) -> None:
+def _follow_all(field: _Field, points: Floats, reached: NDArray[np.int_], still: Mask, radius: float) -> None:
     """Move the points along until they have left or stand still; all three arrays are changed in place."""
     fastest = field.fastest = float(np.hypot(*field.begin(points).T).max())
     if not fastest:  # all stand where they start
@@ -277,7 +276,7 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Flo
     return best, least
 
 
-def _gathered(points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float) -> Floats:
+def _gathered(points: Floats, reached: NDArray[np.int_], still: Mask, radius: float) -> Floats:
     """Bodies that stand close together as one place each, (k, 2); what they reached is written down."""
     places: list[Floats] = []
     left = still.copy()

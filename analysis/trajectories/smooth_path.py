@@ -17,13 +17,14 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, Vector
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, follow
 from nonsmooth.analysis.trajectories.guards import WHIRL_LOOP, FaceGuards, SurfaceCrossing, last_turn, whirl_around
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import StiffAware
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
@@ -108,7 +109,7 @@ class Leg:
 
     motion: FaceMotion
     stretch: Stretch
-    last: Vector
+    last: Floats
     met: tuple[Surface, ...]
 
     @property
@@ -122,11 +123,11 @@ class Leg:
         return float(self.stretch.times[-1])
 
     @property
-    def first(self) -> Vector:
+    def first(self) -> Floats:
         """Where it begins."""
         return self.stretch.states[0]
 
-    def at(self, time: float) -> Vector:
+    def at(self, time: float) -> Floats:
         """State at a time of the path within the leg."""
         return self.stretch.at(time)
 
@@ -328,7 +329,7 @@ class FilippovFaces(HybridField):
         return largest(velocity) <= REST_SPEED * largest(choice.motion.fields(path.time, path.state))
 
 
-def onto(x: Vector, surfaces: Sequence[Surface], size: float) -> Vector:
+def onto(x: Floats, surfaces: Sequence[Surface], size: float) -> Floats:
     """The nearest state on some surfaces: Newton's method along their gradients, from within the slack.
 
     A coordinate that vanishes there is exactly zero: at a corner all fields may vanish, beside it they do not.
@@ -375,7 +376,7 @@ class _Estimate:
 
     loop: int
     time: float
-    x: Vector
+    x: Floats
     error: float
 
 
@@ -391,8 +392,8 @@ class LoopLimit:
     """
 
     time: float
-    x: Vector
-    states: list[Vector]
+    x: Floats
+    states: list[Floats]
     piece: Piece
 
 
@@ -401,11 +402,11 @@ class LoopMemory:
 
     def __init__(self) -> None:
         self.times: list[float] = []
-        self.states: list[Vector] = []
+        self.states: list[Floats] = []
         self.places: list[str] = []
         self._before: _Estimate | None = None
 
-    def limit_after(self, time: float, x: Vector, place: str, until: float) -> LoopLimit | None:
+    def limit_after(self, time: float, x: Floats, place: str, until: float) -> LoopLimit | None:
         """Take note of a crossing out of ``place``; the limit, if a loop converges regularly before ``until``."""
         self.times.append(time)
         self.states.append(x)

@@ -26,9 +26,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, names, weighted
-from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- DOP853 for few states -----------------------------------------------------------------------
 #
@@ -117,10 +118,10 @@ DIFFERENCE = 1e-8  # step of the differences, relative to the states: half the d
 # with each state, and finds but rounding once one of them is zero and others are not.
 JACOBIAN_STEP = 1e-11
 
-Start: TypeAlias = tuple[float, Vector, Vector]  # of a step: the time, the state and the rate there
+Start: TypeAlias = tuple[float, Floats, Floats]  # of a step: the time, the state and the rate there
 # A step that may be too long: the state at its end, the rate there, the error of the state in tolerances, and what
 # makes its dense output.
-Trial: TypeAlias = tuple[Vector, Vector, float, Callable[[], Interpolant]]
+Trial: TypeAlias = tuple[Floats, Floats, float, Callable[[], Interpolant]]
 
 
 def stepped(solver: Any, *, easy: bool = False) -> DenseStep:
@@ -146,10 +147,10 @@ class Integrator:
         exact_slopes: whether an implicit method takes the ``jacobian`` of a rate that has one; else differences.
     """
 
-    def __init__(self, method: str, rtol: float, atol: float | Vector, *, exact_slopes: bool = True) -> None:
+    def __init__(self, method: str, rtol: float, atol: float | Floats, *, exact_slopes: bool = True) -> None:
         self._method, self._tolerances, self._exact_slopes = method, {"rtol": rtol, "atol": atol}, exact_slopes
 
-    def steps(self, rate: Any, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
+    def steps(self, rate: Any, t: float, x: Floats, until: float) -> Iterator[DenseStep]:
         """Steps up to the last time."""
         from scipy import integrate
 
@@ -169,7 +170,7 @@ class FixedSteps:
     def __init__(self, size: float) -> None:
         self._size = size
 
-    def steps(self, rate: Rate, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
+    def steps(self, rate: Rate, t: float, x: Floats, until: float) -> Iterator[DenseStep]:
         """Steps up to the last time; the last one is shorter."""
         while t < until:
             h = min(self._size, until - t)
@@ -182,7 +183,7 @@ class FixedSteps:
             t, x = t + h, x + h * mean
 
 
-def _straight(start: float, x: Vector, rate: Vector) -> Interpolant:
+def _straight(start: float, x: Floats, rate: Floats) -> Interpolant:
     return lambda t: (x + np.multiply.outer(t - start, rate)).T
 
 
@@ -208,7 +209,7 @@ class Dop853:
     step_size: float
 
     def __init__(
-        self, rate: Rate, t: float, y: Vector, until: float, first_step: float | None, rtol: float, atol: float | Vector
+        self, rate: Rate, t: float, y: Floats, until: float, first_step: float | None, rtol: float, atol: float | Floats
     ) -> None:
         from scipy.integrate import DOP853
 
@@ -268,7 +269,7 @@ class Dop853:
         return last, kept[STAGES], _error(h, of_third, of_fifth, len(y)), between
 
     @cached_property
-    def _prepared(self) -> tuple[Vector, list[tuple[int, Vector, Vector, float]]]:
+    def _prepared(self) -> tuple[Floats, list[tuple[int, Floats, Floats, float]]]:
         """Room for the rates at all stages; and each stage's number, the rates before, and what it takes of them and
         of the step.
         """
@@ -283,7 +284,7 @@ class ScalarDop853(Dop853):
     Its sums are rounded in another order, which is all that differs.
     """
 
-    def __init__(self, rate: ScalarVelocity, t: float, y: Vector, *others: Any, **named: Any) -> None:
+    def __init__(self, rate: ScalarVelocity, t: float, y: Floats, *others: Any, **named: Any) -> None:
         super().__init__(rate, t, y, *others, **named)
         self._rates, self._code = rate.rates, written_out(len(y))
 
@@ -309,7 +310,7 @@ class ScalarInterpolant:
     def __init__(self, t: float, h: float, states: Sequence[Numbers]) -> None:
         self._start, self._length, self._states = t, h, states
 
-    def __call__(self, times: Any) -> Vector:
+    def __call__(self, times: Any) -> Floats:
         """The state at a time, or at many."""
         share = (times - self._start) / self._length
         return np.array([_value(share, own) for own in self._states])
@@ -334,7 +335,7 @@ def _error(h: float, of_third: float, of_fifth: float, count: int) -> float:
     return h * of_fifth / math.sqrt(denominator * count) if denominator else 0.0
 
 
-def _dop853_between(rate: Rate, t: float, y: Vector, h: float, last: Vector, known: Vector) -> Interpolant:
+def _dop853_between(rate: Rate, t: float, y: Floats, h: float, last: Floats, known: Floats) -> Interpolant:
     """The polynomial of degree 7 through a step, which takes three more rates (the same, sec. II.6)."""
     from scipy.integrate import DOP853
 
@@ -344,7 +345,7 @@ def _dop853_between(rate: Rate, t: float, y: Vector, h: float, last: Vector, kno
     change, first, final = last - y, known[0], known[STAGES]
     parts = [change, h * first - change, 2 * change - h * (final + first), *(h * DOP853.D.dot(np.array(stages)))]
 
-    def at(times: Any) -> Vector:
+    def at(times: Any) -> Floats:
         share = (times - t) / h
         share = share[:, None] if np.ndim(share) else share
         found: Any = 0.0
@@ -371,7 +372,7 @@ class StiffAware:
         self._step: float | None = None  # of the last stretch, to begin the next one with
         self.was_stiff = False
 
-    def steps(self, rate: Any, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
+    def steps(self, rate: Any, t: float, x: Floats, until: float) -> Iterator[DenseStep]:
         """Steps up to the last time."""
         first = None if self._step is None else min(self._step, until - t)
         method = ScalarDop853 if isinstance(rate, ScalarVelocity) and len(x) <= MOST_STATES else Dop853
@@ -406,7 +407,7 @@ def _resting(step: DenseStep, until: float) -> DenseStep:
     """A step in which the last state stays."""
     last = step.last
 
-    def still(t: Any) -> Vector:
+    def still(t: Any) -> Floats:
         return last if np.ndim(t) == 0 else np.repeat(last[:, None], len(t), axis=1)
 
     return DenseStep((step.end, last), (until, last), lambda: still)
@@ -423,7 +424,7 @@ def holds_the_step(rate: Rate, solver: Any, until: float, size: float) -> bool:
     return decay_rate(rate, float(solver.t), solver.y, size) * step >= HELD
 
 
-def decay_rate(rate: Rate, t: float, x: Vector, size: float) -> float:
+def decay_rate(rate: Rate, t: float, x: Floats, size: float) -> float:
     """``-min Re eig(df/dx)``, 1/time; ``size`` is the unit of the states.
 
     Zero where nothing decays or the field is not finite beside the state.
@@ -443,16 +444,16 @@ def comes_to_rest(rate: Rate, solver: Any, until: float, size: float, atol: floa
     return float(growth.max()) * left <= 1
 
 
-def jacobian_of(rate: Rate, size: float) -> Callable[[float, Vector], Vector]:
+def jacobian_of(rate: Rate, size: float) -> Callable[[float, Floats], Floats]:
     """``df/dx`` for an implicit solver, as a function of time and state."""
 
-    def jacobian(t: float, x: Vector) -> Vector:
+    def jacobian(t: float, x: Floats) -> Floats:
         return _differences(rate, t, x, JACOBIAN_STEP * np.maximum(np.abs(x), size))
 
     return jacobian
 
 
-def _eigenvalues(rate: Rate, t: float, x: Vector, steps: Vector) -> Vector:
+def _eigenvalues(rate: Rate, t: float, x: Floats, steps: Floats) -> Floats:
     """Real parts of the eigenvalues of ``df/dx`` by forward differences; zeros where the field is not finite."""
     jacobian = _differences(rate, t, x, steps)
     if not np.isfinite(jacobian).all():
@@ -460,7 +461,7 @@ def _eigenvalues(rate: Rate, t: float, x: Vector, steps: Vector) -> Vector:
     return np.asarray(np.linalg.eigvals(jacobian).real)
 
 
-def _differences(rate: Rate, t: float, x: Vector, steps: Vector) -> Vector:
+def _differences(rate: Rate, t: float, x: Floats, steps: Floats) -> Floats:
     """``df/dx`` by forward differences."""
     here = rate(t, x)
     with np.errstate(invalid="ignore", over="ignore"):

@@ -33,19 +33,11 @@ from nonsmooth.proofs.findings.exact_json import encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
-from nonsmooth.proofs.systems.basin_rings import (
-    Bernstein,
-    Floats,
-    Pace,
-    area,
-    bernstein,
-    followed_home,
-    grow,
-    inside_ring,
-)
+from nonsmooth.proofs.systems.basin_rings import Bernstein, Pace, area, bernstein, followed_home, grow, inside_ring
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 COARSE, FINE = BasinEffort(Pace(0.12, 0.03, 0.02), 41), BasinEffort(Pace(0.04, 0.012, 0.02), 101)
 EFFORTS = {"fast": (COARSE,), "best": (FINE, COARSE)}  # tried in turn, until triangles fill the last ring
@@ -180,7 +172,7 @@ class FloatCells:
         found = [self._on(own, first[None])[:, 0] for own in (cell, other)]
         return max(float((v @ normal / (np.linalg.norm(v, axis=1) + np.finfo(float).tiny)).max()) for v in found)
 
-    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[int, Mask]]:
         """Each cell with the triangles that no line of a side, of its own or of theirs, parts from it."""
         low, high, near = triangles.min(axis=1), triangles.max(axis=1), NEAR * self.half
         turns = np.stack([half_planes(own) for own in triangles]) if len(triangles) else np.zeros((0, 3, 3))

@@ -32,9 +32,9 @@ from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.proofs.answers.destinations import Destination, SampledEnds
     from nonsmooth.proofs.system_decision import StabilityResult
+    from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 AT_POINT = 2.0**-30  # of the half side: an end so near the point is the point, to every digit that is printed
 ELSEWHERE = 2.0**-20  # of the half side: an end that far away is another place

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +29,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
 FEW_STARTS = 11  # the same under rules without cells, whose paths cost more
@@ -103,11 +100,11 @@ class SampledEnds:
 
     starts: Floats
     ends: Floats
-    leaves: NDArray[np.bool_]
+    leaves: Mask
     turning: Floats
 
     @property
-    def stays(self) -> NDArray[np.bool_]:
+    def stays(self) -> Mask:
         """Whether it is known where the body stays, (m,)."""
         return np.asarray(np.isfinite(self.ends).all(axis=1))
 

@@ -27,7 +27,6 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from flint import arb, ctx
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.proofs.boxes.intervals import Intervals
@@ -36,8 +35,8 @@ from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-Floats: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
 PRECISION = 128  # bits of the balls

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 UNITS = 2.0**-51  # of a double: two to four units in its last place
 TINY = 2.0**-1000  # more than the rounding of numbers near zero
@@ -121,7 +120,7 @@ class Intervals:
         return (self.high - self.low) / 2
 
     @property
-    def holds_zero(self) -> NDArray[np.bool_]:
+    def holds_zero(self) -> Mask:
         """Whether zero may be inside; so it is where an end is not a number."""
         return ~((self.low > 0) | (self.high < 0))
 
@@ -146,11 +145,11 @@ class Intervals:
         return Intervals(np.sign(self.low), np.sign(self.high))
 
     @property
-    def is_one(self) -> NDArray[np.bool_]:
+    def is_one(self) -> Mask:
         """Whether these are exactly one."""
         return np.asarray((self.low == 1) & (self.high == 1))
 
-    def below_zero(self, where: NDArray[np.bool_]) -> Intervals:
+    def below_zero(self, where: Mask) -> Intervals:
         """Minus one in some places, to choose there by :meth:`by_sign`."""
         return Intervals(np.where(where, -1.0, self.low), np.where(where, -1.0, self.high))
 

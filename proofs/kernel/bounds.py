@@ -17,19 +17,17 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values
 
 LEAST = 2.0**-10  # of a ratio to a power that is worth to be stated
 POWERS = (2, 4, 6, 8)
 TINY = 2.0**-40
-
-Floats: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

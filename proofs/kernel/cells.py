@@ -19,7 +19,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import TooManyCells, smooth_pieces, square_regions
 from nonsmooth.proofs.checker import polynomials
@@ -30,7 +29,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.inequalities.prover import Proof, prove
-from nonsmooth.proofs.kernel.search import Floats, NotShownError, Search, sample_points
+from nonsmooth.proofs.kernel.search import NotShownError, Search, sample_points
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomial_in_names
 from nonsmooth.proofs.kernel.written import written_number
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
@@ -40,6 +39,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.formulas.surfaces import factorize, switching_factors
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values
 from nonsmooth.symbolic.systems.switched_system import (
     MAX_PATTERNS,
@@ -220,7 +220,7 @@ def patterns(surfaces: Sequence[Polynomial], radius: Number | None) -> Iterator[
                 waiting.append(longer)
 
 
-def _signs_in_floats(surfaces: Sequence[Polynomial], radius: Number | None) -> NDArray[np.float64]:
+def _signs_in_floats(surfaces: Sequence[Polynomial], radius: Number | None) -> Floats:
     """Pattern at points of the cube, in floats: where a pattern is seen, no proof of its emptiness is looked for."""
     if not surfaces:
         return np.zeros((1, 0))

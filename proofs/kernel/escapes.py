@@ -15,7 +15,6 @@ from itertools import combinations
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
@@ -24,10 +23,10 @@ from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-Floats: TypeAlias = NDArray[np.float64]
 Field: TypeAlias = tuple[Polynomial, ...]
 Record: TypeAlias = dict[str, Any]
 

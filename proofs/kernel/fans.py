@@ -39,7 +39,6 @@ from nonsmooth.proofs.kernel.cells import (
 )
 from nonsmooth.proofs.kernel.search import (
     Entry,
-    Floats,
     NotShownError,
     SampledProofs,
     Search,
@@ -52,6 +51,7 @@ from nonsmooth.proofs.kernel.written import coefficient_text
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem

@@ -28,8 +28,9 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Entry, Floats, NotShownError, SampledProofs, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Record: TypeAlias = dict[str, Any]

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
@@ -36,6 +35,7 @@ from nonsmooth.proofs.kernel.written import formula_text, null_basis
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -47,8 +47,6 @@ DENOMINATORS = (1, 4, 16, 64)  # of the coefficients over the largest, tried in 
 WORK = 4_000  # coefficients looked at for one claim
 MOST_TRIED = 6  # quotients that no sample refutes: what is shown is shown of the first ones
 FACTORS = ("1/4", "1/64")  # of |x|^2 below V + 1
-
-Floats = NDArray[np.float64]
 
 
 def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: bool = False) -> Entry | None:

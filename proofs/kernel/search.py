@@ -20,7 +20,6 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, SurfaceSigns, System
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
@@ -34,6 +33,7 @@ from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecide
 from nonsmooth.proofs.kernel import simplices, squares
 from nonsmooth.proofs.kernel.written import exact, twin, written_number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
 
 WORK = 20_000  # coefficients that the search for simplices may look at, for one claim
@@ -231,8 +231,6 @@ def _is_enough(claim: Claim, rest: Any) -> bool:
 def _slopes(value: Polynomial) -> Sequence[Fraction]:
     return [value.slope(k) for k in range(value.count)]
 
-
-Floats: TypeAlias = NDArray[np.float64]
 
 POINTS, SHRINK = 600, 4.0  # points of each claim; the exponential scale of their distances
 SLACK = 2.0**-30  # of the largest term, below which a value counts as zero

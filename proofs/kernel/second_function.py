@@ -16,10 +16,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, System
 from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common_signs
@@ -33,6 +32,7 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypo
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -48,8 +48,6 @@ MOST_BENDING = 4  # surfaces
 LEAST_MARGIN = 2.0**-20  # of rates along the velocities that are left, each in units of its largest term
 DENOMINATORS = (1, 2, 3, 4, 6, 8, 16, 64)
 MOST_TRIES = 24  # lists of functions
-
-Floats: TypeAlias = NDArray[np.float64]
 
 
 def find_second(
@@ -243,7 +241,7 @@ class Samples:
             kept &= np.abs(values) <= SMALL * sizes
         return self.where(kept)
 
-    def where(self, kept: NDArray[np.bool_]) -> Samples:
+    def where(self, kept: Mask) -> Samples:
         """Some of them."""
         return Samples(self.coordinates[kept], self.points[kept], self.velocities[kept])
 
@@ -259,7 +257,7 @@ def sampled(place: Face, cells: Sequence[Cell]) -> Samples:
     coordinates, points = coordinates[inside], points[inside]
     values = [float_values(surface.terms, points) for surface in listed]
     normals = [gradient(listed[j], points) for j in place.zero]
-    fields: list[tuple[NDArray[np.bool_], Floats]] = []
+    fields: list[tuple[Mask, Floats]] = []
     for cell in cells:
         beside = np.ones(len(points), dtype=bool)
         for j, sign in enumerate(cell.signs):

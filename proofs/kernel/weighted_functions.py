@@ -23,11 +23,12 @@ from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.quotients import Floats, coefficients_of, flint, proposed, values_inside
+from nonsmooth.proofs.kernel.quotients import coefficients_of, flint, proposed, values_inside
 from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import null_basis
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 WEIGHTS = (3, 4)  # q, tried in turn

@@ -27,7 +27,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, unit, variable
@@ -45,6 +44,7 @@ from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_ORDER = 7  # of the first term of a reduced field in one coordinate
@@ -376,9 +376,7 @@ class Reduction:
     def _square(self, off: Sequence[Polynomial]) -> Polynomial:
         """``w^T P w`` with ``A^T P + P A = -I`` on the stable subspace, rounded."""
         count, hurwitz = self.split.count, self.split.hurwitz
-        floats: NDArray[np.float64] = np.array(
-            [[float(_fraction(hurwitz[i, j])) for j in range(count)] for i in range(count)]
-        )
+        floats: Floats = np.array([[float(_fraction(hurwitz[i, j])) for j in range(count)] for i in range(count)])
         solution = lyapunov_solution(floats, 0.0, np.eye(count))
         if solution is None:
             return constant(count, 0)

@@ -29,7 +29,6 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.positivity import Claim
@@ -63,6 +62,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -376,7 +376,7 @@ def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
     return None
 
 
-def _curved(conditions: Functions) -> Iterator[NDArray[np.float64]]:
+def _curved(conditions: Functions) -> Iterator[Floats]:
     """Directions in which the quadratic part of a piece is least."""
     for cell in conditions.inclusion.cells:
         vectors = np.linalg.eigh(_hessian(conditions.potential(cell)))[1]
@@ -384,7 +384,7 @@ def _curved(conditions: Functions) -> Iterator[NDArray[np.float64]]:
         yield -vectors[:, 0]
 
 
-def _hessian(potential: CheckedPolynomial) -> NDArray[np.float64]:
+def _hessian(potential: CheckedPolynomial) -> Floats:
     matrix = np.zeros((potential.count, potential.count))
     for exponents, value in potential.terms.items():
         if sum(exponents) == 2:
@@ -394,6 +394,6 @@ def _hessian(potential: CheckedPolynomial) -> NDArray[np.float64]:
     return matrix
 
 
-def _rounded_direction(values: NDArray[np.float64]) -> tuple[fmpq, ...]:
+def _rounded_direction(values: Floats) -> tuple[fmpq, ...]:
     size = float(np.abs(values).max())
     return tuple(fmpq(round(float(x) / size * FINE), FINE) for x in values)

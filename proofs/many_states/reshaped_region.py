@@ -24,7 +24,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells
@@ -38,10 +37,10 @@ from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, so
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.decay_rate import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-Floats: TypeAlias = NDArray[np.float64]
 Announce: TypeAlias = Callable[[str, int, int], None]
 
 DIRECTIONS, PLACES, FARTHEST = 3_000, 240, 64.0  # rays, places on each up to a multiple of the half-width

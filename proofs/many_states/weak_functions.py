@@ -29,7 +29,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search
-from nonsmooth.proofs.kernel.second_function import Floats, find_second, gradient, rounded, sampled
+from nonsmooth.proofs.kernel.second_function import find_second, gradient, rounded, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
 from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text
@@ -41,6 +41,7 @@ from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpressio
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 

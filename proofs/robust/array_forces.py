@@ -23,6 +23,7 @@ from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- enclosures of friction forces over boxes of slips, for friction sets with a support function
 #
@@ -64,7 +65,7 @@ def roller_force(roll: Intervals, side: Intervals, r: Intervals, s: Intervals) -
 
 
 def mixed_force(
-    rolls: NDArray[np.bool_], roll: Intervals, side: Intervals, r: Intervals, s: Intervals
+    rolls: Mask, roll: Intervals, side: Intervals, r: Intervals, s: Intervals
 ) -> tuple[Intervals, Intervals]:
     """The same for wheels of which some have rollers: ``rolls`` says it of each, along the last axis."""
     pairs = zip(roller_force(roll, side, r, s), ellipse_force(roll, side, r, s), strict=True)
@@ -96,7 +97,6 @@ def force_law(scene: Scene) -> ForceLaw:
 # ---- of all wheels -------------------------------------------------------------------------------
 
 
-Floats: TypeAlias = NDArray[np.float64]
 Pair: TypeAlias = tuple[Intervals, Intervals]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 

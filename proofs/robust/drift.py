@@ -17,7 +17,6 @@ from typing import TypeAlias
 
 import numpy as np
 from flint import arb, ctx, fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -30,8 +29,8 @@ from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-Floats: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 Corners: TypeAlias = list[tuple[arb, arb]]
 Motion: TypeAlias = tuple[arb, arb, arb]  # (v_x, v_y, omega)

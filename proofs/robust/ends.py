@@ -18,7 +18,6 @@ from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
@@ -29,8 +28,8 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-Floats: TypeAlias = NDArray[np.float64]
 Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
 

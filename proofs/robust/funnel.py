@@ -14,17 +14,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.balanced_forces import STRENGTHS, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.ends import field_beside
 from nonsmooth.symbolic.mechanics.scene import Scene
-
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 QUADRANGLES = 16  # on the length of the accuracy
 DIVISIONS = 4  # times that quadrangles are divided that are not shown whole

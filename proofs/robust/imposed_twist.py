@@ -14,12 +14,13 @@ import numpy as np
 from flint import arb
 
 from nonsmooth.proofs.boxes.enclosures import UNIT
-from nonsmooth.proofs.boxes.intervals import Floats, Intervals
+from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple, force_law
 from nonsmooth.proofs.robust.box import box_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist

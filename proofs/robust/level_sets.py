@@ -26,8 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals
-
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 SECTORS = 24  # of each ring of circles
 VERTICES = 32
@@ -72,7 +71,7 @@ class RingPieces:
         return RingPieces(self.corners, (-x, -y), -self.moments, self.sizes, self.per_ring)
 
     @property
-    def halves(self) -> tuple[RingPieces, NDArray[np.bool_]]:
+    def halves(self) -> tuple[RingPieces, Mask]:
         """Each cut across its longer sides: the first halves, then the second ones, and which are exact.
 
         The middle of a side is exact where its corners have bits to spare: otherwise the halves, and neighbours that
@@ -249,7 +248,7 @@ def _quadrangles(rays: Floats, inner: Floats, outer: Floats) -> Floats:
     return corners.reshape(-1, 4, 2)
 
 
-def _adds_exactly(a: Floats, b: Floats) -> NDArray[np.bool_]:
+def _adds_exactly(a: Floats, b: Floats) -> Mask:
     """Whether sums of points (n, 2) are not rounded (Knuth's two-sum), (n,)."""
     total = a + b
     rest = total - a

@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import friction_sets, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
@@ -23,6 +22,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- the rows of an array and the limits of its friction forces ----------------------------------
 #
@@ -63,8 +63,6 @@ class ArrayRows:
 
 # ---- the least value on a plane ------------------------------------------------------------------
 
-
-Floats: TypeAlias = NDArray[np.float64]
 
 STEPS = 30  # of Newton's method
 SHORT = 2.0**-20  # of the fastest wheel's speed: the shortest step
@@ -190,7 +188,7 @@ class Proposal:
     """
 
     shares: Floats
-    satisfied: NDArray[np.bool_]
+    satisfied: Mask
     response: Floats
 
 

@@ -14,11 +14,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise, product
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, ctx
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.balanced_forces import TINY, BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import (
@@ -46,6 +44,7 @@ from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
 #
@@ -107,7 +106,7 @@ def _seen(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
     return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
 
 
-def _sticks(forces: BalancedForces, free: Floats) -> NDArray[np.bool_]:
+def _sticks(forces: BalancedForces, free: Floats) -> Mask:
     """Whether a wheel seems not to slip, or its rim not to while its rollers turn: there D has an edge."""
     along, across = (np.abs(slip) < HELD * forces.fastest for slip in forces.slips(free))
     return np.asarray((along & (across | (forces.sets.cut < 1))).any(axis=1))
@@ -153,7 +152,7 @@ def _range(values: Intervals) -> Intervals:
 
 def _affine_twists(
     forces: BalancedForces, pieces: RingPieces, free: Floats
-) -> tuple[Intervals, Intervals, Intervals, NDArray[np.bool_]] | None:
+) -> tuple[Intervals, Intervals, Intervals, Mask] | None:
     """``xi_0``, ``-Y dG/dc``, the rest, by pieces (n, 3), (n, 3, 2), (n, 3), and where they enclose; None nowhere."""
     places = pieces.middles
     slopes = forces.hessians(places, free)
@@ -174,7 +173,7 @@ def _affine_twists(
     size = GROWTH * np.maximum(np.abs(change.low), np.abs(change.high)) + TINY
     size = size + 2.0**-8 * size.max(axis=1, keepdims=True)
     over = one + by_x * (Intervals.of(places[:, :1]) + sides[0]) + by_y * (Intervals.of(places[:, 1:]) + sides[1])
-    is_enclosed: NDArray[np.bool_] = np.asarray((over.low >= 0).all(axis=1))
+    is_enclosed: Mask = np.asarray((over.low >= 0).all(axis=1))
     box, rest = Intervals(-size, size), off
     for shrinking in range(SHRINKINGS):
         left = _contraction(forces, inverse, _slips(forces, start + box), over)
@@ -231,8 +230,6 @@ def _times(matrices: Floats, vectors: Intervals) -> Intervals:
 
 # ---- places of rest ------------------------------------------------------------------------------
 
-
-Floats: TypeAlias = NDArray[np.float64]
 
 PARTS = 6  # of each side of the square in which the field is differentiated
 CENTRED = 2.0**-30  # of twist and forces: Newton's step in the middle of a part after which no better one is needed

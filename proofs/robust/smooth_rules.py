@@ -21,11 +21,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, ctx
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
@@ -54,6 +52,7 @@ from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 PRECISION = 64  # bits of the balls
 INFLATIONS = 12  # of the box Z
@@ -252,8 +251,6 @@ MOST_PARTS = 1000  # of one square at a time
 LEANINGS = (-2.5, -0.7, 0.0, 0.7, 2.5)  # of a direction, across e and by rotation
 ANGLES = 12  # of directions nearly in the plane
 
-Floats: TypeAlias = NDArray[np.float64]
-
 
 class SmoothDisc(RingProof[ArrayBox]):
     """A centred scene under a rule with friction sets; what floats propose for it is kept for all boxes about it."""
@@ -301,7 +298,7 @@ def _is_carried(bound: ArrayBox, piece: AnnulusPiece) -> bool:
     return all(load > 0 for corner in corners for load in bound.loads.at(corner))
 
 
-def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[PlaneMinimum]) -> NDArray[np.bool_]:
+def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[PlaneMinimum]) -> Mask:
     """Whether all minimizers have ``e . v < -kappa`` on each of several quadrangles."""
     plan, forces = np.array(guesses), PieceForces.of(bound, pieces)
     nothing = Intervals.of(np.zeros((len(pieces), 1)))
@@ -323,7 +320,7 @@ def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[Plan
     return nearer
 
 
-def _is_outward(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+def _is_outward(plan: Floats, forces: PieceForces, size: Floats) -> Mask:
     """Whether D increases outward all along the border of each square."""
     ends = np.linspace(-1.0, 1.0, SIDE_PARTS + 1)
     part, one = Intervals(ends[:-1], ends[1:]), Intervals.of(np.ones(SIDE_PARTS))
@@ -341,7 +338,7 @@ def _is_outward(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.b
     return np.asarray(((at_middle + rest + turned).low > 0).all(axis=1))
 
 
-def _is_positive(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+def _is_positive(plan: Floats, forces: PieceForces, size: Floats) -> Mask:
     """Whether on each part of each square ``g . zeta > 0``, with a direction zeta that serves; parts are divided."""
     count, grid = len(size), np.indices((SQUARE_PARTS, SQUARE_PARTS)).reshape(2, -1)
     middles = (2 * grid + 1 - SQUARE_PARTS) / SQUARE_PARTS
@@ -362,9 +359,7 @@ def _is_positive(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.
     return found
 
 
-def _are_positive(
-    plan: Floats, forces: PieceForces, size: Floats, middles: tuple[Floats, Floats], half: float
-) -> NDArray[np.bool_]:
+def _are_positive(plan: Floats, forces: PieceForces, size: Floats, middles: tuple[Floats, Floats], half: float) -> Mask:
     """The same for one part of each square."""
     wide = Intervals.of(size[:, None])
     first, second = (Intervals(entry - half, entry + half).widened[:, None] * wide for entry in middles)

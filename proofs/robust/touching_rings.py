@@ -13,11 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import TINY, Intervals
@@ -27,8 +25,7 @@ from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
@@ -264,7 +261,7 @@ def least_rate(forces: BalancedForces, pieces: RingPieces) -> float:
     return rate
 
 
-def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, Mask]:
     """In the middle of each quadrangle the minimizer, ``-V'`` in floats, and whether that is positive."""
     free = forces.minimizers(pieces.middles)
     slopes, places = pieces.middle_slopes, pieces.middles

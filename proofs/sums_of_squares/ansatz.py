@@ -14,9 +14,9 @@ from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 
@@ -129,7 +129,7 @@ def plain_block(condition: Condition) -> Blocks:
     return (Block((), {(0,) * condition.variables: fmpq(1)}, inside),)
 
 
-def _is_mixture(corners: NDArray[np.float64], place: NDArray[np.float64]) -> bool:
+def _is_mixture(corners: Floats, place: Floats) -> bool:
     """Whether a place lies in the convex hull of columns, in floats: what is proposed need not be certain."""
     if (place > corners.max(axis=1)).any():
         return False

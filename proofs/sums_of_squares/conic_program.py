@@ -15,12 +15,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Block, Blocks, Condition, reached, separates
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
-Grams: TypeAlias = tuple[NDArray[np.float64], ...]
+Grams: TypeAlias = tuple[Floats, ...]
 ITERATIONS = 60
 INNER = 1 / 8  # part of the margin by which Gram matrices beside guards are definite
 SMALL = 2.0**-12  # diagonal entries of solutions on the border of the cone that are taken for zero
@@ -37,7 +37,7 @@ class Solution:
         margin: the least eigenvalue of the first Gram matrices; positive where the program has a strict solution.
     """
 
-    parameters: NDArray[np.float64]
+    parameters: Floats
     grams: tuple[Grams, ...]
     margin: float
 
@@ -93,7 +93,7 @@ def solve(
     inner: float,
     bounded: bool,
     strict: bool = True,
-    price: NDArray[np.float64] | None = None,
+    price: Floats | None = None,
     least: float = 0.0,
 ) -> Solution | None:
     """Maximize the margin, or minimize a price of the parameters with some margin; None where none is found.
@@ -220,7 +220,7 @@ def _limits(parameters: int, margin: int, matrix: _Rows, *, bounded: bool) -> li
     return [1.0] * (1 + 2 * parameters * bounded)
 
 
-def _symmetric(values: NDArray[np.float64], start: int, size: int) -> NDArray[np.float64]:
+def _symmetric(values: Floats, start: int, size: int) -> Floats:
     gram = np.zeros((size, size))
     for row, column, _ in _triangle(size):
         gram[row, column] = gram[column, row] = values[start + column * (column + 1) // 2 + row]
@@ -275,7 +275,7 @@ def simplest(value: float, denominator: int) -> fmpq:
     return fmpq(found.numerator, found.denominator)
 
 
-def _rational_triangle(gram: NDArray[np.float64], denominator: int) -> list[fmpq]:
+def _rational_triangle(gram: Floats, denominator: int) -> list[fmpq]:
     return [nearest(gram[row, column], denominator) for column in range(len(gram)) for row in range(column + 1)]
 
 

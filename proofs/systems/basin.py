@@ -27,7 +27,6 @@ from nonsmooth.proofs.systems.basin_rings import (
     WAY,
     FieldInCells,
     FloatField,
-    Floats,
     Pace,
     area,
     by_pattern,
@@ -50,6 +49,7 @@ from nonsmooth.proofs.systems.outer_ring import (
     ring_of,
     unit_of,
 )
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- lines beside the stable manifold of a saddle, beyond which no start comes to the point ------
 #
@@ -93,7 +93,7 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
     return found
 
 
-def left_of(hypotheses: dict[str, Any], x: Floats) -> NDArray[np.bool_]:
+def left_of(hypotheses: dict[str, Any], x: Floats) -> Mask:
     """Which places are to the left of a line, in floats: shape (places, 2)."""
     unit = unit_of(hypotheses)
     half = 1 + int(np.abs(x).max() / unit)
@@ -273,7 +273,7 @@ class CertifiedBasin:
         """The corners on which W is the level, in the plane a ring: shape (corners, states)."""
         return last_ring(self.corners)
 
-    def holds(self, x: Floats) -> NDArray[np.bool_]:
+    def holds(self, x: Floats) -> Mask:
         """Which places the border goes around: shape (places, states)."""
         if x.shape[1] == 2:
             return inside_ring(self.border, x)
@@ -337,7 +337,7 @@ def find_basin(
     if best is None:
         return None
 
-    def is_home(x: Floats) -> NDArray[np.bool_]:
+    def is_home(x: Floats) -> Mask:
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
@@ -384,7 +384,7 @@ def find_basin_in_space(
     field, potential = FloatField(plane), _potential(plane, local)
     level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
 
-    def is_home(x: Floats) -> NDArray[np.bool_]:
+    def is_home(x: Floats) -> Mask:
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
     front = Front(field, is_home, within, limit, effort)
@@ -454,7 +454,7 @@ def _ends(starts: Floats) -> tuple[tuple[float, float], ...]:
     return tuple(zip(starts.min(axis=0).tolist(), starts.max(axis=0).tolist(), strict=True))
 
 
-def _come(field: FieldInCells, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, starts: Floats) -> int:
+def _come(field: FieldInCells, is_home: Callable[[Floats], Mask], border: Floats, starts: Floats) -> int:
     """How many of some starts come to the first ring in floats."""
     far = 20 * float(np.linalg.norm(border, axis=1).max())
     return int(np.sum(followed_home(field, starts, is_home, far)))

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Floats, area, lengths
+from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, area, lengths
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 EVERY = 12  # points of a ring of which one is used at first
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
@@ -364,7 +365,7 @@ class MeshBuilder:
             found[pair].append((own, bool(areas[number] <= 0)))
         return found
 
-    def _falls(self, corners: Floats, normals: Floats) -> NDArray[np.bool_]:
+    def _falls(self, corners: Floats, normals: Floats) -> Mask:
         """On which triangles ``n . f < 0`` for the fields of all cells that they may meet."""
         good = np.ones(len(corners), dtype=bool)
         places = corners * float(self.lattice.unit)

@@ -23,7 +23,7 @@ from functools import cache, cached_property
 from itertools import accumulate, product
 from math import factorial, prod
 from operator import mul
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.cells import Pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial
-
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 WAY, PAUSE, GROWTH = 30.0, 1.0, 1.0015  # of a ring's size at most; between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
@@ -91,7 +90,7 @@ class FieldInCells(Protocol):
             is_kept: whether it may have no other points than its own.
         """
 
-    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, Mask]]:
         """Each cell with the triangles whose inside it may meet.
 
         Args:
@@ -181,7 +180,7 @@ class FloatField:
             for waves in product(*bounds):
                 yield self.side(cell, k, at.reshape(-1, count - 1), waves).reshape(at.shape), points
 
-    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, NDArray[np.bool_]]]:
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, Mask]]:
         """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there.
 
         Likewise for tetrahedra, and for triangles in space.
@@ -204,7 +203,7 @@ class FloatField:
             if slack:
                 allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
         kinds, which = np.unique(allowed.reshape(len(triangles), -1), axis=0, return_inverse=True)
-        groups: dict[Pattern, NDArray[np.bool_]] = {}
+        groups: dict[Pattern, Mask] = {}
         for number, kind in enumerate(kinds):
             patterns: list[Pattern] = [()]
             for low, high in kind.reshape(-1, 2):
@@ -267,7 +266,7 @@ class FloatField:
         return found
 
 
-def by_pattern(signs: NDArray[np.int64]) -> Iterator[tuple[Pattern, NDArray[np.bool_]]]:
+def by_pattern(signs: NDArray[np.int64]) -> Iterator[tuple[Pattern, Mask]]:
     """Each pattern among rows of signs, and where it is: by a number for each, which are sorted faster than rows."""
     numbers = (signs > 0) @ (1 << np.arange(signs.shape[1]))
     for number in np.unique(numbers):
@@ -446,7 +445,7 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
     return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), pace.gap * min(size, field.scale))
 
 
-def _unfolded(ring: Floats, is_tip: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:
+def _unfolded(ring: Floats, is_tip: Mask) -> tuple[Floats, Mask]:
     """A ring without the points at which it turns back, but for its tips, on lines along which solutions slide; both.
 
     Where velocities on both sides of a border lead away from it, points of a ring come to it from both sides, and
@@ -461,7 +460,7 @@ def _unfolded(ring: Floats, is_tip: NDArray[np.bool_]) -> tuple[Floats, NDArray[
     return ring, is_tip
 
 
-def _spaced(ring: Floats, is_tip: NDArray[np.bool_], gap: float) -> Floats:
+def _spaced(ring: Floats, is_tip: Mask, gap: float) -> Floats:
     """A ring with points between those that are far apart, and without some of those that are near each other."""
     for _ in range(3):
         after, sides = np.roll(ring, -1, axis=0), _sides(ring)
@@ -488,9 +487,7 @@ def lengths(x: Floats) -> Floats:
     return np.asarray(np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2))
 
 
-def followed_home(
-    field: FieldInCells, starts: Floats, home: Callable[[Floats], NDArray[np.bool_]], far: float
-) -> NDArray[np.bool_]:
+def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], Mask], far: float) -> Mask:
     """Which starts come to where ``home`` is true before they are farther away than some distance, in floats.
 
     Steps have a length in proportion to the distance from the point; of several right-hand sides the first is taken.
@@ -516,7 +513,7 @@ def followed_home(
     return came
 
 
-def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> NDArray[np.bool_]:
+def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> Mask:
     """Which places a polygon goes around."""
     found = np.zeros(len(x), dtype=bool)
     corners = np.asarray(ring, dtype=float)

@@ -28,7 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import Pattern
-from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, Floats, bernstein
+from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, bernstein
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
@@ -82,7 +83,7 @@ EFFORTS = {
 # ---- a sphere of triangles -----------------------------------------------------------------------
 
 
-def geodesic_sphere(frequency: int, planes: Floats | None = None) -> tuple[Floats, Triples, NDArray[np.bool_]]:
+def geodesic_sphere(frequency: int, planes: Floats | None = None) -> tuple[Floats, Triples, Mask]:
     """Corners and triangles, counterclockwise from outside, of a divided polyhedron on the unit sphere.
 
     Args:
@@ -168,7 +169,7 @@ class Front:
     def __init__(
         self,
         field: FloatField,
-        inside: Callable[[Floats], NDArray[np.bool_]],
+        inside: Callable[[Floats], Mask],
         within: float,
         limit: float,
         effort: ShellEffort,
@@ -200,7 +201,7 @@ class Front:
         """The corners of the first polyhedron."""
         return np.asarray(self.sphere @ self.units.T)
 
-    def _level_set(self, inside: Callable[[Floats], NDArray[np.bool_]], within: float) -> Floats:
+    def _level_set(self, inside: Callable[[Floats], Mask], within: float) -> Floats:
         """Units U of the ellipsoid nearest to the set that attracts: ``r^-2 = u' P u`` for its distances r on rays u.
 
         ``P = (U U')^-1``; where that is not positive, U are the units of the states.
@@ -217,7 +218,7 @@ class Front:
             return np.eye(3)
         return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
 
-    def _along_plane(self, inside: Callable[[Floats], NDArray[np.bool_]], within: float) -> Floats | None:
+    def _along_plane(self, inside: Callable[[Floats], Mask], within: float) -> Floats | None:
         """Units in which a ball shrinks along a plane on which solutions slide near the point; None where none do.
 
         Its third axis is that of the jump of the field, so that off the plane the ball shrinks by what jumps.
@@ -343,7 +344,7 @@ class Front:
         degrees = [max(own.degree for own in part) + 3 * (k > 0) for own in parts for k, part in enumerate(own)]
         return bernstein(max(degrees))
 
-    def _bad_sides(self, logarithms: Floats) -> NDArray[np.bool_]:
+    def _bad_sides(self, logarithms: Floats) -> Mask:
         """Over which sides the field is not seen to lead inward."""
         corners = self.places(logarithms)[self.triangles]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -395,7 +396,7 @@ class Front:
             touched = np.nonzero(slower[self.between % self.count].any(axis=1))[0]
         return None
 
-    def _failing(self, inner: Floats, outer: Floats, margin: float, own: Triples) -> NDArray[np.bool_]:
+    def _failing(self, inner: Floats, outer: Floats, margin: float, own: Triples) -> Mask:
         """Those of some tetrahedra between two polyhedra on which floats do not see W fall."""
         places = np.concatenate([self.places(inner), self.places(outer)])[own]
         sizes, slopes = gradients(places, (own >= self.count).astype(float))
@@ -421,7 +422,7 @@ class Front:
         away = [np.isin(self.between[own[0]], side).argmin() for own, side in zip(pairs, sides, strict=True)]
         return pairs, np.array(away, dtype=int)
 
-    def _failing_beside_planes(self, inner: Floats, outer: Floats, margin: float) -> NDArray[np.bool_]:
+    def _failing_beside_planes(self, inner: Floats, outer: Floats, margin: float) -> Mask:
         """Tetrahedra beside sides in planes on which no mixture of both gradients is seen to fall for all fields."""
         failing = np.zeros(len(self.between), dtype=bool)
         pairs, away = self._beside_planes
@@ -521,7 +522,7 @@ def slopes_along(at: Callable[[Floats], Floats], directions: Floats, size: float
     return np.asarray((at(size * directions) - at(-size * directions)).T / (2 * size))
 
 
-def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]:
     """The mixtures along a plane of velocities of both sides at places in it, and where both lead to it."""
     width = WIDTH * np.linalg.norm(x, axis=1)[:, None] * normal / np.linalg.norm(normal)
     there = x - np.outer(x @ normal, normal) / (normal @ normal)
@@ -547,7 +548,7 @@ def unit_ball(linear: Floats) -> Floats:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(weights).T))
 
 
-def _reach(ray: Floats, inside: Callable[[Floats], NDArray[np.bool_]], within: float) -> float:
+def _reach(ray: Floats, inside: Callable[[Floats], Mask], within: float) -> float:
     """How many times a vector leads to where a set is left first, on its way out of a cube."""
     shares = np.linspace(0, 1, 513)[1:] * within / float(np.abs(ray).max())
     left = ~inside(shares[:, None] * ray)
@@ -568,7 +569,7 @@ def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
     return np.asarray((a * normals[0]).sum(axis=1)), np.asarray(slopes)
 
 
-def inside_polyhedron(sides: Floats, x: Floats) -> NDArray[np.bool_]:
+def inside_polyhedron(sides: Floats, x: Floats) -> Mask:
     """Which places lie in a polyhedron that all rays from the point leave once.
 
     Args:

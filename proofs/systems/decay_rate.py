@@ -16,14 +16,12 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from fractions import Fraction
 from itertools import count
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
-
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # Of what samples allow, from the largest one on.
 SHARES = tuple(Fraction(k, 64) for k in (63, 60, 56, 52, 48, 40, 32, 16))

@@ -18,10 +18,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment, common_edges
@@ -29,10 +28,9 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_values
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
-
-Floats: TypeAlias = NDArray[np.float64]
 
 DIVISIONS = 6  # of every side of a cell
 SHRINKING = 0.5  # from one distance to the next
@@ -152,7 +150,7 @@ def build_sides(cells: Iterable[LyapunovCell], basis: Sequence[BasisFunction]) -
 
 
 @BEYOND_FLOATS
-def build_rows(sides: Sequence[Sides]) -> tuple[Floats, NDArray[np.bool_]]:
+def build_rows(sides: Sequence[Sides]) -> tuple[Floats, Mask]:
     """Rows r with the condition ``r . c > 0`` for points all over the cells, and which of them speak of V itself.
 
     The others speak of its derivative, which may vanish where V need not fall.
@@ -304,7 +302,7 @@ def _triangle(first: Floats, second: Floats, third: Floats) -> Floats:
     return np.array([first + a * (second - first) + b * (third - first) for a, b in weights])
 
 
-def _inside(region: Region, points: Floats, curve: Polynomial | None = None) -> NDArray[np.bool_]:
+def _inside(region: Region, points: Floats, curve: Polynomial | None = None) -> Mask:
     """Where no guard is negative, but that of a curve on which the points lie."""
     kept = np.ones(len(points), dtype=bool)
     for guard in region.guards:

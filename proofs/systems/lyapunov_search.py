@@ -43,7 +43,6 @@ from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
-    Floats,
     Sides,
     bent_functions,
     build_formula,
@@ -60,6 +59,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 

@@ -28,7 +28,8 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, area, grow, next_ring
+from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, grow, next_ring
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Beside: TypeAlias = tuple[Floats, dict[str, Any]]  # another place of rest, in floats, and hypotheses that are shown
 

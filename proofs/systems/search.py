@@ -22,7 +22,6 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, cone_region
@@ -43,10 +42,11 @@ from nonsmooth.proofs.systems.lyapunov_search import (
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-Proposal: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # values on rays, and mixed ones
+Proposal: TypeAlias = tuple[Floats, Floats]  # values on rays, and mixed ones
 
 DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
 HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more
@@ -201,7 +201,7 @@ def _solve(count: int, ends: tuple[tuple[int, ...], ...], flows: bytes) -> Propo
 
 
 @BEYOND_FLOATS
-def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:
+def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """The flow of a cone in its rays, of size one; no numbers beyond the range of floats."""
     flow = _flow_in_rays(rays, cone)
     if not np.isfinite(flow).all():
@@ -209,7 +209,7 @@ def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]
     return np.asarray(flow / (np.abs(flow).max() or 1.0))
 
 
-def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:
+def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
     basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
     zero = cone.velocity[0].field.zero

@@ -13,11 +13,10 @@ import numpy as np
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames, last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
-from nonsmooth.reports.figures.style import Floats
 from nonsmooth.reports.figures.wheels import outline_of, placed, rim_length
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition

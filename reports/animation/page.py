@@ -17,11 +17,12 @@ import numpy as np
 from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
 from nonsmooth.reports.figures.path import marked
-from nonsmooth.reports.figures.style import Floats, length_label
+from nonsmooth.reports.figures.style import length_label
 from nonsmooth.reports.figures.wheels import AXIS
 from nonsmooth.reports.formats.html import template_part
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 WIDE = 1000.0  # width of the frame in the view box
 LEFT, BELOW, BEYOND = 90, 50, 20  # beside it for the numbers at its edges, and on the other sides

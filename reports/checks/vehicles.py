@@ -18,16 +18,7 @@ from nonsmooth.analysis.bodies.vehicles import (
     vehicle_motions,
 )
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.reports.figures.style import (
-    INK,
-    LINES,
-    Floats,
-    legend_below,
-    length_label,
-    new_figure,
-    view_square,
-    wrapped,
-)
+from nonsmooth.reports.figures.style import INK, LINES, legend_below, length_label, new_figure, view_square, wrapped
 from nonsmooth.reports.figures.wheels import draw_wheel
 from nonsmooth.reports.output.document import Block, Paragraph, sentences, table
 from nonsmooth.reports.output.facts import Record, exact_texts, floats
@@ -37,7 +28,7 @@ from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

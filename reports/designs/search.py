@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Pose, Position
@@ -30,6 +29,7 @@ from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 # ---- what is wanted ------------------------------------------------------------------------------
@@ -171,7 +171,6 @@ LINE = 6  # checks along each line of them
 WIDE = 0.6  # share of the checks before those around the best
 STEP = 0.06  # of a range: where the search around the best begins
 
-Floats: TypeAlias = NDArray[np.float64]
 Told: TypeAlias = Callable[[int, int], None]  # candidates checked, and allowed
 
 

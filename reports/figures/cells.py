@@ -35,7 +35,6 @@ from nonsmooth.reports.figures.style import (
     PICTURE,
     POINTS_PER_INCH,
     TINT,
-    Floats,
     draw_bar,
     draw_checked_point,
     drawn,
@@ -53,7 +52,7 @@ from nonsmooth.reports.output.document import cell_mark
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import XY, around, between, dot, in_floats, minus
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

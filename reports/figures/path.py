@@ -23,7 +23,6 @@ from nonsmooth.reports.figures.style import (
     PALETTE,
     TINT,
     TO_SHOW,
-    Floats,
     centre_labels,
     drawn,
     legend_below,
@@ -40,6 +39,7 @@ from nonsmooth.reports.figures.wheels import draw_axis, draw_names, outline_of, 
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:

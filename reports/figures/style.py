@@ -11,16 +11,16 @@ import textwrap
 import warnings
 from collections.abc import Callable, Sequence
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number_text import decimal_text
 from nonsmooth.symbolic.numbers.plane import XY
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.image import AxesImage
     from matplotlib.lines import Line2D
 
-Floats: TypeAlias = NDArray[np.float64]
 
 # ---- colors and sizes ----------------------------------------------------------------------------
 

@@ -18,7 +18,6 @@ from nonsmooth.reports.figures.style import (
     PICTURE,
     POINTS_PER_INCH,
     TINT,
-    Floats,
     draw_checked_point,
     legend_below,
     length_label,
@@ -35,7 +34,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

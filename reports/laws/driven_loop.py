@@ -19,7 +19,6 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
-from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import proved
 from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
@@ -34,6 +33,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 MOST_CONES = 4  # of directions of c: on the axis c = 0 all their planes meet, and the follower tries 3^m patterns of m
 REMEMBERED = 64  # places: where modes meet, several of them ask for one motion
@@ -212,23 +212,23 @@ class DrivenLoop:
             raise TrajectoryError("the body leaves the square in which the speeds impose their twists")
 
 
-def _constant(twist: Vector) -> Motion:
+def _constant(twist: Floats) -> Motion:
     return lambda c: twist
 
 
-def _minimizing(model: ContactModel, speeds: Vector) -> Motion:
+def _minimizing(model: ContactModel, speeds: Floats) -> Motion:
     """The motion at given speeds under a rule without cells, by the place."""
     targets = np.zeros(2 * model.wheels)
     targets[0::2] = speeds
     driven, loads, minimizer = replace(model, targets=targets), MovingLoads(model, np.zeros(2)), EllipseMinimizer()
 
     @lru_cache(maxsize=REMEMBERED)
-    def motion_at(x: float, y: float) -> Vector:
+    def motion_at(x: float, y: float) -> Floats:
         minima = minimizer.minimize(driven, loads.at(np.array([x, y]))[0])
         if not proved(minima)[0]:
             at = place_text((x, y))
             raise TrajectoryError(f"required a certified motion, received a minimum without proof at {at}")
-        twist: Vector = minima.twists[0]
+        twist: Floats = minima.twists[0]
         return twist
 
     return lambda c: motion_at(float(c[0]), float(c[1]))

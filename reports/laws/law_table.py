@@ -15,7 +15,6 @@ from fractions import Fraction
 from typing import SupportsFloat, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -37,10 +36,9 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text, lower_text, upper_text
-from nonsmooth.symbolic.numbers.plane_arrays import turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
 
-Floats: TypeAlias = tuple[float, ...]
-Floats2: TypeAlias = NDArray[np.float64]
+Coefficients: TypeAlias = tuple[float, ...]
 
 
 NEARBY = "from starts near the checked point; how near is not known"
@@ -77,10 +75,10 @@ class LawRegion:
 
     name: str
     where: str
-    sides: tuple[Floats, ...]
-    speeds: Mapping[int, Floats]
-    axes: tuple[Floats, ...] = ()
-    corners: tuple[Floats, ...] = ()
+    sides: tuple[Coefficients, ...]
+    speeds: Mapping[int, Coefficients]
+    axes: tuple[Coefficients, ...] = ()
+    corners: tuple[Coefficients, ...] = ()
 
     def depth(self, x: float, y: float) -> float:
         """Distance of a displacement from the nearest side, negative outside of it; 0 where there are no sides."""
@@ -321,7 +319,7 @@ def _sizes(table: LawTable, feedback: AnyFeedback, region: LawRegion) -> tuple[f
     return max(float(np.max(np.abs(row) * lengths)) for row in region.speeds.values()), 0.0
 
 
-def _largest_product(table: LawTable, region: LawRegion, row: Floats) -> float:
+def _largest_product(table: LawTable, region: LawRegion, row: Coefficients) -> float:
     """The largest ``(P c, w theta) . g`` over sqrt(V), for c in the directions of a cell.
 
     For c along a unit vector e it is ``sqrt((g_c . P e)^2/(e . P e) + w g_theta^2)``, which is largest along g_c, or
@@ -335,7 +333,7 @@ def _largest_product(table: LawTable, region: LawRegion, row: Floats) -> float:
     return math.sqrt(max(along, default=0.0) + table.constants["w"] * row[2] ** 2)
 
 
-def _border(region: LawRegion) -> tuple[Floats2, ...]:
+def _border(region: LawRegion) -> tuple[Floats, ...]:
     """The first and the last direction of a cell seen from the point, counterclockwise; none where it lies within."""
     corners = np.array(region.corners)
     middle = corners.mean(axis=0)
@@ -345,7 +343,7 @@ def _border(region: LawRegion) -> tuple[Floats2, ...]:
     return corners[np.argmin(turns)], corners[np.argmax(turns)]
 
 
-def _is_between(way: Floats2, rays: Sequence[Floats2]) -> bool:
+def _is_between(way: Floats, rays: Sequence[Floats]) -> bool:
     """Whether a direction lies between two that are less than half a turn apart, or on them."""
     first, last = rays
     return bool(turned(first) @ way >= 0 and turned(way) @ last >= 0 and (first + last) @ way >= 0)
@@ -376,12 +374,12 @@ def _effort_by_terms(table: LawTable) -> str:
     return f"{_upper(place)} k {names[0]} + {_upper(turn)} k {names[1]} (the largest of all regions: {where})"
 
 
-def _by_place(table: LawTable, row: Floats) -> float:
+def _by_place(table: LawTable, row: Coefficients) -> float:
     """The speed of a wheel over r, or over ``|A|``, at most."""
     return abs(row[0]) + math.hypot(*row[1:3]) if table.kind is LawKind.CASCADE else abs(row[0])
 
 
-def _by_turn(table: LawTable, row: Floats) -> float:
+def _by_turn(table: LawTable, row: Coefficients) -> float:
     """The speed of a wheel over ``|theta|``, or over ``|W|``, at most."""
     return abs(row[1]) + abs(row[2]) if table.kind is LawKind.PAPER else abs(row[-1])
 
@@ -415,7 +413,7 @@ def _sum(coefficients: Sequence[float], names: Sequence[str]) -> str:
     return " + ".join(f"{value!r} {name}" for value, name in zip(coefficients, names, strict=True) if value) or "0"
 
 
-def _region(cell: Cell, speeds: Mapping[int, Floats], axes: tuple[Floats, ...] = ()) -> LawRegion:
+def _region(cell: Cell, speeds: Mapping[int, Coefficients], axes: tuple[Coefficients, ...] = ()) -> LawRegion:
     corners = [f"({', '.join(map(brief_text, vertex))})" for vertex in cell.polygon.vertices]
     sides = tuple(_floats((s.offset, -s.normal[0], -s.normal[1])) for s in cell.polygon.sides)
     vertices = tuple(map(_floats, cell.polygon.vertices))
@@ -440,7 +438,7 @@ def _signs(cascade: CascadeLaw) -> dict[int, int]:
     return {wheel.index: sign for wheel, sign in zip(cascade.wheels, cascade.signs, strict=True)}
 
 
-def _roll_rows(state: ContactState) -> dict[int, Floats]:
+def _roll_rows(state: ContactState) -> dict[int, Coefficients]:
     """Of each wheel that acts: ``u_w = row . (v, omega)``."""
     acting = [row for row in (state.rows[0], state.rows[2]) if row.kind is RowKind.ROLL]
     return {row.wheel.index: _floats(row.unit_normal) for row in acting}
@@ -484,5 +482,5 @@ def _cone(own: Scene, cone: LawCone, feedback: DrivenFeedback) -> LawRegion:
     return LawRegion(f"directions {start} to {end} degrees", "of c, counterclockwise", sides, speeds, twists)
 
 
-def _floats(values: Iterable[SupportsFloat]) -> Floats:
+def _floats(values: Iterable[SupportsFloat]) -> Coefficients:
     return tuple(float(value) + 0.0 for value in values)

@@ -17,7 +17,6 @@ from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -45,6 +44,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import AngleUnit, Units
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, place_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
     from nonsmooth.reports.laws.driven_loop import DrivenLoop
@@ -483,7 +483,7 @@ def _driven_starts(loop: DrivenLoop) -> list[Pose]:
     return [_start(loop, np.array(direction), size) for direction in chosen]
 
 
-def _start(loop: DrivenLoop, direction: Vector, size: float) -> Pose:
+def _start(loop: DrivenLoop, direction: Floats, size: float) -> Pose:
     x, y, theta = size * direction / float(np.linalg.norm(direction))
     place = (float(float_text(float(x), 3)), float(float_text(float(y), 3)))
     return (*place, float(float_text(float(theta) / loop.length, 3)))

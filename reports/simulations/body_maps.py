@@ -10,11 +10,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.figures.style import (
     INK,
@@ -56,7 +54,7 @@ from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
-from nonsmooth.symbolic.numbers.plane_arrays import places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -139,7 +137,7 @@ class BodyMapResult(ArrayMap):
         return self.scene
 
     @cached_property
-    def home(self) -> NDArray[np.bool_]:
+    def home(self) -> Mask:
         """Which starts end upright within the accuracy of the checked point (m,)."""
         upright = self.found.by(BodyEnd.REST) | self.found.by(BodyEnd.TIME)
         return self.are_near(self.found.poses[:, :2]) & upright
@@ -259,7 +257,7 @@ class BodyMapResult(ArrayMap):
         if later.any():
             yield "tip on their way", f"{int(later.sum())} of {total} starts; {self._lines_under(later)}"
 
-    def _lines_under(self, tips: NDArray[np.bool_]) -> str:
+    def _lines_under(self, tips: Mask) -> str:
         """The lines through wheels that the centres of bodies which tip are beyond, the most frequent first."""
         names = {int(wheel.index): str(wheel.index) for wheel in whole(self.scene).wheels}
         most = Counter(tuple(sorted(row)) for row in self.found.over[tips].tolist() if all(row)).most_common(LINES)

@@ -40,7 +40,8 @@ from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
+
+    from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 SCHEMA = "nonsmooth-failed-paths/1"
 ANY = "any"
@@ -477,7 +478,7 @@ def _draw(ax: Axes, path: FailedPath, **style: object) -> None:
     ax.plot(*points[-1], "x" if path.does_tip else "o", color=line.get_color(), markersize=4)
 
 
-def _points(path: Trajectory) -> NDArray[np.float64]:
+def _points(path: Trajectory) -> Floats:
     """Places (m, 2) along a path, and its end."""
     return np.array([state[:2] for state in (*path.states, path.end.state)], float)
 

@@ -15,7 +15,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
@@ -27,7 +26,6 @@ from nonsmooth.reports.figures.style import (
     LEGEND_LINE,
     TIMES,
     TOLD_APART,
-    Floats,
     draw_bar,
     draw_grid,
     grid_extent,
@@ -49,7 +47,7 @@ from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import percent_text
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, float_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -149,7 +147,7 @@ class ArrayMap(MapResult):
 
     @property
     @abstractmethod
-    def home(self) -> NDArray[np.bool_]:
+    def home(self) -> Mask:
         """Which starts end within the accuracy of the checked point, by every solution (m,)."""
 
     @property
@@ -157,7 +155,7 @@ class ArrayMap(MapResult):
         """Said of times where the scene says what gravity is, for a body with inertia takes longer."""
         return ", without inertia" if self.array.inertia is not None else ""
 
-    def are_near(self, places: Floats) -> NDArray[np.bool_]:
+    def are_near(self, places: Floats) -> Mask:
         """Which of the places (m, 2) are within the accuracy of the checked point; none is not."""
         away = places - self.array.check.place
         return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(self.array)))
@@ -223,12 +221,12 @@ class SettleMapResult(ArrayMap):
         return f"{self.array.name}, rule {self.partition.rule}"
 
     @cached_property
-    def home(self) -> NDArray[np.bool_]:
+    def home(self) -> Mask:
         """Which starts end within the accuracy of the checked point, by every solution (m,)."""
         return self._near & self.found.unique
 
     @cached_property
-    def _near(self) -> NDArray[np.bool_]:
+    def _near(self) -> Mask:
         """Which do by the solution that is followed (m,)."""
         return self.are_near(self.found.points)
 

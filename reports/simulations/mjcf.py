@@ -36,11 +36,11 @@ from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.numbers.plane import XY, Pose, cross, dot, in_floats, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.analysis.trajectories.result import Trajectory
     from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
     from nonsmooth.symbolic.numbers.plane import Vector

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, OrbitErrors, SlideSense
@@ -21,6 +20,7 @@ from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.under_way import tell
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_stated
 
 if TYPE_CHECKING:
@@ -71,12 +71,12 @@ class OrbitResult(Result):
         return self.proof.is_proved
 
     @property
-    def t(self) -> NDArray[np.float64]:
+    def t(self) -> Floats:
         """Sample times of one turn, shape (m,)."""
         return self.orbit.path.t
 
     @property
-    def state(self) -> NDArray[np.float64]:
+    def state(self) -> Floats:
         """States at these times, shape (m, n)."""
         return self.orbit.path.array
 

@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.reports.output.facts import Record
@@ -25,6 +24,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DIGITS = 3

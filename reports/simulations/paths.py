@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -55,6 +54,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
@@ -117,12 +117,12 @@ class PathResult(Result):
         """How it ends, where and when: a record, and one sentence."""
 
     @property
-    def t(self) -> NDArray[np.float64]:
+    def t(self) -> Floats:
         """Sample times, shape (m,)."""
         return self.trajectory.t
 
     @property
-    def state(self) -> NDArray[np.float64]:
+    def state(self) -> Floats:
         """Sampled states, shape (m, n)."""
         return self.trajectory.array
 
@@ -437,7 +437,7 @@ class ArrayPath(PathResult):
         """How many events, how it ends, and under which law."""
         return super().summary() + ("" if self.loop is None else f"; {self.loop.title}")
 
-    def speeds(self, times: Iterable[float] | None = None) -> NDArray[np.float64]:
+    def speeds(self, times: Iterable[float] | None = None) -> Floats:
         """The speeds of all wheels in a closed loop at times, those of its samples unless given (m, n).
 
         At a switch they are those of the motion that begins there; nan where a wheel does not act and is given none.
@@ -517,7 +517,7 @@ class DrivenPath(ArrayPath):
     loop: DrivenLoop
     own: Trajectory
 
-    def speeds(self, times: Iterable[float] | None = None) -> NDArray[np.float64]:
+    def speeds(self, times: Iterable[float] | None = None) -> Floats:
         """What the law asks for at the poses of the samples (m, n)."""
         del times
         return np.array([self.loop.speeds(pose) for pose in self.own.states])

@@ -10,10 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field
@@ -43,6 +42,7 @@ from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, Record, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -51,7 +51,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.image import AxesImage
 
-Floats: TypeAlias = NDArray[np.float64]
 
 SCHEMA = "nonsmooth-system-map/1"
 UNTIL = 10.0  # last time of the paths, where none is given

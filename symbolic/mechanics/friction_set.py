@@ -34,11 +34,10 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar, cast
 
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
-Floats: TypeAlias = NDArray[np.float64]
 X = TypeVar("X", bound=Any)  # numbers of one arithmetic
 
 
@@ -165,7 +164,7 @@ class CutEllipse(Generic[X]):
         sizes = self._length(x, y)
         return sizes if self.is_whole else np.maximum(sizes, np.abs(y) / self.cut)
 
-    def slip_cone(self, x: X, y: X, slack: float) -> tuple[Floats, NDArray[np.bool_]]:
+    def slip_cone(self, x: X, y: X, slack: float) -> tuple[Floats, Mask]:
         """Which slips go with a force of the set, ``-(alpha x, beta y)``: its normal cone; of arrays of floats (...).
 
         Inside the set none; on the arc a non-negative multiple of ``-(x, y)``; on a straight side one across against y;
@@ -309,7 +308,7 @@ class Box(CutEllipse[X]):
         """As of the ellipse."""
         return np.maximum(np.abs(x), np.abs(y))
 
-    def slip_cone(self, x: X, y: X, slack: float) -> tuple[Floats, NDArray[np.bool_]]:
+    def slip_cone(self, x: X, y: X, slack: float) -> tuple[Floats, Mask]:
         """As of the ellipse, each direction on its own."""
         force = np.stack([x, y], axis=-1)
         at_limit = np.abs(force) >= 1 - slack

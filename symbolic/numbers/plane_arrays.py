@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from nonsmooth.symbolic.numbers import plane
 
 Floats: TypeAlias = NDArray[np.float64]
+Mask: TypeAlias = NDArray[np.bool_]
 
 
 def float_points(points: Iterable[tuple[Any, Any]]) -> Floats:

@@ -17,12 +17,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, fmpq_to_float
 from nonsmooth.symbolic.numbers.exact_real import ExactRing
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Exponents: TypeAlias = tuple[int, ...]
 Terms: TypeAlias = dict[Exponents, Any]  # nonzero coefficients of any ordered ring
@@ -95,21 +95,19 @@ def _powers(base: Any, terms: Mapping[Exponents, Any], index: int) -> list[Any]:
 
 
 @BEYOND_FLOATS
-def float_values(terms: Mapping[Exponents, Any], points: NDArray[np.float64]) -> NDArray[np.float64]:
+def float_values(terms: Mapping[Exponents, Any], points: Floats) -> Floats:
     """A polynomial at points of shape (m, n), in floats."""
     return sum(_float_terms(terms, points), np.zeros(len(points)))
 
 
 @BEYOND_FLOATS
-def float_values_and_sizes(
-    terms: Mapping[Exponents, Any], points: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def float_values_and_sizes(terms: Mapping[Exponents, Any], points: Floats) -> tuple[Floats, Floats]:
     """The same, and the sums of the absolute values of the terms, by which rounding is told."""
     listed = list(_float_terms(terms, points))
     return sum(listed, np.zeros(len(points))), sum(map(np.abs, listed), np.zeros(len(points)))
 
 
-def _float_terms(terms: Mapping[Exponents, Any], points: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+def _float_terms(terms: Mapping[Exponents, Any], points: Floats) -> Iterator[Floats]:
     for exponents, coefficient in terms.items():
         exact = as_fmpq(coefficient) if isinstance(coefficient, Fraction) else coefficient
         size = fmpq_to_float(exact) if isinstance(exact, fmpq) else float(exact)

@@ -17,11 +17,12 @@ from nonsmooth.analysis.dynamics.newton_euler import (
     array_size,
     disc,
 )
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.thorough import few
 
 PATH = 1e-6  # of paths: the integrator's tolerance and the creep speed, with room for their growth along the path

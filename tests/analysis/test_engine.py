@@ -13,7 +13,7 @@ import pytest
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -24,6 +24,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.body_engine import (
     SETTLING,
     SLOW,

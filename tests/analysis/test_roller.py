@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, with_drag
 from nonsmooth.analysis.cells.contact_rule import contact_rule, smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
@@ -22,6 +22,7 @@ from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Friction
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.thorough import few, keep
 
 # ---- Rule ``roller``: D against the rolling that it is made of, its minimizers under symmetries, and its paths.

@@ -18,7 +18,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import ScalarVelocity, SwitchedField, Vector, affine_surface
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity, SwitchedField, affine_surface
 from nonsmooth.analysis.measurements.harness import log_slope
 from nonsmooth.analysis.trajectories import hysteresis
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
@@ -35,6 +35,7 @@ from nonsmooth.analysis.trajectories.steppers import (
 )
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL
 from tests.thorough import few
@@ -46,7 +47,7 @@ from tests.thorough import few
 STEP_TOLERANCES = {"rtol": 1e-9, "atol": 1e-11}
 
 
-def van_der_pol(t: float, x: Vector) -> Vector:
+def van_der_pol(t: float, x: Floats) -> Floats:
     """Its steps are refused now and then."""
     return np.array([x[1], 20 * (1 - x[0] ** 2) * x[1] - x[0] + np.sin(t)])
 
@@ -133,7 +134,7 @@ def test_fields_in_single_floats_are_followed_in_them() -> None:
     asked = []
 
     class Watched(ScalarVelocity):
-        def __call__(self, t: float, x: Vector) -> Vector:
+        def __call__(self, t: float, x: Floats) -> Floats:
             asked.append(t)
             return super().__call__(t, x)
 
@@ -214,11 +215,11 @@ def test_an_event_is_as_accurate_as_the_steps() -> None:
     speeds = "-0.92*x + 0.39*y - 0.71*x*y", "-0.07*x + 0.34*y + 0.59*x**2"
     system = nonsmooth.System(["x", "y"], [f"{speed} - 1 + sign(x - 0.09*y - 0.11)" for speed in speeds])
 
-    def rates(t: float, state: Vector) -> list[float]:
+    def rates(t: float, state: Floats) -> list[float]:
         x, y = state.tolist()
         return [-0.92 * x + 0.39 * y - 0.71 * x * y, -0.07 * x + 0.34 * y + 0.59 * x**2]
 
-    def height(t: float, state: Vector) -> float:
+    def height(t: float, state: Floats) -> float:
         return float(state[0] - 0.09 * state[1] - 0.11)
 
     height.terminal = True  # type: ignore[attr-defined]  # SciPy reads it
@@ -240,7 +241,7 @@ def closed_loop(gain: float) -> CellwiseField:
     return feedback_field(partition, corrected_law(gain), Kinematics.EXACT)
 
 
-def linear(matrix: Vector) -> SignField:
+def linear(matrix: Floats) -> SignField:
     """``x' = A x``, with a surface that is never met."""
     return SignField(("x", "y"), (affine_surface("far", (1.0, 0.0), -10.0),), lambda signs: lambda t, x: matrix @ x)
 

@@ -26,13 +26,14 @@ from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, l
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import DegenerateSurfaceError, SignField
-from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Vector, affine_surface
+from nonsmooth.analysis.fields.switched_field import ScalarVelocity, affine_surface
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories import faces as faces_module
 from nonsmooth.analysis.trajectories.faces import FaceMotion, face_choices
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import planar_systems
 from tests.conftest import Arrays
 from tests.hulls import hull_holds_zero
@@ -344,7 +345,7 @@ def test_linear_modes_have_none(tmp_path: Path) -> None:
 POLYNOMIAL_ROUNDING = 1e-13  # of polynomials of degree three at states of size two
 DIFFERENCE = 1e-8  # of central differences
 
-FORMULAS: list[tuple[list[str], list[str], Callable[[Vector], list[float]]]] = [
+FORMULAS: list[tuple[list[str], list[str], Callable[[Floats], list[float]]]] = [
     (["x"], ["-x*sign(x - 1)"], lambda s: [-s[0] * np.sign(s[0] - 1)]),
     (
         ["x", "v"],
@@ -365,7 +366,7 @@ FORMULAS: list[tuple[list[str], list[str], Callable[[Vector], list[float]]]] = [
 
 @pytest.mark.parametrize(("states", "rhs", "value"), FORMULAS)
 def test_the_flow_of_the_mode_at_a_state_is_the_formula(
-    states: list[str], rhs: list[str], value: Callable[[Vector], list[float]], tmp_path: Path
+    states: list[str], rhs: list[str], value: Callable[[Floats], list[float]], tmp_path: Path
 ) -> None:
     file = tmp_path / "my.toml"
     file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n")

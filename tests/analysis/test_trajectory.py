@@ -21,7 +21,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField, array_field,
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vector, affine_surface
+from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, affine_surface
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -29,6 +29,7 @@ from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.differences import smooth_surface
@@ -37,7 +38,7 @@ ROUNDING = 1e-14
 ROOT_HALF = math.sqrt(0.5)
 
 
-def constant(*velocity: float) -> Callable[[float, Vector], Vector]:
+def constant(*velocity: float) -> Callable[[float, Floats], Floats]:
     vector = np.array(velocity, dtype=float)
     return lambda t, x: vector
 
@@ -54,7 +55,7 @@ def quad_system(equation: int) -> SignField:
     """Eq. (3) or (4) as a plain system: sgn(y^2 - x^2) is a product of two signs."""
     surfaces = [("x", (1, 0, 0)), ("y", (0, 1, 0)), ("y - x", (-1, 1, 0)), ("y + x", (1, 1, 0))]
 
-    def flow(signs: tuple[int, ...]) -> Callable[[float, Vector], Vector]:
+    def flow(signs: tuple[int, ...]) -> Callable[[float, Floats], Floats]:
         sx, sy, s = signs[0], signs[1], signs[2] * signs[3]
         if equation == 3:
             return constant(-ROOT_HALF * sx * (s + 1), ROOT_HALF * sy * (s - 1), -ROOT_HALF * sx * sy * s)
@@ -264,7 +265,7 @@ def test_a_closed_orbit_ends_where_no_last_time_is_given(arrays: Arrays) -> None
     assert np.hypot(*path.array[:, :2].T) == pytest.approx(math.hypot(0.2, 0.1), abs=1e-13)
 
 
-def in_hull(field: ConstantField, point: Vector, rate: Vector) -> bool:
+def in_hull(field: ConstantField, point: Floats, rate: Floats) -> bool:
     """Whether a pose rate lies in the hull of the closed cells' rates at a point, by a linear program."""
     near = [cell for cell, p in enumerate(field.cells.polygons) if all(s.slack((*point,)) >= -1e-9 for s in p.sides)]
     flows = [field.flows[cell][0] for cell in near]

@@ -13,10 +13,10 @@ from scipy.optimize import minimize
 from nonsmooth.analysis.bodies.vehicles import VehicleMotion, friction_ratio, turns, vehicle_motion
 from nonsmooth.analysis.cells.contact_rule import all_rules, contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.files.documents import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
 from nonsmooth.symbolic.mechanics.vehicles import Vehicle
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.thorough import few, thorough
 
 MEASURED = ("lynx-wh05", "jackal", "husky-a200", "leo-rover", "panther-wh01", "rosbot", "warthog")

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.bodies.continuum import PolygonOnField, predict
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.checks.answers import check_record
@@ -25,6 +24,7 @@ from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
 from nonsmooth.symbolic.mechanics.body import ContinuousField, PolygonShape
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.evidence.comparison import Comparison, published
 from tests.evidence.pushed_body import Contacts, masons_vote, push, random_push
 

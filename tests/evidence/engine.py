@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.simulations.mjcf import export_scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.body_engine import pose_beside_engine
 from tests.engine_export import error
 from tests.roller_engine import mixed_errors, random_array, relative_errors

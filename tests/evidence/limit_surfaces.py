@@ -19,8 +19,8 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 SHARP = 1e-12  # of the gradient: a Newton iteration that comes closer has found the wrench
 MOST_STEPS = 100

@@ -27,13 +27,13 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 
 OFF = (0.0, 3.0, 9.0)  # degrees by which headings are wrong

@@ -23,9 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.symbolic.numbers.plane_arrays import turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
 
 GRIP = 1e3  # of a constraint, in units of the largest wrench that it can need
 CLEARANCE = 1e-9  # relative: a tip whose friction exceeds its cone by less sticks

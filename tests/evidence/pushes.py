@@ -32,8 +32,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import bootstrap
 
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.evidence.comparison import Comparison, Verdict
 from tests.evidence.limit_surfaces import LimitSurface, fit_surface
 from tests.evidence.pushed_body import Contacts

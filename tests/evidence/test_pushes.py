@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.numbers.plane_arrays import turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
 from tests.evidence.limit_surfaces import exponents, fit_surface, monomials
 from tests.evidence.pushed_body import Contacts, Push, Tip, masons_vote, push, random_push
 from tests.evidence.pushes import (

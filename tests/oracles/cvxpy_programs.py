@@ -26,12 +26,13 @@ from numpy.typing import ArrayLike
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers import choice
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
     import cvxpy as cp

@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model, contacts_under
+from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -47,6 +47,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import centred, ruled
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS

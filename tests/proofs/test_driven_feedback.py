@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -51,6 +51,7 @@ from nonsmooth.symbolic.mechanics.constraints import cross_product, independent,
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import centred
 from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds

@@ -15,7 +15,7 @@ from flint import arb
 
 from nonsmooth.analysis.cells.filippov import upper_derivative_at
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.measurements import cases
 from nonsmooth.analysis.measurements.cases import (
     DETERMINANTS,
@@ -50,6 +50,7 @@ from nonsmooth.symbolic.mechanics.similar_scenes import scaled, with_wheels
 from nonsmooth.symbolic.numbers import enclosures
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.built_in import drift, verdicts
 from tests.conftest import Arrays

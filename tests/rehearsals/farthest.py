@@ -11,9 +11,9 @@ from nonsmooth.analysis.cells.contact_rule import CellRule
 from nonsmooth.analysis.cells.nearest import bisector, greedy_states
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon, square
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.sampling import greedy_twist
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 class FarthestRule(CellRule):

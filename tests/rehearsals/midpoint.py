@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, Rate
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 class ImplicitMidpoint:
@@ -19,7 +19,7 @@ class ImplicitMidpoint:
     def __init__(self, size: float) -> None:
         self._size = size
 
-    def steps(self, rate: Rate, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
+    def steps(self, rate: Rate, t: float, x: Floats, until: float) -> Iterator[DenseStep]:
         """Steps up to the last time."""
         while t < until:
             h = min(self._size, until - t)
@@ -33,5 +33,5 @@ class ImplicitMidpoint:
             t, x = t + h, x + h * slope
 
 
-def _line(start: float, x: Vector, slope: Vector) -> Interpolant:
+def _line(start: float, x: Floats, slope: Floats) -> Interpolant:
     return lambda t: (x + np.multiply.outer(t - start, slope)).T

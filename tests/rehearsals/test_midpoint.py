@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import Vector, affine_surface
+from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.rehearsals.midpoint import ImplicitMidpoint
 
 SURFACE = affine_surface("x", (1, 0))
@@ -55,5 +56,5 @@ def test_a_slide_is_followed_by_it_too() -> None:
     found = follow_smooth(field, (0.5, 0.0), 1.0, stepper=ImplicitMidpoint(0.03))
     assert [event.kind for event in found.events] == [EventKind.SLIDE]
     assert float(found.events[0].t) == pytest.approx(0.5, abs=1e-15)
-    end: Vector = np.array(found.end.state)
+    end: Floats = np.array(found.end.state)
     assert end == pytest.approx([0.0, 1.0], abs=1e-14)

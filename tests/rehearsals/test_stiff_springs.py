@@ -20,7 +20,7 @@ from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
 from nonsmooth.analysis.cells.contact_rule import CellRule, contact_rule, smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
 from nonsmooth.analysis.dynamics.newton_euler import MovingLoads, RigidBody
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model, contacts_under
+from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.answers import answers_of
@@ -33,6 +33,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import with_only
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.rehearsals.stiff_springs import StiffSprings
 
 STIFFNESS = (1, 3, 2, 5, 1, 2)

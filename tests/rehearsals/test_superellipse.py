@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from nonsmooth.analysis.bodies.mass_study import body_path, rule_path
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction, RigidBody
-from nonsmooth.analysis.fields.contact_model import Floats, contacts_under
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, usage
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
@@ -21,6 +21,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.rehearsals.superellipse import Superellipse, SuperellipseRule
 
 PLACES = np.array([[0.2, 0.4], [-0.3, 0.1], [0.05, -0.6]])

@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.measurements.harness import Case, ResultRow, Rows, judged, refused
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.checker.files import check_file
@@ -32,6 +31,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.scene import Contact, Friction, Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.array_certificates import subject
 from tests.conftest import Arrays, WheelData
 from tests.engine_export import engine_twist, error, predicted_twist

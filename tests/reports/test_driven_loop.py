@@ -15,7 +15,7 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.driven_field import Motion
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
@@ -40,6 +40,7 @@ from nonsmooth.reports.simulations.paths import follow_array, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import ruled
 from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -32,6 +32,7 @@ from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.mechanics.units import Units
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough

@@ -20,7 +20,6 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
@@ -37,6 +36,7 @@ from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import checked
 from tests.conftest import Arrays
 from tests.reports.conftest import Invoke

@@ -14,7 +14,6 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_rule import rule_of, smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.sections.rules import losses_of
@@ -23,6 +22,7 @@ from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.reports.conftest import Invoke
 from tests.thorough import keep
 

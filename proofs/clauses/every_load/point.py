@@ -13,10 +13,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from itertools import combinations
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
@@ -48,6 +46,7 @@ from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import cross, separating_direction
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- sets of loads in floats ---------------------------------------------------------------------
 #
@@ -361,8 +360,6 @@ def _box_rates(scene: Scene) -> list[Number]:
 # Twenty wheels have hundreds of rays and of corners: floats with a bound of their error leave out the slopes that are
 # certainly positive, and every other is computed exactly.
 
-
-Floats: TypeAlias = NDArray[np.float64]
 
 HALVINGS = 12  # of the square in which a load is followed: at the point the loads are positive
 SUSPECTS = 4  # loads that are tried as witnesses: each takes the cells of a known load

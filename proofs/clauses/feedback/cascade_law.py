@@ -48,11 +48,9 @@ from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.fan import CellCone, Cone
 from nonsmooth.analysis.cells.moves import slide_speed
@@ -68,6 +66,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 LAW = (
     "u_w = d_w . (v + omega J p_w) for w = i, j with omega = -k theta, v = k |c| e - (n_i . J p_i) omega n_i, "
@@ -81,8 +80,6 @@ SLOW_LAW = (
 _STEPS = 80  # proposals for x_0 and for q
 _TOPS = (-4.0, -0.3)  # decimal exponents of x_0
 _WEIGHTS = (-5.0, 2.0)  # decimal exponents of q
-
-Floats: TypeAlias = NDArray[np.float64]
 
 
 class Descent(StrEnum):

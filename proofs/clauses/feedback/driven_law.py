@@ -11,10 +11,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.rational_bounds import MUCH_BELOW, confirmed, rounded_down
@@ -30,8 +28,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
-
-Floats: TypeAlias = NDArray[np.float64]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 CHOICES = 64  # unique minimizers among which the best three are sought
 DIGITS = 8  # binary, of the lengths of twists

@@ -44,12 +44,13 @@ from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.proofs.clauses.every_load.point import FloatLoads, Floats, float_loads
+from nonsmooth.proofs.clauses.every_load.point import FloatLoads, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
 from nonsmooth.symbolic.mechanics.constraints import roll_row, side_row
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # Directions of force and moment in which loads are sampled that push the body most: of a cube's faces, edges, corners.
 SIDES = np.array([side for side in product((-1.0, 0.0, 1.0), repeat=3) if any(side)])

@@ -40,6 +40,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 from nonsmooth.symbolic.mechanics.friction_set import Box, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- realizable twists: the motions that some speeds of the wheels impose under rule ``box`` -----
 #
@@ -218,7 +219,6 @@ USED = -1.0  # in place of the margin of a candidate that was proposed
 LEAST_ANGLE = 2.0**-13  # of a twist of length one with the span of others: below that it would give no rate
 
 ImposedTwist: TypeAlias = BoxTwist | BalancedTwist
-Floats: TypeAlias = NDArray[np.float64]
 
 
 def imposer(scene: Scene, region: LoadRegion) -> Callable[[Triple], ImposedTwist]:
@@ -327,7 +327,7 @@ class PromisingTwists:
         basis = np.linalg.qr(_floats(span).T)[0] if span else np.zeros((3, 0))
         return np.asarray(np.linalg.norm(self._edges - self._edges @ basis @ basis.T, axis=1))
 
-    def _take(self, merit: Floats, usable: NDArray[np.bool_]) -> Triple | None:
+    def _take(self, merit: Floats, usable: Mask) -> Triple | None:
         """The usable candidate of the largest merit; its multiples are not used again."""
         if not usable.any():
             return None

@@ -23,7 +23,6 @@ from fractions import Fraction
 from math import isqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.polygon import Point
@@ -34,6 +33,7 @@ from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, dot, minus
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 DENOMINATOR = 2**12  # of the rounded a and b
 DIGITS = 4  # significant digits of a radius, a decay and a speed, on the safe side
@@ -264,7 +264,7 @@ def propose_swift_shape(cones: Sequence[CellCone], farthest: Number) -> tuple[fl
     return a, b
 
 
-def _by_shape(r: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+def _by_shape(r: Floats, v: Floats) -> Floats:
     """What a and b add to ``r^T P v``, for each unit of them."""
     return np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]])
 
@@ -280,7 +280,7 @@ def root_above(square: Fraction) -> Fraction:
     return min(root, (1 + square) / 2)  # the arithmetic mean of 1 and the square is above the root as well
 
 
-def _direction(vector: Point) -> NDArray[np.float64] | None:
+def _direction(vector: Point) -> Floats | None:
     """A vector in floats of order one, whatever its unit; None for zero."""
     largest = max(abs(vector[0]), abs(vector[1]))
     return np.array([float(x / largest) for x in vector]) if largest else None
