@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.theorem4_result import Contradiction
+from nonsmooth.symbolic.numbers.plane import XY
 
 STARTS = 4
 CLOSE = 2.0**-40  # of the half side of the square: the distance of the starts
@@ -43,12 +44,12 @@ class OwnPath:
         last: its distance at the end.
     """
 
-    start: tuple[float, float]
+    start: XY
     farthest: float
     last: float
 
 
-def paths_from(partition: Partition, starts: Sequence[tuple[float, float]]) -> Iterator[OwnPath]:
+def paths_from(partition: Partition, starts: Sequence[XY]) -> Iterator[OwnPath]:
     """Follow the open loop of a centred, complete partition; what follows it is loaded only here."""
     import numpy as np
 
@@ -72,14 +73,14 @@ def paths_from(partition: Partition, starts: Sequence[tuple[float, float]]) -> I
         yield OwnPath((x, y), float(distances.max()), float(distances[-1]))
 
 
-def starts_around(partition: Partition, distance: float, count: int = STARTS) -> list[tuple[float, float]]:
+def starts_around(partition: Partition, distance: float, count: int = STARTS) -> list[XY]:
     """Starts evenly around the equilibrium, at a distance in units of the half side of the square."""
     radius = distance * float(partition.scene.check.radius)
     angles = [2 * math.pi * (k + 0.3) / count for k in range(count)]
     return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
 
-def starts_on_borders(partition: Partition, distance: float) -> list[tuple[float, float]]:
+def starts_on_borders(partition: Partition, distance: float) -> list[XY]:
     """Starts on the borders of the cells that meet at the equilibrium, at about a distance in units of the half side.
 
     A solution that leaves may do so along such a border only.

@@ -20,7 +20,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
+from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, minus
 from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
@@ -244,7 +244,7 @@ def _corner(number: int, point: Point, edges: Sequence[Edge]) -> Corner:
 def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], list[list[int]]]:
     """Distinct vertices, and their numbers polygon by polygon."""
     points: list[Point] = []
-    places: list[tuple[float, float]] = []
+    places: list[XY] = []
     numbers: list[list[int]] = []
     for polygon in polygons:
         own: list[int] = []

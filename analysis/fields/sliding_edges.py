@@ -19,9 +19,8 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import flow_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import between, cross, minus
+from nonsmooth.symbolic.numbers.plane import XY, between, cross, minus
 
-XY: TypeAlias = tuple[float, float]
 Velocities: TypeAlias = Sequence[Point]  # of a neighbour of an edge, at both ends
 
 
@@ -85,7 +84,7 @@ def _attracting(left: Velocities, right: Velocities) -> EdgeKind:
     return EdgeKind.SLIDING if slides else EdgeKind.RESTING
 
 
-def _where_positive(ends: Sequence[Any]) -> tuple[float, float]:
+def _where_positive(ends: Sequence[Any]) -> XY:
     """The shares of the edge between which a function, affine with these values at the ends, is not negative."""
     signs = [sign(value) for value in ends]
     if min(signs) >= 0:

@@ -16,6 +16,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
+from nonsmooth.symbolic.numbers.plane import XY
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
@@ -171,9 +172,9 @@ def _hull_sides(corners: bytes) -> Floats:
     return np.column_stack([normals, -(normals * starts).sum(axis=1)])
 
 
-def _half_hull(places: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _half_hull(places: list[XY]) -> list[XY]:
     """The corners to the right of the way from the first place to the last, without the last."""
-    chain: list[tuple[float, float]] = []
+    chain: list[XY] = []
     for x, y in places:
         while len(chain) > 1:
             (x_0, y_0), (x_1, y_1) = chain[-2:]

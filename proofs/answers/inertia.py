@@ -44,6 +44,7 @@ from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane import XY, Pose
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 STARTS = 4  # on a circle about the point, of half the half-width of the checked square
@@ -76,7 +77,7 @@ class NearRest:
 
     verdict: Inertia
     why_not: str = ""
-    place: tuple[float, float] | None = None
+    place: XY | None = None
     spin: float = 0.0
     eigenvalues: tuple[complex, ...] = ()
     stable_to: Fraction | None = None
@@ -129,7 +130,7 @@ def _until_others(scene: Scene, kept: ContactSet, rest: EnclosedRest) -> str:
     return f"{turning}, and {beyond}, others may come under it"
 
 
-def _linearized(scene: Scene, rest: EnclosedRest, place: tuple[float, float], spin: float) -> NearRest:
+def _linearized(scene: Scene, rest: EnclosedRest, place: XY, spin: float) -> NearRest:
     (x, y), omega = rest.place, rest.spin
     found = rest.balance.at(unknowns_at_rest(arb_mat([[x], [y], [omega]])), rest.place)
     if found is None or scene.inertia is None:
@@ -208,7 +209,7 @@ def simulated(scene: Scene, near: NearRest) -> Simulated:
         return Simulated(radius, tuple(bodies), len(starts), None, str(error))
 
 
-def _ring(scene: Scene, radius: float) -> list[tuple[float, float, float]]:
+def _ring(scene: Scene, radius: float) -> list[Pose]:
     """Poses on a circle about the point, heading as checked."""
     x, y = map(float, scene.check.equilibrium)
     angles = [FIRST + 2 * math.pi * k / STARTS for k in range(STARTS)]
@@ -236,7 +237,7 @@ def from_stated(scene: Scene, near: NearRest) -> Simulated | None:
     return Simulated(radius, tuple(bodies), len(starts), tip=tip)
 
 
-def settled_from(scene: Scene, start: tuple[float, float, float]) -> Settled | None:
+def settled_from(scene: Scene, start: Pose) -> Settled | None:
     """Follow one body from rest until it settles; None of a scene that does not say what gravity is.
 
     Raises:
