@@ -33,7 +33,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
@@ -150,7 +150,7 @@ class _Outline:
 def _outline(cells: Sequence[FieldCell], radius: float) -> _Outline:
     """How far starts come back within the square, on rays."""
     angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
-    units = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    units = unit_vectors(angles)
     border = radius / np.abs(units).max(axis=1)
     shares = np.arange(1, DISTANCES + 1) / DISTANCES
     starts = (shares[:, None, None] * (border[:, None] * units)).reshape(-1, 2)

@@ -37,7 +37,7 @@ from nonsmooth.proofs.systems.basin_rings import Bernstein, Pace, area, bernstei
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
 COARSE, FINE = BasinEffort(Pace(0.12, 0.03, 0.02), 41), BasinEffort(Pace(0.04, 0.012, 0.02), 101)
 EFFORTS = {"fast": (COARSE,), "best": (FINE, COARSE)}  # tried in turn, until triangles fill the last ring
@@ -353,7 +353,7 @@ def _meshes(
 
 def _circle(centre: Floats, radius: float) -> Floats:
     angles = np.linspace(0, 2 * np.pi, CIRCLE, endpoint=False)
-    return np.asarray(centre + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+    return np.asarray(centre + radius * unit_vectors(angles))
 
 
 def _first_rings(field: FloatCells) -> Iterator[Floats]:

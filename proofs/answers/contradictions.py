@@ -30,6 +30,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot
+from nonsmooth.symbolic.numbers.plane_arrays import unit_vectors
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destination, SampledEnds
@@ -535,7 +536,7 @@ def unstable_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterat
     if not at_point.all():
         return
     angles = 2 * np.pi * (np.arange(RING) + 0.3) / RING
-    near = CLOSER * seen.half * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    near = CLOSER * seen.half * unit_vectors(angles)
     if (np.hypot(*seen.follow(near).T) < CLOSER * seen.half / 2).all():
         arrived = f"all {len(at_point)} sampled starts, and {RING} close to it, come to the point"
         yield Contradiction("stability and map", (f"{result.verdict}: {result.reason}", arrived), ())

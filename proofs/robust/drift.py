@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 Corners: TypeAlias = list[tuple[arb, arb]]
@@ -175,7 +175,7 @@ def _slowest_of_cells(scene: Scene, accuracy: Fraction) -> Fraction | None:
 def _direction(velocities: Floats) -> tuple[float, float] | None:
     """A rational direction no longer than one along which all velocities go, about the best; None where none is."""
     angles = 2 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1) * (1 - 2.0**-40)
+    rays = unit_vectors(angles) * (1 - 2.0**-40)
     least = (velocities @ rays.T).min(axis=0)
     best = int(least.argmax())
     return (float(rays[best, 0]), float(rays[best, 1])) if least[best] > 0 else None

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
 SECTORS = 24  # of each ring of circles
 VERTICES = 32
@@ -118,7 +118,7 @@ class Distance(LevelFunction):
         """Neighbours share their corners to the last bit, so that no gap is between them."""
         count = SECTORS * parts
         angles = 2 * math.pi * np.arange(count) / count
-        rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        rays = unit_vectors(angles)
         far = outer * (1 + MARGIN) / math.cos(math.pi / count)
         corners = _quadrangles(rays, inner * (1 - MARGIN), far)
         x, y = (Intervals.of(corners[:, :, k]) for k in range(2))

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.cells import Pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
 WAY, PAUSE, GROWTH = 30.0, 1.0, 1.0015  # of a ring's size at most; between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
@@ -342,7 +342,7 @@ def level_ring(field: FloatField, potential: Callable[[Floats], Floats], level: 
     There are rays to where the level set crosses surfaces, too: it may have corners there.
     """
     angles = np.linspace(0, 2 * np.pi, STARTS, endpoint=False)
-    ring = _on_rays(np.stack([np.cos(angles), np.sin(angles)], axis=1), potential, level, radius)
+    ring = _on_rays(unit_vectors(angles), potential, level, radius)
     if ring is None:
         return None
     _, rows, places = field.crossings(ring)

@@ -29,7 +29,7 @@ from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, grow, next_ring
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
 Beside: TypeAlias = tuple[Floats, dict[str, Any]]  # another place of rest, in floats, and hypotheses that are shown
 
@@ -162,7 +162,7 @@ def _small_ring(slope: Floats) -> Floats:
     slowest = -float(np.linalg.eigvals(slope).real.max())
     shape = solve_continuous_lyapunov((slope + SLOWER * slowest * np.eye(2)).T, -np.eye(2))
     angles = np.linspace(0, 2 * np.pi, FIRST, endpoint=False)
-    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    circle = unit_vectors(angles)
     ring = circle / np.sqrt(np.einsum("ki,ij,kj->k", circle, shape, circle))[:, None]
     return np.asarray(ring / np.abs(ring).max())
 

@@ -24,6 +24,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, nearest_gap, placed, wheel_labels
 from nonsmooth.symbolic.numbers.plane import in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import unit_vectors
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,7 +107,7 @@ class Stage:
         arrows = {"speeds": film.speed_arrows(k)[film.shown], "slips": slips * ~idle, "idle": slips * idle}
         for name, vectors in arrows.items():
             pieces[name].set_UVC(*np.nan_to_num(vectors).T)
-        tip = pose[:2] + HEADING * film.rim * np.array([np.cos(pose[2]), np.sin(pose[2])])
+        tip = pose[:2] + HEADING * film.rim * unit_vectors(pose[2])
         pieces["heading"].set_data([pose[0], tip[0]], [pose[1], tip[1]])
         pieces["point"].set_data([pose[0]], [pose[1]])
         if film.outline is not None:

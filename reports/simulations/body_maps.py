@@ -54,7 +54,7 @@ from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, unit_vectors
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -343,7 +343,7 @@ class BodyMapResult(ArrayMap):
                     *placed(outline, np.array([x, y, heading])).T, fill=False, edgecolor=color, alpha=0.5, zorder=2
                 )
             axes.fill(*placed(outline, np.array([x, y, theta])).T, fill=False, edgecolor=color, linewidth=2.0, zorder=3)
-            nose = np.array([x, y]) + 0.5 * reach * np.array([np.cos(theta), np.sin(theta)])
+            nose = np.array([x, y]) + 0.5 * reach * unit_vectors(theta)
             arrow = axes.annotate("", xy=tuple(nose), xytext=(x, y), arrowprops={"arrowstyle": "-|>", "color": color})
             arrow.set_in_layout(False)
         centres = np.array([one.pose[:2] for one, _ in resting if one.pose is not None])

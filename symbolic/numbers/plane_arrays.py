@@ -26,6 +26,11 @@ def places_of(wheels: Iterable[Any]) -> Floats:
     return float_points(wheel.position for wheel in wheels)
 
 
+def unit_vectors(angles: Floats | float) -> Floats:
+    """Unit vectors at angles (radian), shape (..., 2)."""
+    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
 def turned(vectors: Floats) -> Floats:
     """``J v``: a quarter turn counterclockwise of vectors of shape (..., 2)."""
     return np.stack(plane.turned(_coordinates(vectors)), axis=-1)
