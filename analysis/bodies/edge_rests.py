@@ -14,14 +14,14 @@ from functools import partial
 import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets, Numbers
+from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import XY
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
@@ -72,7 +72,7 @@ class MetSets:
 
     sets: Mask
     pairs: Mask
-    wheels: Numbers
+    wheels: Indices
     centres: Floats
 
 
@@ -170,7 +170,7 @@ class RestSearch:
         apart = [*np.subtract(first.place, second.place), (first.theta - second.theta) * size]
         return first.edge == second.edge and bool(np.abs(apart).max() <= ALIKE * size)
 
-    def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Numbers, Mask, Floats]:
+    def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Indices, Mask, Floats]:
         """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start at.
 
         The nearest to zero of all ``(1 - w) F_1 + w F_2`` is compared with the larger of both.
@@ -289,7 +289,7 @@ class RestSearch:
         return min(float(np.median(distances.min(axis=1))), self._outline.size)
 
 
-def _least(left: Floats, met: MetSets) -> Numbers:
+def _least(left: Floats, met: MetSets) -> Indices:
     """The rows from which pairs are followed, those with the least residual first."""
     taken: dict[tuple[bytes, int], int] = {}
     chosen = []

@@ -17,9 +17,8 @@ from enum import StrEnum
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.motions_on_sets import NOBODY, LeastTwists, Numbers, nearest_wheels, widest_gaps
+from nonsmooth.analysis.bodies.motions_on_sets import NOBODY, LeastTwists, nearest_wheels, widest_gaps
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule
@@ -27,7 +26,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest
@@ -71,8 +70,8 @@ class BodyEnds:
     starts: Floats
     poses: Floats
     times: Floats
-    reasons: Numbers
-    over: Numbers
+    reasons: Indices
+    over: Indices
     turning: Floats
     until: float
 
@@ -88,7 +87,7 @@ class _State:
         count = len(starts)
         self.poses, self.times = starts.copy(), np.zeros(count)
         self.steps = np.full(count, step)
-        self.reasons: NDArray[np.int_] = np.full(count, -1)
+        self.reasons: Indices = np.full(count, -1)
         self.over = np.full((count, 2), NOBODY)
         self.means, self.anchors = starts.copy(), np.full((count, 3), np.nan)
         self.extents = np.zeros((count, 3))  # of the poses in the last window
@@ -96,11 +95,11 @@ class _State:
         self.quiet = np.zeros(count, int)  # windows in a row with the shortest steps
 
     @property
-    def going(self) -> Numbers:
+    def going(self) -> Indices:
         """The numbers of the paths that have not ended."""
         return np.flatnonzero(self.reasons < 0)
 
-    def end(self, paths: Numbers, reason: BodyEnd) -> None:
+    def end(self, paths: Indices, reason: BodyEnd) -> None:
         """Note why these paths end."""
         self.reasons[paths] = ENDS.index(reason)
 
@@ -176,7 +175,7 @@ class ManyPaths:
         state.means[going] = sums[going] / WINDOW
         state.extents = highest - lowest
 
-    def _step(self, state: _State, field: ManyRates, paths: Numbers, last: float) -> None:
+    def _step(self, state: _State, field: ManyRates, paths: Indices, last: float) -> None:
         """Heun's step; Euler's where the trial pose does not stand."""
         poses = state.poses[paths]
         here = field.at(poses, paths)
@@ -234,7 +233,7 @@ class ManyPaths:
         return min(float(np.median(nearest)), self._outline.size)
 
 
-def _end_fallen(state: _State, paths: Numbers, here: Rates) -> None:
+def _end_fallen(state: _State, paths: Indices, here: Rates) -> None:
     """End the paths of bodies that do not stand, and those without a motion."""
     state.over[paths] = here.over
     state.end(paths[~here.known], BodyEnd.UNKNOWN)
@@ -259,7 +258,7 @@ class _Table:
         self._normals = np.array([sign * line.gradient(origin)[:2] for line, sign in sides])
         self._offsets = np.array([sign * line.value(origin) for line, sign in sides])
         counts = [len(cell.sides) for cell in cells.cells]
-        self._starts: NDArray[np.int_] = np.cumsum([0, *counts[:-1]])
+        self._starts: Indices = np.cumsum([0, *counts[:-1]])
         self._twists = np.array([cell.twist for cell in cells.cells])
 
     def twists(self, centres: Floats) -> Floats:
@@ -276,7 +275,7 @@ class CellMotions:
         self._sets, self._count = CellsBySet(scene, rule), len(scene.wheels)
         self._known: dict[bytes, _Table] = {}
 
-    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+    def of(self, near: Indices, carrying: Mask, levers: Floats, poses: Floats, paths: Indices) -> tuple[Floats, Mask]:
         """See :meth:`nonsmooth.analysis.bodies.many_paths.Motions.of`.
 
         Raises:
@@ -325,7 +324,7 @@ class Rates:
 
     rates: Floats
     tips: Mask
-    over: Numbers
+    over: Indices
     none: Mask
     known: Mask
 
@@ -333,7 +332,7 @@ class Rates:
 class Motions(Protocol):
     """Motions of many bodies that stand."""
 
-    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+    def of(self, near: Indices, carrying: Mask, levers: Floats, poses: Floats, paths: Indices) -> tuple[Floats, Mask]:
         """``(c', theta')`` (m, 3) at poses (m, 3) of the paths of these numbers (m,), and whether it was found.
 
         Args:
@@ -352,7 +351,7 @@ class LeastDissipation:
         """For a number of paths of a body of some size."""
         self._least, self._size, self._last = LeastTwists(model, size), size, np.zeros((count, 3))
 
-    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+    def of(self, near: Indices, carrying: Mask, levers: Floats, poses: Floats, paths: Indices) -> tuple[Floats, Mask]:
         """See :meth:`Motions.of`."""
         found = self._least.of(near, carrying, levers, self._last[paths])
         self._last[paths] = found.rates
@@ -368,7 +367,7 @@ class ManyRates:
         self._centres = poses[:, :2].copy()
         self._near = nearest_wheels(outline.places, self._centres, self._size * (1 + AROUND))
 
-    def at(self, poses: Floats, paths: Numbers) -> Rates:
+    def at(self, poses: Floats, paths: Indices) -> Rates:
         """The rates at poses (m, 3) of the paths of these numbers (m,)."""
         self._look_around(poses, paths)
         near = self._near[paths]
@@ -390,7 +389,7 @@ class ManyRates:
             rates[stands], known[stands] = found
         return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known)
 
-    def _look_around(self, poses: Floats, paths: Numbers) -> None:
+    def _look_around(self, poses: Floats, paths: Indices) -> None:
         """Look up the wheels near those bodies that have moved far, of all paths that are asked for."""
         moved = np.hypot(*(poses[:, :2] - self._centres[paths]).T)
         if moved.max(initial=0.0) < AROUND * self._size:
@@ -428,7 +427,7 @@ class PathEnd:
     """
 
     reason: BodyEnd
-    starts: Numbers
+    starts: Indices
     share: float
     pose: Pose | None = None
     headings: tuple[float, float] | None = None
@@ -464,7 +463,7 @@ def destinations(ends: BodyEnds, distance: float) -> list[PathEnd]:
     return found
 
 
-def _at_rest(ends: BodyEnds, starts: Numbers) -> PathEnd:
+def _at_rest(ends: BodyEnds, starts: Indices) -> PathEnd:
     """The middle of the poses: means of x and y, and the heading that is the middle one around the first."""
     poses = ends.poses[starts]
     first = poses[0, 2]
@@ -479,7 +478,7 @@ def _at_rest(ends: BodyEnds, starts: Numbers) -> PathEnd:
     return PathEnd(BodyEnd.REST, starts, share, middle, (float(headings[0]), float(headings[-1])))
 
 
-def _linked(places: Floats, distance: float) -> list[Numbers]:
+def _linked(places: Floats, distance: float) -> list[Indices]:
     """Groups of points (m, 2) linked by steps of at most a distance."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

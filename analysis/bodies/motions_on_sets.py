@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel
@@ -16,7 +15,7 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.many_twists import Contacts, ManyTwists
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 # ---- the contacts under many poses of one body at once -------------------------------------------
 #
@@ -28,12 +27,10 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 # through the two with the widest gap.
 
 
-Numbers = NDArray[np.int_]
-
 NOBODY = -1  # number of a wheel that is none
 
 
-def nearest_wheels(places: Floats, centres: Floats, reach: float) -> Numbers:
+def nearest_wheels(places: Floats, centres: Floats, reach: float) -> Indices:
     """Numbers of the wheels (n, 2) within a distance of each centre (m, 2), shape (m, k); :data:`NOBODY` fills up."""
     from scipy.spatial import cKDTree
 
@@ -45,7 +42,7 @@ def nearest_wheels(places: Floats, centres: Floats, reach: float) -> Numbers:
     return numbers
 
 
-def widest_gaps(levers: Floats, carrying: Mask) -> tuple[Floats, Numbers, Numbers]:
+def widest_gaps(levers: Floats, carrying: Mask) -> tuple[Floats, Indices, Indices]:
     """The widest angle between carrying wheels that follow each other around the centre of mass, and both of them.
 
     Args:
@@ -71,7 +68,7 @@ def widest_gaps(levers: Floats, carrying: Mask) -> tuple[Floats, Numbers, Number
     return wide, order[rows, widest], order[rows, following]
 
 
-def loads_of(model: ContactModel, wheels: Numbers, carrying: Mask, levers: Floats) -> tuple[Floats, Mask]:
+def loads_of(model: ContactModel, wheels: Indices, carrying: Mask, levers: Floats) -> tuple[Floats, Mask]:
     """``N`` of shape (m, k), zero beside the body, and whether it balances the weight.
 
     Args:
@@ -112,7 +109,7 @@ class RowsOfWheels:
         self._frames = grip[..., None] * frames
         self._targets = grip * model.targets.reshape(-1, 2)
 
-    def at(self, wheels: Numbers, levers: Floats, size: float) -> tuple[Floats, Floats]:
+    def at(self, wheels: Indices, levers: Floats, size: float) -> tuple[Floats, Floats]:
         """Weighted rows (m, k, 2, 3) on ``(c', size theta')`` and weighted targets (m, k, 2).
 
         The slip of a contact at lever q is ``frame . (c' + theta' J q) - target``.
@@ -155,7 +152,7 @@ class LeastTwists:
         speed = float(np.abs(model.friction * model.targets).max())
         self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
 
-    def of(self, wheels: Numbers, carrying: Mask, levers: Floats, start: Floats) -> SetMotions:
+    def of(self, wheels: Indices, carrying: Mask, levers: Floats, start: Floats) -> SetMotions:
         """The motions on some of the wheels (m, k), at ``p_i - c`` of shape (m, k, 2), with the loads of these wheels.
 
         Args:

@@ -9,12 +9,9 @@ minus the velocity of the body at the wheel, seen from the body.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.mechanics.body import Body, Disc
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
-
-Numbers = NDArray[np.int_]
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points
 
 SAME_SIDE = 1e-9  # of the body's size: sides this nearly as deep bound the depth together
 
@@ -51,7 +48,7 @@ class MovingOutline:
         """Depths (m, k) of places (m, k, 2) of their own at each of the poses (m, 3)."""
         return self._below(_seen(places, poses))
 
-    def headings_under_edge(self, away: Floats) -> tuple[Numbers, Floats]:
+    def headings_under_edge(self, away: Floats) -> tuple[Indices, Floats]:
         """Headings at which places lie under the edge: rows of the places (m, 2) from the centre of mass, and theta.
 
         ``theta = arg(q) - arg(n) +- acos(h/|q|)`` for a side, ``arg(q) - arg(m) +- acos(...)`` for a disc about m.

@@ -23,7 +23,6 @@ from functools import cached_property, reduce
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
@@ -46,7 +45,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, clear_sign, is_clear, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
 from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
@@ -91,7 +90,7 @@ class Vertex:
 
     basis: tuple[int, ...]
     rows: tuple[Row, Row, Row]
-    signs: NDArray[np.int_]
+    signs: Indices
     residuals: Floats
 
     @cached_property
@@ -270,7 +269,7 @@ class Arrangement:
         is_clear = abs(rates[k]) > sizes[k] * FLOAT_DOUBT + SMALLEST_NORMAL
         return bool(is_clear) or bool(inner(self.rows[k].normal, self.edge(pair)))
 
-    def slopes_along(self, pair: tuple[int, int], signs: NDArray[np.int_]) -> tuple[Affine, Affine]:
+    def slopes_along(self, pair: tuple[int, int], signs: Indices) -> tuple[Affine, Affine]:
         """The slopes along the edge of a pair and back, exactly, where the residuals of the rows have these signs."""
         direction = self.edge(pair)
         kept = along = _zero_form(self.scene)
@@ -283,7 +282,7 @@ class Arrangement:
                 along = added(along, scaled(part, entry))
         return added(kept, along), subtracted(kept, along)
 
-    def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
+    def _pull(self, signs: Indices) -> list[Affine]:
         """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
         last, pull = self._last_pull
         if np.count_nonzero(signs != last) > np.count_nonzero(signs):
@@ -433,7 +432,7 @@ def float_corners(points: Sequence[Point]) -> Floats:
     return np.array([[1.0, *normal_floats(point)] for point in points]).reshape(-1, 3)
 
 
-def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:
+def tight_rows(signs: Indices) -> tuple[int, ...]:
     """Numbers of the rows without residual."""
     return tuple((signs == 0).nonzero()[0].tolist())
 

@@ -22,7 +22,6 @@ from itertools import islice
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
@@ -39,7 +38,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
@@ -114,7 +113,7 @@ class _Search:
         else:
             yield from self._longer((), domain)
 
-    def _pairs(self, near: NDArray[np.int_], domain: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
+    def _pairs(self, near: Indices, domain: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
         """(nearest, second-nearest) where all these wheels have friction in both directions."""
         positions = self.positions
         places = positions if self.prune else None
@@ -177,7 +176,7 @@ def _adds_to(basis: Sequence[Triple], wheel: Wheel) -> bool:
     return any(len(independent([*basis, row.normal])) > len(basis) for row in preferred_rows(wheel))
 
 
-def _contenders(positions: Floats, among: NDArray[np.int_], region: Polygon, rank: int) -> NDArray[np.int_]:
+def _contenders(positions: Floats, among: Indices, region: Polygon, rank: int) -> Indices:
     """Wheels that can be among the ``rank`` nearest somewhere in the region, nearest to its centre first.
 
     With reach r of the region about its centre, a wheel farther from the centre than the rank-th nearest
@@ -239,7 +238,7 @@ def _region(
 def _certain_region(
     bisectors: _Bisectors,
     i: int,
-    rivals: NDArray[np.int_],
+    rivals: Indices,
     within: Polygon,
     positions: Floats | None = None,
     *,

@@ -13,7 +13,6 @@ from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD, minus
 from nonsmooth.analysis.cells.loads import Affine
@@ -22,7 +21,7 @@ from nonsmooth.analysis.cells.outline import Filtered, Form, Three
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
@@ -45,7 +44,7 @@ class Slopes:
         RefusalError: for so many tight rows that the table would not fit into memory.
     """
 
-    def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
+    def __init__(self, arrangement: Arrangement, signs: Indices) -> None:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
         sure = certainty(table.values, table.bounds[:, None], arrangement.corners)
@@ -146,7 +145,7 @@ def certainty(values: Floats, bounds: Floats, points: Floats, sizes: Floats | No
 class _PairTable:
     """All pairs of tight rows in floats: directions of edges, and the slopes along them and back, shape (m, 2, 3)."""
 
-    def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
+    def __init__(self, arrangement: Arrangement, signs: Indices) -> None:
         self.arrangement = arrangement
         (tight,) = (signs == 0).nonzero()
         self.tight = len(tight)
@@ -163,7 +162,7 @@ class _PairTable:
         self.values[:, 0], self.values[:, 1] = kept + along, kept - along
         self.bounds = self.sizes @ arrangement.moment_sizes
 
-    def distinct(self, numbers: NDArray[np.int_]) -> NDArray[np.int_]:
+    def distinct(self, numbers: Indices) -> Indices:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
         if self.arrangement.exact_normals is not None:
             firsts: dict[Three, int] = {}
@@ -185,7 +184,7 @@ class _PairTable:
         clear = (abs(x) > size * FLOAT_DOUBT + SMALLEST_NORMAL for x, size in zip(m, sizes, strict=True))
         return any(clear) or any(self._direction(pair))
 
-    def _keys(self, numbers: NDArray[np.int_]) -> NDArray[np.int_]:
+    def _keys(self, numbers: Indices) -> Indices:
         """Whole numbers, equal for directions that differ in length alone; zero where a direction may vanish.
 
         Each is made of three of 21 bits; that others than such directions have the same costs time alone.
@@ -197,7 +196,7 @@ class _PairTable:
         leading = np.take_along_axis(unit, np.argmax(np.abs(unit) > LEADING, axis=1)[:, None], axis=1)
         return np.rint(unit * np.sign(leading) / SAME_DIRECTION).astype(int) @ [1, 1 << 21, 1 << 42]
 
-    def _distinct_in(self, bucket: NDArray[np.int_]) -> Iterator[int]:
+    def _distinct_in(self, bucket: Indices) -> Iterator[int]:
         """Pairs in which some row is not orthogonal to the directions before: so their own are others."""
         orthogonal = np.zeros(len(self.arrangement.rows), dtype=bool)
         while bucket.size:
@@ -236,7 +235,7 @@ def blocks(vectors: Floats) -> list[Floats]:
 
 
 @lru_cache(16)
-def _pairs(count: int) -> NDArray[np.int_]:
+def _pairs(count: int) -> Indices:
     """All pairs of so many rows, which span the directions of edges where they hold, shape (m, 2).
 
     Raises:

@@ -11,9 +11,8 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
 
 # Relative to the largest vector: singular values below belong to directions in which nothing points.
 RANK_SLACK = 1e-10
@@ -67,9 +66,7 @@ def _columns(vectors: Floats) -> Floats:
     return np.concatenate([reduced, np.ones((len(vectors), 1))], axis=1)
 
 
-def _basic_solutions(
-    columns: Floats, chosen: Sequence[tuple[int, ...]], bounded: int
-) -> tuple[NDArray[np.int_], Floats]:
+def _basic_solutions(columns: Floats, chosen: Sequence[tuple[int, ...]], bounded: int) -> tuple[Indices, Floats]:
     """The chosen columns that mix into ``(0, ..., 0, 1)``, with their weights, of which the first are not negative."""
     subsets = np.array(chosen)
     systems = columns[subsets].transpose(0, 2, 1)

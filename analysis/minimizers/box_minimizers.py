@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, rounding_error
 from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
 from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, SAME_VERTEX, distinct
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
 
 TOGETHER = 40  # points in one linear program: beyond, the time of the simplex method grows faster than their number
 HIGHS_FEASIBILITY = 1e-10  # smallest feasibility tolerance of HiGHS, on rows and limits of order 1
@@ -138,7 +138,7 @@ class BoxEnumeration:
         return Minima(self.functional, model, normal, twists, forces, faces)
 
 
-def regular_triples(model: ContactRows) -> tuple[NDArray[np.int_], Floats]:
+def regular_triples(model: ContactRows) -> tuple[Indices, Floats]:
     """Triples of independent rows, shape (t, 3), and the twist of each, shape (t, 3).
 
     Raises:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError, TipsThereError
 from nonsmooth.analysis.fields.contact_model import ContactModel
@@ -17,7 +17,7 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
 from nonsmooth.symbolic.numbers.plane import XY
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
@@ -59,7 +59,7 @@ def table_loads(model: ContactModel, points: ArrayLike) -> Floats:
     return np.maximum(loads, 0.0)
 
 
-def affine_loads(model: ContactModel, carrying: NDArray[np.int_]) -> Floats:
+def affine_loads(model: ContactModel, carrying: Indices) -> Floats:
     """The forms (n, 3) of the loads of all wheels by (1, c), while the wheels at some places carry.
 
     Raises:

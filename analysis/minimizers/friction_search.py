@@ -20,9 +20,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
 
 STARTS = 256
 STEPS = 15
@@ -52,7 +51,7 @@ class RimDemand:
     rolling: Floats
     turning: Floats
 
-    def fastest(self, slips: NDArray[np.int_], cotangents: Floats) -> Floats:
+    def fastest(self, slips: Indices, cotangents: Floats) -> Floats:
         """The speed of the fastest rim, (m,), by the cotangents of phi (m, k) of the wheels that slip across."""
         speeds = np.tile(self.rolling, (len(cotangents), 1))
         speeds[:, slips] -= self.turning[slips] * cotangents
@@ -73,7 +72,7 @@ class FrictionForces:
 
 
 def search_forces(
-    along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats, demand: RimDemand
+    along: Floats, across: Floats, signs: Indices, cuts: Floats, demand: RimDemand
 ) -> FrictionForces | None:
     """Forces that add up to zero, with slow rims; None where no start leads to any with a margin.
 
@@ -117,7 +116,7 @@ class _Forces:
 class _Balance(ABC):
     """The sum of all forces for many starts at once; unknowns are (m, k + 2l), those of wheels that slip first."""
 
-    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:
+    def __init__(self, along: Floats, across: Floats, signs: Indices, cuts: Floats) -> None:
         slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
         self.slips, self.cuts, self.still_cuts = slips, cuts[slips], cuts[still]
         self.turns = np.asarray(along[slips].any(axis=1))  # whose rims grip; the force of another is all across

@@ -11,12 +11,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 STEPS = 25  # of Newton's method at one g
 SHARPER = 0.2  # from one g to the next
@@ -53,7 +52,7 @@ class Contacts(NamedTuple):
         along_first, goals = (np.concatenate([array[:, :, 0], array[:, :, 1]], axis=1) for array in (rows, targets))
         return cls(along_first, goals, loads, cuts)
 
-    def take(self, chosen: Mask | NDArray[np.int_]) -> Contacts:
+    def take(self, chosen: Mask | Indices) -> Contacts:
         """Of some bodies."""
         return Contacts(*(array[chosen] for array in self))
 
@@ -209,11 +208,11 @@ class MovingTwists:
         """What all Newton steps so far cost, in multiplications."""
         return self._twists.work
 
-    def remember(self, twists: Floats, paths: NDArray[np.int_]) -> None:
+    def remember(self, twists: Floats, paths: Indices) -> None:
         """Begin at twists (m, 3) on the paths of these numbers (m,)."""
         self._last[paths] = twists * self._unit
 
-    def at(self, centres: Floats, paths: NDArray[np.int_]) -> tuple[Floats, Mask]:
+    def at(self, centres: Floats, paths: Indices) -> tuple[Floats, Mask]:
         """Twists at centres of mass (m, 2) of the paths of these numbers (m,): shape (m, 3), and whether they settled.
 
         Raises:

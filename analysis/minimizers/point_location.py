@@ -13,7 +13,6 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.partition import Partition
@@ -22,7 +21,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points
 
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.
@@ -49,7 +48,7 @@ class PointLocator:
         # the last row belongs to OUTSIDE
         self._twists = np.array([*(cell.twists[0] for cell in partition.cells), [np.nan] * 3], float)
 
-    def locate(self, points: Floats) -> NDArray[np.int_]:
+    def locate(self, points: Floats) -> Indices:
         """Position in ``partition.cells`` for points (m, 2); :data:`OUTSIDE` where no cell holds the point."""
         if len(points) < _MANY:
             return self._search(points)
@@ -63,7 +62,7 @@ class PointLocator:
         vertices = float_points(self.partition.domain.vertices)
         return _Buckets(vertices.min(axis=0), vertices.max(axis=0), self._search)
 
-    def _search(self, points: Floats) -> NDArray[np.int_]:
+    def _search(self, points: Floats) -> Indices:
         """The first cell of each point none of whose sides it violates."""
         found = np.full(len(points), OUTSIDE)
         for start in range(0, len(points), _BLOCK):
@@ -71,7 +70,7 @@ class PointLocator:
             found[block] = self._search_block(points[block])
         return found
 
-    def _search_block(self, points: Floats) -> NDArray[np.int_]:
+    def _search_block(self, points: Floats) -> Indices:
         found = np.full(len(points), OUTSIDE)
         waiting = np.arange(len(points))
         for k, (normals, offsets) in enumerate(zip(self._normals, self._offsets, strict=True)):
@@ -114,7 +113,7 @@ class _Buckets:
         self,
         low: Floats,
         high: Floats,
-        search: Callable[[Floats], NDArray[np.int_]],
+        search: Callable[[Floats], Indices],
     ) -> None:
         self._low, self._per_unit = low, _BUCKETS / (high - low)
         lines = low + (high - low) * np.linspace(0, 1, _BUCKETS + 1)[:, None]
@@ -125,12 +124,12 @@ class _Buckets:
         self._table = np.full((_BUCKETS + 2, _BUCKETS + 2), _MIXED)
         self._table[1:-1, 1:-1] = np.where(one & (at[:-1, :-1] != OUTSIDE), at[:-1, :-1], _MIXED)
 
-    def cells_of(self, points: Floats) -> NDArray[np.int_]:
+    def cells_of(self, points: Floats) -> Indices:
         """The cell of each point (m, 2) whose bucket lies in one, :data:`_MIXED` for the others."""
         column, row = (self._numbers(points[:, axis], axis) for axis in (0, 1))
         return self._table[column, row]
 
-    def _numbers(self, coordinates: Floats, axis: int) -> NDArray[np.int_]:
+    def _numbers(self, coordinates: Floats, axis: int) -> Indices:
         """Numbers of buckets along one axis, counted with the layer around them, in which NaN lies too."""
         places = (coordinates - self._low[axis]) * self._per_unit[axis] + 1
         return np.fmax(np.fmin(places, _BUCKETS + 1), 0).astype(int)

@@ -24,11 +24,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 # ---- regimes of friction -------------------------------------------------------------------------
 #
@@ -46,7 +45,7 @@ class Regime:
             wheels on a line that run along it.  Their forces are constant.
     """
 
-    contacts: NDArray[np.int_]
+    contacts: Indices
     sticks: Mask
     pinned: Mask
 
@@ -56,7 +55,7 @@ class Regime:
         return 3 + 2 * len(self.contacts)
 
     @cached_property
-    def slipping(self) -> NDArray[np.int_]:
+    def slipping(self) -> Indices:
         """Places of contacts that slip, among those of the regime."""
         return np.flatnonzero(~self.sticks)
 

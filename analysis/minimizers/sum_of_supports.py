@@ -26,10 +26,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSets, UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
@@ -71,7 +70,7 @@ class SupportSums:
         self._pairs = np.concatenate(pairs).T
         self.start = (self.weights * np.sqrt(np.square(targets).sum(axis=0))).sum(axis=0)
 
-    def take(self, chosen: Mask | NDArray[np.int_]) -> SupportSums:
+    def take(self, chosen: Mask | Indices) -> SupportSums:
         """Only some problems."""
         targets = self.targets if self.targets.shape[-1] == 1 else self.targets[..., chosen]
         pulls = None if self.pulls is None else self.pulls[:, chosen]
@@ -130,7 +129,7 @@ class Solutions:
         self.lacks, self.proved = np.full(problems, np.inf), np.zeros(problems, bool)
         self.steps = np.full(problems, np.inf)
 
-    def keep(self, at: NDArray[np.int_], y: Floats, forces: Floats, lacks: Floats, proved: Mask) -> None:
+    def keep(self, at: Indices, y: Floats, forces: Floats, lacks: Floats, proved: Mask) -> None:
         """Keep solutions of problems ``at`` that are proved, the last ones of them, or lack less than before."""
         chosen = np.flatnonzero(proved | (~self.proved[at] & (lacks < self.lacks[at])))
         at = at[chosen]
@@ -295,9 +294,7 @@ def _solved(sums: SupportSums, sets: FrictionSets, passes: int) -> Solutions:
     return found
 
 
-def _smoothed(
-    found: Solutions, at: NDArray[np.int_], sums: SupportSums, sets: UnitDiscs
-) -> tuple[NDArray[np.int_], SupportSums]:
+def _smoothed(found: Solutions, at: Indices, sums: SupportSums, sets: UnitDiscs) -> tuple[Indices, SupportSums]:
     """The problems that steps of smoothing leave without a proof; the others are found."""
     n, m = sums.weights.shape
     first = np.broadcast_to(np.maximum(sums.start, TINY), m)
@@ -313,7 +310,7 @@ def _smoothed(
     return at, sums
 
 
-def _finish(found: Solutions, at: NDArray[np.int_], sums: SupportSums, state: Smoothed, stiffest: float) -> None:
+def _finish(found: Solutions, at: Indices, sums: SupportSums, state: Smoothed, stiffest: float) -> None:
     """Keep what the iterates are worth, and what multipliers make of them."""
     judged = sums.judge(sums.slips(state.y), state.forces)
     found.keep(at, state.y, state.forces, judged.lacks, judged.proved)

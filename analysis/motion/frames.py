@@ -28,7 +28,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, turned
 
 # ---- the spatial twist along a path, from the path alone -----------------------------------------
 #
@@ -158,7 +158,7 @@ class Frames:
     twists: Floats
     speeds: Floats
     slips: Floats
-    contacts: NDArray[np.int_]
+    contacts: Indices
 
     def __len__(self) -> int:
         return len(self.times)

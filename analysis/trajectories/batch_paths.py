@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.cells.moves import RaySpeeds, sliding
@@ -33,12 +32,11 @@ from nonsmooth.analysis.trajectories.slides import (
 )
 from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.symbolic.numbers.plane import cross, dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, turned
 
 MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
 DONE = -1
 
-Numbers = NDArray[np.int_]
 OnRow: TypeAlias = Callable[[int, int], None]
 
 
@@ -85,7 +83,7 @@ class BatchPaths:
         self.time[rest], self.theta[rest] = np.inf, np.nan
         self._finish(rest, EndReason.EVENTS, "")
 
-    def _move(self, place: int, entry: int, own: Numbers) -> None:
+    def _move(self, place: int, entry: int, own: Indices) -> None:
         if place < self.first_edge:
             self._through(place, entry, own)
         elif place < self.first_corner:
@@ -93,7 +91,7 @@ class BatchPaths:
         else:
             self._at_corner(place - self.first_corner, own)
 
-    def _find_orbits(self, going: Numbers, *, anchor: bool) -> None:
+    def _find_orbits(self, going: Indices, *, anchor: bool) -> None:
         """Paths that enter a cell where they entered it before are periodic (Brent: remember legs 1, 2, 4, 8, ...)."""
         inside = going[(self.place[going] < self.first_edge) & (self.entry[going] != DONE)]
         same = (self.anchored[inside] == np.stack([self.place[inside], self.entry[inside]], axis=1)).all(axis=1)
@@ -108,7 +106,7 @@ class BatchPaths:
 
     # ---- legs ----------------------------------------------------------------------------
 
-    def _through(self, cell: int, entry: int, own: Numbers) -> None:
+    def _through(self, cell: int, entry: int, own: Indices) -> None:
         """Through a cell to its border."""
         self.unique[own] &= not self.field.tied(cell)
         flow, name = self.field.flows[cell][0], self.field.names[cell]
@@ -137,7 +135,7 @@ class BatchPaths:
             return frozenset((self.cells.side_of(cell, entry - self.first_edge),))
         return frozenset(self.cells.active_sides(cell, entry - self.first_corner))
 
-    def _land(self, cell: int, side: int, own: Numbers) -> None:
+    def _land(self, cell: int, side: int, own: Indices) -> None:
         """Onto the edge or corner of a side, exactly."""
         for number in self.cells.borders[cell][side]:
             edge, r = self.cells.edges[number], np.array(self.cells.direction(number))
@@ -148,10 +146,10 @@ class BatchPaths:
             for corner, distance in ((edge.start, along), (edge.end, along - length)):
                 self._reach(corner, own[np.abs(distance) <= self.cells.slack])
 
-    def _reach(self, corner: int, own: Numbers) -> None:
+    def _reach(self, corner: int, own: Indices) -> None:
         self.points[own], self.place[own] = self.cells.points[corner], self.first_corner + corner
 
-    def _on_edge(self, number: int, own: Numbers) -> None:
+    def _on_edge(self, number: int, own: Indices) -> None:
         """Across an edge, along it, or at rest on it."""
         edge, name = self.cells.edges[number], self.field.place_name(OnEdge(number))
         if edge.left is None or edge.right is None:
@@ -173,7 +171,7 @@ class BatchPaths:
         self._rest(own[rests], turn / (v.normal - u.normal)[rests], name)
         self._one_by_one(own[n1 * n2 == 0])
 
-    def _cross(self, number: int, cell: int, own: Numbers) -> None:
+    def _cross(self, number: int, cell: int, own: Indices) -> None:
         """Into a cell, or to the limit of infinitely many small turns around a corner of the edge."""
         self.place[own], self.entry[own] = cell, self.first_edge + number
         for corner in (self.cells.edges[number].start, self.cells.edges[number].end):
@@ -189,7 +187,7 @@ class BatchPaths:
             self.theta[own[near]] += distance[near] * rotation / (1 - turn.gain)
             self._reach(corner, own[near])
 
-    def _slide(self, number: int, direction: int, own: Numbers) -> None:
+    def _slide(self, number: int, direction: int, own: Indices) -> None:
         """Along an edge to its corner, to where sliding ends, or towards an equilibrium."""
         edge = self.cells.edges[number]
         beside = (edge.left, edge.right) if direction > 0 else (edge.right, edge.left)
@@ -209,7 +207,7 @@ class BatchPaths:
         self._reach(corner, own[there])
         self._leave(number, own[~endless & ~there])
 
-    def _leave(self, number: int, own: Numbers) -> None:
+    def _leave(self, number: int, own: Indices) -> None:
         """Where sliding ends in between: at one point for all, hence decided once."""
         if not len(own):
             return
@@ -221,7 +219,7 @@ class BatchPaths:
         else:
             self._one_by_one(own)
 
-    def _at_corner(self, corner: int, own: Numbers) -> None:
+    def _at_corner(self, corner: int, own: Indices) -> None:
         """From a corner: all go the same way."""
         if corner not in self.corners:
             junction = junction_at(self.field, AtCorner(corner), self.cells.points[corner])
@@ -240,19 +238,19 @@ class BatchPaths:
 
     # ---- ends ----------------------------------------------------------------------------
 
-    def _rest(self, own: Numbers, rates: Floats, name: str) -> None:
+    def _rest(self, own: Indices, rates: Floats, name: str) -> None:
         """At rest; where theta drifts on, it has no limit."""
         turning = np.abs(rates) > self.signs.rate_slack
         self.theta[own[turning]] = np.copysign(np.inf, rates[turning])
         self._finish(own[turning], EndReason.TURNING, name)
         self._finish(own[~turning], EndReason.REST, name)
 
-    def _finish(self, own: Numbers, reason: EndReason, name: str) -> None:
+    def _finish(self, own: Indices, reason: EndReason, name: str) -> None:
         self.place[own] = DONE
         for k in own:
             self.ends[k] = (reason, name)
 
-    def _one_by_one(self, own: Numbers) -> None:
+    def _one_by_one(self, own: Indices) -> None:
         """Follow starts by the scalar integrator from where they are; those at the same point, together.
 
         The velocity does not depend on theta, so that all who are at one point go the same way and turn by as much.

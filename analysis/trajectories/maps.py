@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
@@ -20,7 +19,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
 
 
 @dataclass(frozen=True, repr=False)
@@ -41,7 +40,7 @@ class SettleMap(ShortRepr):
     theta: Floats
     arrival: Floats
     points: Floats
-    basin: NDArray[np.int_]
+    basin: Indices
     ends: tuple[tuple[EndReason, str], ...]
     unique: Mask
 
@@ -144,7 +143,7 @@ AT = 1e-6  # of the half side of the square: a path that ends within it of a pla
 STAYS = (EndReason.REST, EndReason.TURNING, EndReason.APPROACH)
 
 
-def places_reached(partition: Partition, places: Sequence[RestPlace], ends: SettleMap) -> NDArray[np.int_]:
+def places_reached(partition: Partition, places: Sequence[RestPlace], ends: SettleMap) -> Indices:
     """For every start the number of the place where its path ends, shape (m,); -1 for none.
 
     Args:

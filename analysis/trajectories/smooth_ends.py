@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import contacts_under
@@ -24,7 +23,7 @@ from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -58,7 +57,7 @@ class SmoothEnds:
     """
 
     places: Floats
-    reached: NDArray[np.int_]
+    reached: Indices
     speeds: Floats
 
 
@@ -113,7 +112,7 @@ class _Field:
             raise UndeterminedError(f"required minimizers that are unique at all but {MOST_FACES} points")
         return found.twists
 
-    def along(self, points: Floats, paths: NDArray[np.int_]) -> Floats:
+    def along(self, points: Floats, paths: Indices) -> Floats:
         """Velocities at points (m, 2) of the paths of these numbers (m,), by smoothed minimizers where these settle.
 
         Raises:
@@ -176,7 +175,7 @@ def _merged(ends: SmoothEnds, distance: float) -> SmoothEnds:
     return SmoothEnds(ends.places[kept], numbers[ends.reached], ends.speeds[kept])
 
 
-def _follow_all(field: _Field, points: Floats, reached: NDArray[np.int_], still: Mask, radius: float) -> None:
+def _follow_all(field: _Field, points: Floats, reached: Indices, still: Mask, radius: float) -> None:
     """Move the points along until they have left or stand still; all three arrays are changed in place."""
     fastest = field.fastest = float(np.hypot(*field.begin(points).T).max())
     if not fastest:  # all stand where they start
@@ -202,7 +201,7 @@ def _follow_all(field: _Field, points: Floats, reached: NDArray[np.int_], still:
         until *= 2
 
 
-def _followed(field: _Field, starts: Floats, paths: NDArray[np.int_], until: float, radius: float) -> Floats:
+def _followed(field: _Field, starts: Floats, paths: Indices, until: float, radius: float) -> Floats:
     """Where the bodies are after a time; one that leaves the square stops a little outside.
 
     Where some directions decay much faster than bodies move, explicit steps stay short: after many of them the rest of
@@ -276,7 +275,7 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Flo
     return best, least
 
 
-def _gathered(points: Floats, reached: NDArray[np.int_], still: Mask, radius: float) -> Floats:
+def _gathered(points: Floats, reached: Indices, still: Mask, radius: float) -> Floats:
     """Bodies that stand close together as one place each, (k, 2); what they reached is written down."""
     places: list[Floats] = []
     left = still.copy()

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
@@ -29,7 +28,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
 FEW_STARTS = 11  # the same under rules without cells, whose paths cost more
@@ -198,7 +197,7 @@ def shares_at(partition: Partition, places: Sequence[RestPlace]) -> list[float]:
     return [float(np.mean(reached == k)) for k in range(len(places))]
 
 
-def _followed(partition: Partition, places: Sequence[RestPlace]) -> tuple[SettleMap, NDArray[np.int_]]:
+def _followed(partition: Partition, places: Sequence[RestPlace]) -> tuple[SettleMap, Indices]:
     """The ends of a grid of paths, and the number of the equilibrium at which each ends.
 
     Raises:
@@ -278,7 +277,7 @@ def _is_same_point(one: Destination, two: Destination, distance: float) -> bool:
     return abs(float(x) - float(other_x)) <= distance and abs(float(y) - float(other_y)) <= distance
 
 
-def _without_place(ends: SettleMap, reached: NDArray[np.int_]) -> Iterator[Destination]:
+def _without_place(ends: SettleMap, reached: Indices) -> Iterator[Destination]:
     """The starts that end at none of the places, by how they end."""
     goals = np.array([_OF_END.get(reason, Goal.OTHER) for reason, _ in ends.ends])[ends.basin]
     for goal in Goal:

@@ -1,4 +1,4 @@
-"""Arrays of plane vectors in floats, the coordinates last: from exact ones, and products as in
+"""Types of arrays, and arrays of plane vectors in floats, the coordinates last: from exact ones, and products as in
 :mod:`nonsmooth.symbolic.numbers.plane`.
 """
 
@@ -14,6 +14,7 @@ from nonsmooth.symbolic.numbers import plane
 
 Floats: TypeAlias = NDArray[np.float64]
 Mask: TypeAlias = NDArray[np.bool_]
+Indices: TypeAlias = NDArray[np.int_]
 
 
 def float_points(points: Iterable[tuple[Any, Any]]) -> Floats:

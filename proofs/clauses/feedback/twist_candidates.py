@@ -18,7 +18,6 @@ from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, beyond_floats, order
 from nonsmooth.analysis.cells.contact_rule import CellRule, friction_sets, rule_of, smooth_rule_of
@@ -40,7 +39,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 from nonsmooth.symbolic.mechanics.friction_set import Box, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 # ---- realizable twists: the motions that some speeds of the wheels impose under rule ``box`` -----
 #
@@ -383,7 +382,7 @@ def _least_grip(along: Floats, across: Floats) -> Floats:
     return np.asarray(m[least[np.argsort(grip[least], kind="stable")[:few]]])
 
 
-def _some_pairs(count: int) -> NDArray[np.int_]:
+def _some_pairs(count: int) -> Indices:
     """All pairs, or of many wheels as many from all over the list."""
     pairs = np.stack(np.triu_indices(count, 1), axis=1)
     return pairs[:: -(-len(pairs) // PAIRS)]
