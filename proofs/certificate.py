@@ -20,7 +20,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 from flint import arb
 
@@ -44,7 +44,7 @@ from nonsmooth.proofs.clauses.translation.certified_disc import SIMPLE, Certifie
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, shaped
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.exact_json import encode, homogeneous
+from nonsmooth.proofs.findings.exact_json import Record, encode, homogeneous
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.robust.nearest import certified_bounds
@@ -197,8 +197,6 @@ def law_record(feedback: AnyFeedback) -> Record | None:
 
 # ---- the certificate -----------------------------------------------------------------------------
 
-
-Record: TypeAlias = dict[str, Any]
 
 UNDECIDED = "undecided"
 FOLLOWED = ("nearest", "box")  # the rules that the stand-alone checker knows, written there once more on purpose
@@ -489,7 +487,8 @@ def _at_rest(partition: Partition, here: Sequence[Twist]) -> Record:
     if separator is not None:
         return {"separator": homogeneous(separator)[:2]}
     distinct = tuple(dict.fromkeys(here))
-    drift, ends = drift_at_rest(distinct), dict[str, Any]()
+    drift = drift_at_rest(distinct)
+    ends: Record = {}
     for name, mixture in () if drift is None else (("lowest", drift.lowest), ("highest", drift.highest)):
         *shares, _ = homogeneous(list(mixture.weights.values()))
         weights = [shares[0] * 0] * len(here)

@@ -21,6 +21,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
 from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational
@@ -161,7 +162,7 @@ class FallingFunction:
             return None
         return SublevelRegion(shown[0], *self._refuted(own, place, side), self.radius, falls, shown[1])
 
-    def _level_proofs(self, level: Fraction, *, falls: bool) -> dict[str, Any] | None:
+    def _level_proofs(self, level: Fraction, *, falls: bool) -> Record | None:
         if not falls:
             self.conditions.require_below(level)
         return self._proofs([*([] if falls else self.conditions.claims()), *self._claims(Functions.show_border, level)])
@@ -193,7 +194,7 @@ class FallingFunction:
                 return DecayRate(decay, shown[0], proofs=shown[1])
         return None
 
-    def _rate_proofs(self, decay: DecayKind, kappa: Fraction) -> dict[str, Any] | None:
+    def _rate_proofs(self, decay: DecayKind, kappa: Fraction) -> Record | None:
         return self._proofs(self.rate_claims(decay, kappa))
 
     def region_rate(self, region: SublevelRegion) -> RegionRate | None:
@@ -255,7 +256,7 @@ class FallingFunction:
         ask(self.conditions, *values)
         return collected.claims
 
-    def _proofs(self, claims: Iterable[Claim]) -> dict[str, Any] | None:
+    def _proofs(self, claims: Iterable[Claim]) -> Record | None:
         """Evidence of all claims by their names; None where that of one is not found."""
         found = {}
         for claim in claims:
@@ -265,7 +266,7 @@ class FallingFunction:
             found[claim.name] = evidence
         return found
 
-    def _evidence(self, claim: Claim) -> dict[str, Any] | None:
+    def _evidence(self, claim: Claim) -> Record | None:
         """Of a claim, with the functions mu that are known of the one without a rate."""
         known = self.known.get(claim.name.removeprefix("rate "))
         if known is None or known.mu is None or not any(own.value for own in claim.inequalities):
@@ -338,8 +339,8 @@ def claims_about(
 
 
 def first_shown(
-    numbers: Sequence[Fraction], prove: Callable[[Fraction], dict[str, Any] | None]
-) -> tuple[Fraction, dict[str, Any]] | None:
+    numbers: Sequence[Fraction], prove: Callable[[Fraction], Record | None]
+) -> tuple[Fraction, Record] | None:
     """The first number that is proved, with its evidence, of some that ask for less and less; None where none is.
 
     A proof that is not found takes the most time: after the first number the last one is tried, then those between.

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, Translation, row_fact
 from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
@@ -118,7 +119,7 @@ def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
     return None if found is None else _of_entry(point, found[0])
 
 
-def _of_entry(point: CheckedPoint, entry: dict[str, Any]) -> Finding:
+def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
     """What a V shows with its evidence: that the point attracts, or is unstable."""
     hypotheses, states = entry["hypotheses"], point.system.states
     within = hypotheses["cells"]["within"]
@@ -250,7 +251,7 @@ def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
     return _closed_orbits(point, Method.INTEGRAL, entry, "an integral of motion is kept", factor)
 
 
-def _centre(point: CheckedPoint, known: Known, show: Callable[[SwitchedSystem], Entry]) -> dict[str, Any] | None:
+def _centre(point: CheckedPoint, known: Known, show: Callable[[SwitchedSystem], Entry]) -> Record | None:
     """The entry of a theorem on centres; None where it is not shown, or something is known already."""
     if known.standing is not None:
         return None
@@ -260,7 +261,7 @@ def _centre(point: CheckedPoint, known: Known, show: Callable[[SwitchedSystem], 
         return None
 
 
-def _closed_orbits(point: CheckedPoint, method: Method, entry: dict[str, Any], why: str, *more: Fact) -> Finding:
+def _closed_orbits(point: CheckedPoint, method: Method, entry: Record, why: str, *more: Fact) -> Finding:
     """That the point is stable and does not attract."""
     refutes = f"orbits near it are closed, as they turn, and {why}"
     within = point.system.field(Fraction(entry["hypotheses"]["cells"]["within"]))

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +28,7 @@ from nonsmooth.proofs.checker.contact import Cells
 from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import encode
+from nonsmooth.proofs.findings.exact_json import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
@@ -233,8 +232,8 @@ class ArrayBasin:
     """
 
     triangles: CertifiedBasin
-    entry: dict[str, Any]
-    claim: dict[str, Any]
+    entry: Record
+    claim: Record
     half: float
     within: float | None
     coming: Floats
@@ -310,7 +309,7 @@ def _around(
     announce("the checker", 0, 1)
     for built, first, starts in meshes:
         mesh, below = built.record, built.below
-        found: dict[str, Any] = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
+        found: Record = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
         try:
             (claim,) = show_entry(array, {"theorem": "basin", "hypotheses": {**record, **found}, "proofs": {}})
         except RejectedError as error:
@@ -318,7 +317,7 @@ def _around(
             continue
         sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), starts)
         within = float(Fraction(found["squared_radius"])) ** 0.5 if "ends" in claim else None
-        hypotheses: dict[str, Any] = {**exact, **found}
+        hypotheses: Record = {**exact, **found}
         entry = {"theorem": "basin", "hypotheses": hypotheses, "proofs": {}}
         return ArrayBasin(CertifiedBasin(hypotheses, sampled), entry, claim, field.half, within, coming)
     return NoBasin(why)
@@ -407,7 +406,7 @@ def _end(field: FloatCells) -> Floats:
     return np.asarray(x.mean(axis=0))
 
 
-def _squared_radius(mesh: dict[str, Any], below: int) -> str:
+def _squared_radius(mesh: Record, below: int) -> str:
     """Of the smallest disc about the point that holds the first ring, exactly."""
     core = Core(Mesh(mesh), below)
     return str(max(x * x + y * y for x, y in core.places) * Fraction(mesh["unit"]) ** 2)

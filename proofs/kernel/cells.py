@@ -26,6 +26,7 @@ from nonsmooth.proofs.checker.cells import Domain, Inclusion, Pattern, Surfaces,
 from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.inequalities.prover import Proof, prove
@@ -268,11 +269,11 @@ class StatedCells:
 
     within: str | None
     surfaces: tuple[Polynomial, ...]
-    empty: dict[str, dict[str, Any]]
+    empty: dict[str, Record]
     cells: SignCells
 
     @property
-    def record(self) -> dict[str, Any]:
+    def record(self) -> Record:
         """As a certificate holds it."""
         return {
             "within": self.within,
@@ -281,7 +282,7 @@ class StatedCells:
         }
 
     @property
-    def proofs(self) -> dict[str, Any]:
+    def proofs(self) -> Record:
         """The evidence that patterns are empty, by the names of the claims."""
         return {f"empty {signs}": evidence for signs, evidence in self.empty.items()}
 
@@ -334,7 +335,7 @@ def _leading(polynomial: Polynomial) -> Number:
     return polynomial.terms[max(polynomial.terms)]
 
 
-def _empty_patterns(cells: SignCells, radius: Number | None) -> Iterator[tuple[str, dict[str, Any]]]:
+def _empty_patterns(cells: SignCells, radius: Number | None) -> Iterator[tuple[str, Record]]:
     """Patterns, walked as the checker walks them: of those that have no cell the shortest beginnings, and why."""
     occurring = {cell.signs[:size] for cell in cells.cells for size in range(len(cells.surfaces) + 1)}
     known: list[dict[int, int]] = []

@@ -14,12 +14,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from math import gcd
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from nonsmooth.proofs.checker.cells import Inclusion, Matrix, System, pattern
 from nonsmooth.proofs.checker.centres import require_reversed, show_turns
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.bounds import factorized
 from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
@@ -89,7 +90,7 @@ def reflection_text(mirror: Sequence[Sequence[str]], states: Sequence[str]) -> s
     return f"({', '.join(images)})"
 
 
-def factor_text(hypotheses: dict[str, Any]) -> str:
+def factor_text(hypotheses: Record) -> str:
     """An integrating factor, as in ``(x + 1)**-1 * exp(6*x)``."""
     parts = [f"({own})**({power})" if "/" in power else f"({own})**{power}" for own, power in hypotheses["factors"]]
     exponent = hypotheses["exponent"]
@@ -106,7 +107,7 @@ def _at_point(system: SwitchedSystem) -> tuple[System, StatedCells, Inclusion]:
     return subject, cells, build_inclusion(cells, subject, search)
 
 
-def _turning(inclusion: Inclusion) -> dict[str, Any]:
+def _turning(inclusion: Inclusion) -> Record:
     """Weights for each cell, and the sense, with which all fields seem to turn.
 
     Raises:

@@ -27,6 +27,7 @@ import numpy as np
 from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import (
     StatedCells,
@@ -56,7 +57,6 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-Record: TypeAlias = dict[str, Any]
 Ray: TypeAlias = tuple[Any, Any]  # fractions, or numbers of the checker or of the program
 
 RADII = tuple(Fraction(1, 4**k) for k in range(1, 7))  # half-widths of cubes, over that of the scene
@@ -368,7 +368,7 @@ def show_by_weights(system: SwitchedSystem, verdict: str, search: Search | None 
     raise NotShownError("no function was found for leading terms with weights")
 
 
-def _hypotheses(cells: dict[str, Any], function: str, second: dict[str, Any], *, grows: bool) -> dict[str, Any]:
+def _hypotheses(cells: Record, function: str, second: Record, *, grows: bool) -> Record:
     if grows:
         return {"cells": cells, "function": function, "second": second, "direction": DIRECTION}
     return stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE, second)

@@ -20,6 +20,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells
 from nonsmooth.proofs.kernel.search import (
@@ -81,7 +82,7 @@ def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: b
     return None
 
 
-def quotient_text(hypotheses: dict[str, Any]) -> str:
+def quotient_text(hypotheses: Record) -> str:
     """V of a theorem as a formula."""
     top, bottom = one_line(str(hypotheses["function"])), hypotheses.get("denominator")
     logarithm = hypotheses.get("logarithm")
@@ -90,7 +91,7 @@ def quotient_text(hypotheses: dict[str, Any]) -> str:
     return top if bottom is None else f"({top})/({one_line(bottom)})"
 
 
-def _quotients(subject: System, cube: dict[str, Any]) -> Iterator[tuple[str, str]]:
+def _quotients(subject: System, cube: Record) -> Iterator[tuple[str, str]]:
     """Numerators and denominators."""
     states = subject.coordinates
     for degree in DEGREES:
@@ -111,7 +112,7 @@ def _quotients(subject: System, cube: dict[str, Any]) -> Iterator[tuple[str, str
                 yield formula_text(Polynomial(len(states), top), states), bottom + (f"**{power}" if power > 1 else "")
 
 
-def _claims(subject: System, cube: dict[str, Any], forms: Sequence[str], power: int) -> list[list[Claim]]:
+def _claims(subject: System, cube: Record, forms: Sequence[str], power: int) -> list[list[Claim]]:
     """The claims about each form over the power of ``|x|^2``, in one order.
 
     Raises:

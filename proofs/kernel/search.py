@@ -28,6 +28,7 @@ from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.statements import THEOREMS
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided
 from nonsmooth.proofs.kernel import simplices, squares
@@ -41,7 +42,7 @@ FLAT = 2  # variables up to which simplices are tried before sums of squares
 MOST_BY_SIMPLICES = 3  # beyond, a cube consists of too many
 
 
-Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]  # of a certificate, and what it shows
+Entry: TypeAlias = tuple[Record, list[Statement]]  # of a certificate, and what it shows
 
 
 class NotShownError(ValueError):
@@ -96,7 +97,7 @@ class Search(Proofs):
             return False
         return True
 
-    def entry(self, system: System, theorem: str, hypotheses: dict[str, Any]) -> Entry:
+    def entry(self, system: System, theorem: str, hypotheses: Record) -> Entry:
         """A theorem with its proofs as a certificate holds it, and what it shows.
 
         Args:
@@ -116,9 +117,7 @@ class Search(Proofs):
         return {"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}, shown
 
 
-def stability_hypotheses(
-    cells: dict[str, Any], function: Any, verdict: str, second: dict[str, Any] | None = None
-) -> dict[str, Any]:
+def stability_hypotheses(cells: Record, function: Any, verdict: str, second: Record | None = None) -> Record:
     """Of theorem ``lyapunov``, with nothing stated beyond the verdict.
 
     Args:
@@ -140,7 +139,7 @@ class Kind:
         place: of the kind in the order for a claim, the lowest first; None where it is not tried.
     """
 
-    search: Callable[[Claim, int], dict[str, Any] | Counterexample[Claim] | None]
+    search: Callable[[Claim, int], Record | Counterexample[Claim] | None]
     place: Callable[[Claim], int | None]
 
 
@@ -184,7 +183,7 @@ def decide_claim(
     return Undecided(claim)
 
 
-def search_mixture(claim: Claim) -> dict[str, Any] | None:
+def search_mixture(claim: Claim) -> Record | None:
     """Multipliers for each inequality of a claim about affine polynomials; None where there are none.
 
     Args:
@@ -315,7 +314,7 @@ class Functions(Lyapunov):
         number: of the function that is V.
     """
 
-    def __init__(self, system: System, cells: dict[str, Any], functions: Sequence[str | list[list[str]]]) -> None:
+    def __init__(self, system: System, cells: Record, functions: Sequence[str | list[list[str]]]) -> None:
         self.collected = Collected()
         super().__init__(Inclusion(system, cells, list(functions), self.collected), self.collected)
         self.number = 0

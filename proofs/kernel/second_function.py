@@ -25,6 +25,7 @@ from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
@@ -58,7 +59,7 @@ def find_second(
     *,
     below: Fraction | None = None,
     others: Sequence[str] = (),
-) -> dict[str, Any] | None:
+) -> Record | None:
     """Functions and bounds for the hypothesis ``second`` of the theorems about a V that does not rise.
 
     Args:
@@ -77,7 +78,7 @@ def find_second(
 
 def find_attraction(
     system: SwitchedSystem, potential: PiecewiseExpression, radius: Number, *, everywhere: bool = False
-) -> dict[str, Any] | None:
+) -> Record | None:
     """The entry of a certificate that shows asymptotic stability by V and further functions; None where none is found.
 
     Args:
@@ -110,7 +111,7 @@ class Chains:
         self.system, self.cells, self.function, self.search, self.below = system, cells, function, search, below
         self.tries = 0
 
-    def extended(self, others: list[Any]) -> dict[str, Any] | None:
+    def extended(self, others: list[Any]) -> Record | None:
         """The hypothesis with some functions, and further ones where places are left."""
         self.tries += 1
         try:

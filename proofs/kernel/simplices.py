@@ -17,6 +17,7 @@ from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.inequalities.subdivision import (
@@ -54,11 +55,11 @@ class Leaf:
         mu: the values of the functions mu at the corners; none where all are zero.
     """
 
-    on: list[str | dict[str, Any]]
+    on: list[str | Record]
     mu: list[list[fmpq]]
 
 
-def search(claim: Claim, work: int) -> dict[str, Any] | Counterexample[Claim] | None:
+def search(claim: Claim, work: int) -> Record | Counterexample[Claim] | None:
     """A tree for every root simplex of a claim.
 
     Args:
@@ -211,7 +212,7 @@ def _tree(part: SubCone) -> Any:
     if isinstance(part.node, ConeCut):
         cut = part.node
         return [cut.first, cut.second, written_number(cut.share), _tree(cut.near), _tree(cut.far)]
-    leaf: dict[str, Any] = {}
+    leaf: Record = {}
     if part.node.mu:
         leaf["mu"] = [[str(value) for value in own] for own in part.node.mu]
     if any(part.node.on):
@@ -219,6 +220,6 @@ def _tree(part: SubCone) -> Any:
     return leaf
 
 
-def _written(shown: str | dict[str, Any]) -> str | dict[str, Any]:
+def _written(shown: str | Record) -> str | Record:
     """What shows an inequality on a part: the name of a guard, or multiples."""
     return shown if isinstance(shown, str) else {name: written_number(value) for name, value in shown.items()}

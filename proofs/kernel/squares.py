@@ -13,6 +13,7 @@ from flint import fmpq
 
 from nonsmooth.proofs.checker.polynomials import Exponents, constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import round_parameters, solve_inside
@@ -35,12 +36,12 @@ class Shown:
         mu: of squares, the coefficients of the functions mu; None of another kind.
     """
 
-    evidence: dict[str, Any]
+    evidence: Record
     strict: bool
     mu: tuple[fmpq, ...] | None = None
 
 
-def search(claim: Claim) -> dict[str, Any] | None:
+def search(claim: Claim) -> Record | None:
     """Squares for each inequality of a claim; None where they were not found."""
     found = find(claim, Effort.STRICT if claim.strict else Effort.FULL)
     return None if found is None else found.evidence
@@ -61,7 +62,7 @@ def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Sh
     for values in [mu] if mu is not None else _proposals(conditions, len(shapes), weakly=effort in WEAK):
         found = _with_mu(claim, conditions, values, effort)
         if found is not None:
-            evidence: dict[str, Any] = {"squares": found[0]}
+            evidence: Record = {"squares": found[0]}
             if shapes:
                 evidence["mu"] = _written_mu(claim, shapes, values)
             return Shown(evidence, found[1], values)
@@ -151,7 +152,7 @@ def _written_mu(claim: Claim, shapes: Sequence[Shape], mu: Sequence[fmpq]) -> li
     return found
 
 
-def _written(stated: Condition, proved: SumOfSquares, names: Sequence[str]) -> list[dict[str, Any]]:
+def _written(stated: Condition, proved: SumOfSquares, names: Sequence[str]) -> list[Record]:
     """The evidence about the stated polynomial, from that about its multiple by powers of two."""
     divided = proved.condition
     whole = _ratio(stated.constant, divided.constant)

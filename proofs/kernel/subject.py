@@ -17,7 +17,7 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from nonsmooth.proofs.findings.exact_json import Generators
+from nonsmooth.proofs.findings.exact_json import Generators, Record
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.sine_enclosures import in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -36,7 +36,7 @@ class NoCertificateError(ValueError):
     """A verdict that has no certificate, in one line."""
 
 
-def about(system: SwitchedSystem) -> dict[str, Any]:
+def about(system: SwitchedSystem) -> Record:
     """What a certificate is about; where roots of states stand for these, what was stated, and of which states.
 
     Sines and cosines of states stay in the right-hand sides where there is one field, and its numbers can be written.
@@ -51,7 +51,7 @@ def about(system: SwitchedSystem) -> dict[str, Any]:
         return {"states": list(states), "rhs": rhs, "at": list(map(exact_text, at)), "roots": list(rooted)}
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
-    own: dict[str, Any] = {"states": list(system.states), "rhs": rhs}
+    own: Record = {"states": list(system.states), "rhs": rhs}
     own |= {"order": system.order} if with_waves and system.order else {}
     irrational = [] if with_waves else list(_irrational_numbers(system))
     if not irrational:

@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.quotients import coefficients_of, flint, proposed, values_inside
 from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, SampledProofs, Search, stability_hypotheses
@@ -76,7 +77,7 @@ def _functions(heavy: str, light: str, most: int) -> list[str]:
     return found
 
 
-def _claims(subject: System, cells: dict[str, Any], functions: Sequence[str]) -> list[list[Claim]]:
+def _claims(subject: System, cells: Record, functions: Sequence[str]) -> list[list[Claim]]:
     """That each function falls on each cell, in one order."""
     own = Functions(subject, {**cells, "empty": []}, functions)
     every = (own.claims(k, positive=False) for k in range(len(functions)))
@@ -110,7 +111,7 @@ def _samples(heavy: int) -> Floats:
     return points
 
 
-def _shown(subject: System, cells: dict[str, Any], function: str) -> Entry | None:
+def _shown(subject: System, cells: Record, function: str) -> Entry | None:
     """What a V shows: that the point attracts, or, where it is negative somewhere, that it is unstable."""
     attracts = stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE)
     leaves = {"cells": cells, "function": function, "second": None}

@@ -13,12 +13,12 @@ from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, combinations, product
 from math import lcm
-from typing import Any
 
 from flint import fmpq
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     are_positive_everywhere,
@@ -192,7 +192,7 @@ def find_global_attraction(
     system: SwitchedSystem,
     potentials: Iterable[PiecewiseExpression | None],
     energies: Iterable[PiecewiseExpression] = (),
-) -> dict[str, Any] | None:
+) -> Record | None:
     """The entry of a certificate that shows that every solution comes to the point; None where none is found.
 
     A V that falls is looked for first, then one that does not rise with functions that show that nothing else stays on
@@ -218,7 +218,7 @@ def _attempts(
     subject: System,
     given: Iterable[PiecewiseExpression],
     energies: Iterable[PiecewiseExpression],
-) -> Iterator[dict[str, Any] | None]:
+) -> Iterator[Record | None]:
     """What each way shows, one after the other; None where it shows nothing."""
     space = WholeSpace(system, subject)
     for potential in chain(given, global_functions(system)):
@@ -253,7 +253,7 @@ class WholeSpace:
         self.system, self.subject = system, subject
         self.asked: set[tuple[str, str, str]] = set()
 
-    def by_fall(self, potential: PiecewiseExpression, logarithm: str = "") -> dict[str, Any] | None:
+    def by_fall(self, potential: PiecewiseExpression, logarithm: str = "") -> Record | None:
         """The entry for a V that falls; None where it is not shown.
 
         Args:
@@ -263,7 +263,7 @@ class WholeSpace:
         own = self._unrefuted(potential, ASYMPTOTICALLY_STABLE, logarithm)
         return None if own is None else self._bounded(own, Search(WORK))
 
-    def by_rest(self, potential: PiecewiseExpression) -> dict[str, Any] | None:
+    def by_rest(self, potential: PiecewiseExpression) -> Record | None:
         """The entry for a V that does not rise, with functions that show that nothing else stays where it is kept."""
         own = self._unrefuted(potential, STABLE)
         if own is None:
@@ -274,7 +274,7 @@ class WholeSpace:
             return None
         return self._bounded({**own, "verdict": ASYMPTOTICALLY_STABLE, "second": second}, search)
 
-    def _unrefuted(self, potential: PiecewiseExpression, verdict: str, logarithm: str = "") -> dict[str, Any] | None:
+    def _unrefuted(self, potential: PiecewiseExpression, verdict: str, logarithm: str = "") -> Record | None:
         """The hypotheses for a verdict, where V was not asked before and no sample refutes it."""
         if (potential.text, verdict, logarithm) in self.asked:
             return None
@@ -290,7 +290,7 @@ class WholeSpace:
             return None
         return own
 
-    def _bounded(self, own: dict[str, Any], search: Search) -> dict[str, Any] | None:
+    def _bounded(self, own: Record, search: Search) -> Record | None:
         """The entry for hypotheses, with a bound that shows that level sets are bounded."""
         for bound, factor in product(BOUNDS, FACTORS):
             hypotheses = {**own, "everywhere": True, bound: str(factor)}

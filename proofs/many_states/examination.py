@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -15,6 +14,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
@@ -265,7 +265,7 @@ class ExaminedLyapunov(ExaminedFunction):
         return self.stated.cells
 
     @property
-    def proofs(self) -> dict[str, Any]:
+    def proofs(self) -> Record:
         """The evidence of what is shown, by the names of the claims."""
         return {own.claim.name: own.found.evidence for own in self.asked if own.found is not None}
 
@@ -315,7 +315,7 @@ class ExaminedLyapunov(ExaminedFunction):
         """Where one of them fails."""
         return self.failure
 
-    def attraction(self, system: SwitchedSystem) -> dict[str, Any] | None:
+    def attraction(self, system: SwitchedSystem) -> Record | None:
         """LaSalle's principle with its evidence, for a V that does not rise; None where that is not found.
 
         Where V and the fields are forms on cones every solution is attracted.
@@ -326,7 +326,7 @@ class ExaminedLyapunov(ExaminedFunction):
 
         return find_attraction(system, self.formula, self.radius, everywhere=True)
 
-    def known_entry(self, reach: Reach) -> dict[str, Any]:
+    def known_entry(self, reach: Reach) -> Record:
         """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
         region, rate = reach.region, reach.rate
         falls = self.decrease is Decrease.STRICT

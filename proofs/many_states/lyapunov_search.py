@@ -25,13 +25,13 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain, combinations, combinations_with_replacement
-from typing import Any
 
 import numpy as np
 from flint import fmpq
 
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, row_fact
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
@@ -295,7 +295,7 @@ class GrowthEvidence:
     radius: Number
     direction: tuple[fmpq, ...]
     stated: StatedCells
-    proofs: dict[str, Any]
+    proofs: Record
     speed: Fraction | None = None
 
     @property
@@ -312,7 +312,7 @@ class GrowthEvidence:
         return row_fact("with", f"V = {one_line(self.formula.text)}"), row_fact("on", where)
 
     @property
-    def entry(self) -> dict[str, Any]:
+    def entry(self) -> Record:
         """As a certificate holds it."""
         direction = [str(x) for x in self.direction]
         cells, function = self.stated.record, self.formula.text
@@ -355,7 +355,7 @@ def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
             yield from (parse_piecewise(own, system.states) for own in (text, f"-({text})"))
 
 
-def _proofs(claims: Sequence[Claim], effort: Effort) -> dict[str, Any] | None:
+def _proofs(claims: Sequence[Claim], effort: Effort) -> Record | None:
     """Evidence of all claims; None where that of one is not found."""
     proofs = {}
     for claim in claims:

@@ -17,7 +17,6 @@ from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from itertools import chain
-from typing import Any
 
 import numpy as np
 from flint import fmpq
@@ -26,6 +25,7 @@ from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search
@@ -187,7 +187,7 @@ def _negative(stated: Lyapunov) -> tuple[Fraction, ...] | None:
 # states.  Energies are searched there as in any such system (:mod:`.weak_functions`); the checker shows what is found.
 
 
-def find_energy_on_circles(system: SwitchedSystem) -> tuple[dict[str, Any], str, str, bool] | None:
+def find_energy_on_circles(system: SwitchedSystem) -> tuple[Record, str, str, bool] | None:
     """The entry of a certificate that shows stability, its V and its domain for people, and whether V is kept.
 
     None where none is found.
@@ -254,7 +254,7 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
         system.check, equilibrium=tuple(at.get(name, zero) for name in coordinates), lyapunov=squares, is_default=True
     )
     sides = tuple(parse_piecewise(text, coordinates) for text in rhs)
-    plain: dict[str, Any] = {"others": (), "written": (), "waves": (), "named_rhs": (), "names": ()}
+    plain: Record = {"others": (), "written": (), "waves": (), "named_rhs": (), "names": ()}
     return replace(system, states=coordinates, rhs=sides, check=check, **plain)
 
 

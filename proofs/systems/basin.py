@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.outside import closed, place_of
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import (
     WAY,
@@ -93,7 +93,7 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
     return found
 
 
-def left_of(hypotheses: dict[str, Any], x: Floats) -> Mask:
+def left_of(hypotheses: Record, x: Floats) -> Mask:
     """Which places are to the left of a line, in floats: shape (places, 2)."""
     unit = unit_of(hypotheses)
     half = 1 + int(np.abs(x).max() / unit)
@@ -120,7 +120,7 @@ class _Search:
     half: float
     angle: float
 
-    def lines(self, surfaces: Sequence[str]) -> Iterator[dict[str, Any]]:
+    def lines(self, surfaces: Sequence[str]) -> Iterator[Record]:
         """Hypotheses of lines on either side of the stable manifold, that away from the point first."""
         values, vectors = np.linalg.eig(self.slope)
         order = np.argsort(values.real)
@@ -234,22 +234,22 @@ class CertifiedBasin:
         window: that grid: the least and the largest value of each state, in the displacement from the point.
     """
 
-    hypotheses: dict[str, Any]
+    hypotheses: Record
     sampled: tuple[int, int]
-    outside: dict[str, Any] | None = None
+    outside: Record | None = None
     traps: tuple[Beside, ...] = ()
     saddles: tuple[Beside, ...] = ()
     square: tuple[int, int, int] = (0, 0, 0)
     window: tuple[tuple[float, float], ...] = ()
 
     @property
-    def never(self) -> tuple[dict[str, Any], ...]:
+    def never(self) -> tuple[Record, ...]:
         """The hypotheses of all polygons and lines on one side of which no start comes to the point."""
         polygons = () if self.outside is None else (self.outside,)
         return (*(own for _, own in (*self.traps, *self.saddles)), *polygons)
 
     @property
-    def mesh(self) -> dict[str, Any]:
+    def mesh(self) -> Record:
         """As a certificate holds it."""
         return dict(self.hypotheses["mesh"])
 
@@ -295,7 +295,7 @@ class CertifiedBasin:
 
 def find_basin(
     system: System,
-    local: dict[str, Any],
+    local: Record,
     surfaces: list[str],
     effort: BasinEffort,
     limit: float | None,
@@ -364,7 +364,7 @@ def find_basin(
 
 def find_basin_in_space(
     system: System,
-    local: dict[str, Any],
+    local: Record,
     surfaces: list[str],
     asked: str,
     limit: float,
@@ -410,7 +410,7 @@ def _number(text: str) -> float:
     return float(numerator) / float(denominator or 1)
 
 
-def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats]:
+def _potential(plane: Plane, local: Record) -> Callable[[Floats], Floats]:
     """V in floats: one formula, or one for each of some patterns of signs; infinite where it is not known."""
     function, place = local["function"], plane.domain.displacement
     near = Plane(plane.domain.system, "1", local["cells"]["surfaces"], Proofs({}))

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import accumulate, islice, pairwise
 from math import gcd, lcm
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, area, lengths
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
@@ -201,7 +202,7 @@ class BuiltMesh:
         below: W on its last ring.
     """
 
-    record: dict[str, Any]
+    record: Record
     below: int
 
     @property
@@ -215,7 +216,7 @@ class BuiltMesh:
         return area(last_ring(self.corners))
 
 
-def mesh_corners(mesh: dict[str, Any]) -> Floats:
+def mesh_corners(mesh: Record) -> Floats:
     """The corners of a mesh in floats."""
     found = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
     numerator, _, denominator = mesh["unit"].partition("/")
@@ -403,7 +404,7 @@ class MeshBuilder:
             return False
         return True
 
-    def _record(self, used: Sequence[int]) -> dict[str, Any]:
+    def _record(self, used: Sequence[int]) -> Record:
         """The mesh of some rings, on which W is 0, 1, 2 and so on."""
         numbers: dict[Corner, int] = {}
         corners, triangles = list[str](), list[str]()

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate, ReshapedRegion, SublevelRegion
@@ -143,7 +144,7 @@ class ExaminedFunction(ABC):
         """V as a formula, or its pieces."""
         return "; ".join(map(str, self.pieces)) if self.formula is None else one_line(self.formula.text)
 
-    def known_entry(self, reach: Reach) -> dict[str, Any] | None:
+    def known_entry(self, reach: Reach) -> Record | None:
         """The theorem with its reach, as a certificate holds it; None where evidence is missing."""
         return None
 
@@ -169,7 +170,7 @@ class Finding:
     reason: str
     function: Any = None
     proofs: Any = None
-    entry: dict[str, Any] | None = None
+    entry: Record | None = None
     facts: tuple[Fact, ...] = ()
     refutes: str = ""
     is_final: bool = True
@@ -256,7 +257,7 @@ class Reach(ShortRepr):
     gain_domain: Domain | None = None
     in_finite_time: bool = False
     reshaped: ReshapedRegion | None = field(default=None, hash=False)
-    global_entry: dict[str, Any] | None = field(default=None, hash=False)
+    global_entry: Record | None = field(default=None, hash=False)
     basin: CertifiedBasin | None = field(default=None, hash=False)
 
 

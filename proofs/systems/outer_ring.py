@@ -19,7 +19,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import chain
 from operator import add
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -28,10 +28,11 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, grow, next_ring
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
-Beside: TypeAlias = tuple[Floats, dict[str, Any]]  # another place of rest, in floats, and hypotheses that are shown
+Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
 
 WIDER = (1.15, 1.4, 2.0)  # of the certified region: first rings, tried in turn
 TURNS, SLENDER = (3.0, 1.0, 0.5), 0.3  # of the angle, one after the other; the largest gap over it
@@ -47,9 +48,7 @@ ALONG_SIDE = 5  # places on a side at which floats look whether velocities lead 
 KEPT, LONGEST, COARSENINGS = 0.25, (1 / 24, 1 / 96), 6  # of the angle; of the size, sides with fewer corners; rounds
 
 
-def find_outer_ring(
-    system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int
-) -> dict[str, Any] | None:
+def find_outer_ring(system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int) -> Record | None:
     """The hypotheses of theorem ``outside``, which are shown; None where no polygon is found.
 
     Args:
@@ -60,7 +59,7 @@ def find_outer_ring(
         steps: of all rings that are tried, at most.
     """
     field = FloatField(Plane(system, "1", list(surfaces), Proofs({})))
-    best: dict[str, Any] | None = None
+    best: Record | None = None
     rings = [wider * border for wider in WIDER]
     for own in (turn * pace.angle for turn in TURNS):
         for ring in rings:
@@ -133,7 +132,7 @@ def _slopes(field: FloatField, x: Floats, width: float) -> Floats:
 
 def _grown_about(
     system: System, surfaces: Sequence[str], place: Floats, slope: Floats, pace: Pace, steps: int
-) -> dict[str, Any] | None:
+) -> Record | None:
     """A polygon about a place of rest, as large as is shown; None where none is."""
     away = [Fraction(round(own * 2**BITS), 2**BITS) for own in place.tolist()]
     middle, distance = np.array(away, dtype=float), float(np.linalg.norm(place))
@@ -141,7 +140,7 @@ def _grown_about(
     field = FloatField(Plane(moved, "1", _moved(system, surfaces, away), Proofs({})))
     whole = FloatField(Plane(system, "1", list(surfaces), Proofs({})))
 
-    def shown(ring: Floats) -> dict[str, Any] | None:
+    def shown(ring: Floats) -> Record | None:
         return shown_polygon(system, surfaces, whole, ring[::-1] + middle)
 
     ellipse = _small_ring(slope) * distance
@@ -183,7 +182,7 @@ def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) ->
     return [names.sub(lambda own: moved[own[0]], surface) for surface in surfaces]
 
 
-def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ring: Floats) -> dict[str, Any] | None:
+def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ring: Floats) -> Record | None:
     """The hypotheses of a polygon with few corners, or of all of them, which the checker's theorem takes; else None.
 
     Args:
@@ -225,7 +224,7 @@ def _sines(field: FloatField, ring: Floats, sides: Floats | None = None) -> Floa
     return np.asarray((across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1)))
 
 
-def is_shown(system: System, hypotheses: dict[str, Any]) -> bool:
+def is_shown(system: System, hypotheses: Record) -> bool:
     """Whether the checker's theorem takes a polygon or a line."""
     try:
         show_outside(system, hypotheses, Proofs({}))
@@ -252,7 +251,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
     return most, ring
 
 
-def on_lattice(ring: Floats, surfaces: Sequence[str]) -> dict[str, Any]:
+def on_lattice(ring: Floats, surfaces: Sequence[str]) -> Record:
     """A ring in whole numbers, as a certificate holds it."""
     power = BITS - int(np.ceil(np.log2(float(np.abs(ring).max()))))
     places = np.rint(ring * 2.0**power).astype(np.int64)
@@ -260,12 +259,12 @@ def on_lattice(ring: Floats, surfaces: Sequence[str]) -> dict[str, Any]:
     return {"surfaces": list(surfaces), "unit": unit, "corners": [f"{x} {y}" for x, y in places.tolist()]}
 
 
-def ring_of(hypotheses: dict[str, Any]) -> Floats:
+def ring_of(hypotheses: Record) -> Floats:
     """The corners of a polygon in floats: shape (corners, 2)."""
     places = np.array([own.split(" ") for own in hypotheses["corners"]], dtype=float)
     return np.asarray(places * unit_of(hypotheses))
 
 
-def unit_of(hypotheses: dict[str, Any]) -> float:
+def unit_of(hypotheses: Record) -> float:
     """The unit of the corners."""
     return float(Fraction(hypotheses["unit"]))

@@ -22,9 +22,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
@@ -85,7 +86,7 @@ class PlanePoint(CheckedPoint):
         """
         require_denominators(system)
         self.system = system
-        self._attractions: list[tuple[PlaneFunction, dict[str, Any] | None]] = []
+        self._attractions: list[tuple[PlaneFunction, Record | None]] = []
 
     @cached_property
     def cells(self) -> tuple[FieldCell, ...]:
@@ -149,7 +150,7 @@ class PlanePoint(CheckedPoint):
         for domain in self._domains[1:]:
             yield self.given_on(domain)
 
-    def attraction(self, function: PlaneFunction) -> dict[str, Any] | None:
+    def attraction(self, function: PlaneFunction) -> Record | None:
         """LaSalle's principle with its evidence, as a certificate holds it, of a V that does not increase."""
         for asked, entry in self._attractions:
             if asked is function:
@@ -157,7 +158,7 @@ class PlanePoint(CheckedPoint):
         self._attractions.append((function, self._searched_attraction(function)))
         return self._attractions[-1][1]
 
-    def _searched_attraction(self, function: PlaneFunction) -> dict[str, Any] | None:
+    def _searched_attraction(self, function: PlaneFunction) -> Record | None:
         from nonsmooth.proofs.kernel.second_function import find_attraction
         from nonsmooth.proofs.systems.invariance import resting_place
 
