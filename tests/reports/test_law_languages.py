@@ -24,7 +24,7 @@ from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.feedback.loop_bounds import wheel_speed
+from nonsmooth.proofs.clauses.feedback.loop_bounds import certified_error, wheel_speed
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
@@ -295,11 +295,12 @@ def test_the_pose_answer_bounds_speeds_under_another_v(arrays: Arrays) -> None:
     feedback = check.feedback
     assert isinstance(feedback, FeedbackResult)
     assert feedback.region is not None
-    bound = wheel_speed(feedback, check.scene)
+    bound, error = wheel_speed(feedback, check.scene), certified_error(feedback)
     assert bound is not None
+    assert error is not None
     level = float(feedback.region.level)
     fastest = max(fastest_at_level(law_of(check), feedback.lyapunov.value, level))
-    assert 0.5 * float(bound) < fastest / math.sqrt(level) <= float(bound)
+    assert 0.5 * float(bound.at_error(error)) < fastest <= float(bound.at_error(error))
 
 
 def fastest_at_level(law: LawResult, value: Callable[[Any], float], level: float) -> list[float]:
