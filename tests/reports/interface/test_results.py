@@ -66,7 +66,7 @@ SAME: dict[str, Callable[[], Any]] = {
     "check four-wheel --rule box": lambda: array().check(rule="box"),
     "check four-wheel --rule all": lambda: array().check(rule="all"),
     "check eq-4": lambda: ns.load("eq-4").check(),
-    "simulate off-center --grid 5 --heading 0.2 --until 1": lambda: array("off-center").map(5, heading=0.2, until=1.0),
+    "simulate saddle --grid 5 --heading 0.2 --until 1": lambda: array("saddle").map(5, heading=0.2, until=1),
     PATH: lambda: array().simulate((0.1, 0.2, 0.3), 0.5, kinematics="leading"),
     f"{PATH} --method smoothed --width 0.01": lambda: array().simulate(
         (0.1, 0.2, 0.3), 0.5, kinematics="leading", method="smoothed", width=0.01
