@@ -27,7 +27,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.built_in import drift, verdicts
+from tests.built_in import drift, verdicts, whole_check
 from tests.conftest import Arrays, Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
@@ -152,7 +152,7 @@ def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None
 
 def same_without_pruning(scene: Scene) -> None:
     """Every verdict, rate, region and drift is the same where all contact states are looked at."""
-    pruned, whole = check_cells(scene), check_cells(scene, prune=False)
+    pruned, whole = check_cells(scene), whole_check(scene)
     assert verdicts(pruned) == verdicts(whole)
     assert drift(pruned) == drift(whole)
     assert pruned.translation.worst_rate == whole.translation.worst_rate
@@ -196,7 +196,7 @@ def test_what_is_left_out_is_named(arrays: Arrays) -> None:
 
 def test_without_pruning_everything_is_counted(arrays: Arrays) -> None:
     scene = arrays.four_wheel(SIDE)
-    result = check_cells(scene, prune=False)
+    result = whole_check(scene)
     assert result.census == check_cells(scene).census
     assert (result.census.possible, result.census.singular, result.census.distinct_twists) == (56, 16, 13)
     assert [entry.what for entry in result.skipped] == ["feedback search"]
