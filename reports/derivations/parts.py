@@ -210,4 +210,3 @@ LAST_PARTS = (  # of every report
     ReportPart("references", references_section),
     ReportPart("versions", reproduction_section),
 )
-PART_NAMES = names_of(SceneKind.ARRAY)
