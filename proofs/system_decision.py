@@ -487,4 +487,6 @@ STRATEGIES = [
     Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy"),
     Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles"),
     Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry"),
+    Strategy("searched V, in large programs", MORE, IN_SPACE, "search_large_function"),
+    Strategy("function that shows instability, in large programs", MORE, IN_SPACE, "search_large_growth"),
 ]

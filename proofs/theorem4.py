@@ -115,22 +115,22 @@ def check_theorem4(
         return _check(Workspace(scene, prune=prune, sample=beside, announce=announce, built=built), beside=beside)
 
 
-def check_cells(scene: Scene, *, prune: bool = True) -> CellCheck:
+def check_cells(scene: Scene) -> CellCheck:
     """Check under a rule with cells; see :func:`check_theorem4`.
 
     Raises:
         TypeError: for a rule without cells.
     """
-    return _of_kind(CellCheck, check_theorem4(scene, prune=prune))
+    return _of_kind(CellCheck, check_theorem4(scene))
 
 
-def check_smooth(scene: Scene, *, prune: bool = True) -> SmoothCheck:
+def check_smooth(scene: Scene) -> SmoothCheck:
     """Check under a rule without cells; see :func:`check_theorem4`.
 
     Raises:
         TypeError: for a rule with cells.
     """
-    return _of_kind(SmoothCheck, check_theorem4(scene, prune=prune))
+    return _of_kind(SmoothCheck, check_theorem4(scene))
 
 
 def _of_kind(kind: type[Kind], result: Check) -> Kind:

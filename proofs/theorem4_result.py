@@ -90,10 +90,6 @@ class Theorem4Result(ShortRepr):
         """Every clause with its result, in order."""
         return tuple((clause, self.results[clause.name]) for clause in clause_registry.CLAUSES)
 
-    def with_results(self, **results: ClauseResult) -> Self:
-        """The same with other results of some clauses, by name; the conclusion stays as it is."""
-        return replace(self, results={**self.results, **results})
-
     def contradicted(self, found: Sequence[Contradiction]) -> Self:
         """The same with every clause undecided that a contradiction concerns, and what follows from that."""
         if not found:

@@ -23,7 +23,7 @@ from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_lineariz
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.many_states.first_integrals import find_kept_function
-from nonsmooth.proofs.many_states.lyapunov_search import find_growth
+from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growing_product, find_growth
 from nonsmooth.proofs.many_states.relay_degree import show_relay_of
 from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 from nonsmooth.proofs.systems.findings import DecidedSystem
@@ -67,7 +67,9 @@ def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None =
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     subject, search = started(system, search)
-    growth = find_growth(system) if len(system.states) != len(PLANE) else None
+    growth = None
+    if len(system.states) != len(PLANE):
+        growth = find_growth(system) or find_growing_product(system) or find_growth(system, LARGE)
     if growth is not None:
         return Search(known=growth.entry["proofs"]).entry(subject, "instability", growth.entry["hypotheses"])
     found = find_weak_growth(system)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import cache
 
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.symbolic.files.documents import builtin_systems
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -21,6 +21,13 @@ from nonsmooth.symbolic.numbers.number import Number
 def checked(name: str, rule: str) -> CellCheck:
     """The check of a built-in scene under a rule with cells."""
     return check_cells(load_scene(name, rule=rule))
+
+
+def whole_check(scene: Scene) -> CellCheck:
+    """The check of an array under a rule with cells, nothing left out."""
+    result = check_theorem4(scene, prune=False)
+    assert isinstance(result, CellCheck)
+    return result
 
 
 @cache

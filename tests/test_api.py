@@ -6,7 +6,6 @@ import ast
 import inspect
 import pkgutil
 import re
-import runpy
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -24,7 +23,7 @@ from nonsmooth.analysis import Kinematics, array_field, build_partition, simulat
 from nonsmooth.proofs import audit, check_theorem4, decide_system
 from nonsmooth.symbolic import governing_equations, load_scene, load_system
 from tests.conftest import Arrays
-from tests.thorough import few, keep
+from tests.thorough import few
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")
@@ -66,25 +65,15 @@ EXAMPLES = [block.split("```")[0] for page in PAGES for block in page.split("```
 
 @few(1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
-def test_every_program_of_the_page_prints_what_it_says(
-    example: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("example.py").write_text(example, encoding="utf-8")
-    runpy.run_path("example.py", run_name="__main__")
-    output = capsys.readouterr()
-    assert output.err == ""
-    assert len(example.splitlines()) <= 16
-    for line in example.splitlines():  # what a comment says is printed
-        said = re.fullmatch(r"print\(.*\)  # (.*)", line)
-        assert said is None or said[1] in output.out.splitlines()
-
-
-@pytest.mark.parametrize("example", keep(1, [*EXAMPLES[1:], EXAMPLES[0]]))  # the first one draws
-def test_every_program_of_the_page_runs_in_a_process_of_its_own(example: str, tmp_path: Path) -> None:
+def test_every_program_of_the_page_prints_what_it_says(example: str, tmp_path: Path) -> None:
+    """In a process of its own, in which every warning is an error."""
     command = [sys.executable, "-W", "error", "-c", example]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
+    assert len(example.splitlines()) <= 16
+    for line in example.splitlines():  # what a comment says is printed
+        said = re.fullmatch(r"print\(.*\)  # (.*)", line)
+        assert said is None or said[1] in done.stdout.splitlines()
 
 
 def test_the_front_of_the_package() -> None:

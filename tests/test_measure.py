@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import runpy
-import subprocess
-import sys
 import tokenize
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -16,21 +12,15 @@ from tests.measure import (
     COMMANDS,
     TABLE,
     Numbers,
-    Row,
-    append_row,
     count_tokens,
     functions_run,
-    main,
-    measure_command,
     measure_product,
     measure_tests,
     outside_f_strings,
     read_table,
-    side_by_side,
     size_of,
 )
-from tests.sources import PACKAGES, ROOT, product_files, text_of
-from tests.thorough import thorough
+from tests.sources import PACKAGES, product_files, text_of
 
 
 def test_the_product_has_no_more_tokens_than_the_last_row_says() -> None:
@@ -140,39 +130,6 @@ def test_a_small_product(tmp_path: Path) -> None:
     assert numbers["circles of modules"] == numbers["circles of packages"] == 0
 
 
-FOR_TYPES = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from nonsmooth.symbolic.b import B\n"
-LAZY = "def f():\n    from nonsmooth.symbolic.b import B\n"
-TYPES = ("circles of modules", "modules in circles", "circles of packages", "packages in circles")
-
-
-@pytest.mark.parametrize("back", [FOR_TYPES, LAZY])
-def test_circles_of_modules(tmp_path: Path, back: str) -> None:
-    one = {"symbolic/a.py": f"{back}def g(): ...\n", "symbolic/b.py": "from nonsmooth.symbolic import a\n"}
-    other = {
-        "analysis/c.py": "import nonsmooth.analysis.d\n",
-        "analysis/d.py": "import nonsmooth.analysis.e\n",
-        "analysis/e.py": "import nonsmooth.analysis.c, nonsmooth.symbolic.a\n",
-    }
-    plant(tmp_path, one | other)
-    numbers = measure_product(tmp_path)
-    assert [numbers[name] for name in TYPES] == [2, 5, 0, 0]
-
-
-@pytest.mark.parametrize("back", [FOR_TYPES, LAZY])
-def test_circles_of_packages(tmp_path: Path, back: str) -> None:
-    """Of a package with one inside it, too: no two of these files lead to each other."""
-    texts = {
-        "proofs/a.py": f"{back}def g(): ...\n",
-        "symbolic/b.py": "",
-        "symbolic/c.py": "import nonsmooth.proofs.inner.d",
-        "proofs/inner/d.py": "import nonsmooth.proofs.e",
-        "proofs/e.py": "",
-    }
-    plant(tmp_path, texts)
-    numbers = measure_product(tmp_path)
-    assert [numbers[name] for name in TYPES] == [0, 0, 1, 3]
-
-
 PROGRAM = """
 from functools import cache
 
@@ -214,97 +171,7 @@ def test_functions_that_run(tmp_path: Path) -> None:
     assert functions_run(call, [tmp_path / "another.py"]) == 0
 
 
-LITERAL = """
-import io
-import sys
-from pathlib import Path
-from tests.sources import product_files
-
-files, ran = set(product_files().values()), set()
-
-def trace(frame, event, argument):
-    code = frame.f_code
-    if not code.co_name.startswith("<") and "__module__" not in code.co_names:  # a class says which module it is of
-        ran.add((code.co_filename, code.co_firstlineno))
-
-sys.argv = ["nonsmooth", "--version"]
-sys.stderr = io.StringIO()  # progress is shown on no stream of somebody who calls a command
-sys.settrace(trace)
-try:
-    from nonsmooth.reports.cli import main
-    main()
-finally:
-    sys.settrace(None)
-    loaded = {Path(module.__file__).resolve() for module in sys.modules.values() if getattr(module, "__file__", None)}
-    print(sum(Path(file).resolve() in files for file, _ in ran), len(files & loaded))
-"""
-
-
-@thorough  # beside test_functions_that_run, on a few lines
-def test_a_command_in_a_process_of_its_own() -> None:
-    """Against every call that Python reports, one by one."""
-    printed = subprocess.run([sys.executable, "-c", LITERAL], cwd=ROOT, capture_output=True, text=True, check=True)
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        functions, files = pool.submit(measure_command, ["--version"]).result()
-    assert [functions, files] == [int(word) for word in printed.stdout.split()[-2:]]
-
-
-def test_a_command_that_fails_is_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail() -> None:
-        sys.stderr.write(f"cannot {sys.argv[1:]}")
-        sys.exit(2)
-
-    monkeypatch.setattr("nonsmooth.reports.cli.main", fail)
-    monkeypatch.setattr(sys, "argv", sys.argv)
-    with pytest.raises(RuntimeError, match=r"nonsmooth check x ended with exit status 2: cannot \['check', 'x'\]"):
-        measure_command(["check", "x"])
-
-
-def test_rows_are_read_as_they_were_appended(tmp_path: Path) -> None:
-    table = tmp_path / "table.csv"
-    table.write_text("tokens,mean,reason\n", encoding="utf-8")
-    rows = [Row({"tokens": 692075, "mean": 8.4}, 'before, "as it was"'), Row({"tokens": 7, "mean": 1}, "less")]
-    for row in rows:
-        append_row(row, table)
-    assert read_table(table) == rows
-    assert table.read_text(encoding="utf-8").splitlines()[1:] == ['692075,8.4,"before, ""as it was"""', "7,1,less"]
-
-
-def test_a_row_without_all_numbers_is_not_appended(tmp_path: Path) -> None:
-    table = tmp_path / "table.csv"
-    table.write_text("tokens,mean,reason\n", encoding="utf-8")
-    with pytest.raises(ValueError, match=r"required the columns \['tokens', 'reason'\]"):
-        append_row(Row({"tokens": 7}, "less"), table)
-    assert table.read_text(encoding="utf-8") == "tokens,mean,reason\n"
-
-
-@pytest.mark.parametrize("reason", [",", ", ", ""])
-def test_a_row_without_a_reason_is_refused(tmp_path: Path, reason: str) -> None:
-    table = tmp_path / "table.csv"
-    table.write_text(f"tokens,reason\n7,a start\n8{reason}\n", encoding="utf-8")
-    with pytest.raises(ValueError, match=r"table.csv: row 2: required a reason"):
-        read_table(table)
-
-
-def test_an_empty_reason_is_refused_before_anything_is_measured(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["--row", " "])
-    assert "required what was done, in words" in capsys.readouterr().err
-
-
 def test_the_table_has_the_columns_that_are_measured(tmp_path: Path) -> None:
     of_commands = [f"{name}: {counted}" for name in COMMANDS for counted in ("functions", "files")]
     columns = TABLE.read_text(encoding="utf-8").splitlines()[0].split(",")
     assert columns == [*planted_numbers(tmp_path), *of_commands, "reason"]
-
-
-def test_numbers_stand_beside_those_of_the_last_row() -> None:
-    shown = side_by_side(Row({"tokens": 692075, "mean": 8.4}, "a start"), {"tokens": 440000, "mean": 14.25, "new": 1})
-    first, _, *lines = shown.splitlines()
-    assert first == 'Last row of tests/measure.csv: "a start"'
-    assert [line.split() for line in lines] == [
-        ["last", "row", "now", "change"],
-        ["tokens", "692,075", "440,000", "-252,075"],
-        ["mean", "8.4", "14.25", "+5.85"],
-        ["new", "nan", "1", "+nan"],
-    ]

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, cast
 from nonsmooth.proofs.answers.answer import WHY_BELOW, Answer, Pose, Results, half_life
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.clauses.feedback.loop_bounds import BY_CELLS, UltimateBound, ultimate_bound, wheel_speed
+from nonsmooth.proofs.clauses.feedback.loop_bounds import (
+    BY_CELLS,
+    UltimateBound,
+    certified_error,
+    ultimate_bound,
+    wheel_speed,
+)
 from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Feedback, Quantity, said
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, upper_text
@@ -100,9 +106,11 @@ def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
 
 def _wheel_speed(found: AnyFeedback, scene: Scene) -> Fact:
     """The speed of the fastest rim at gain k = 1 for each unit of the error sqrt(V)."""
-    fastest = wheel_speed(found, scene) if found.verdict is Feedback.STABILIZABLE else None
-    if fastest is None:
+    bound = wheel_speed(found, scene) if found.verdict is Feedback.STABILIZABLE else None
+    error = certified_error(found)
+    if bound is None or (bound.by_level and error is None):
         return Fact("wheel_speed", Quantity(None))
+    fastest = bound.by_root + bound.by_level * (error or 0)
     units, heading = scene.units, found.lyapunov.length
     speed = f"{upper_text(fastest, 4)} k{units.after_speed}"
     words = f"its wheels run at up to {speed} for each {units.length or 'unit'} of error"

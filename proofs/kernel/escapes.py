@@ -168,15 +168,16 @@ def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, 
 
 
 def motions(cells: SignCells) -> Iterator[FollowedField]:
-    """Inside open cells, on surfaces between two cells, and on lines inside cells."""
+    """Inside open cells, on surfaces between two cells and where two surfaces meet, and on lines inside cells."""
     near = adjoining(cells)
     for cell in near:
         for mixture in _mixtures(cell):
             yield from _on_subspace(cells, pattern(cell.signs), mixture)
-    for first, second in combinations(near, 2):
-        apart = [j for j, (a, b) in enumerate(zip(first.signs, second.signs, strict=True)) if a != b]
-        if len(apart) == 1:
-            yield from _on_surface(cells, apart[0], first, second)
+    pairs = [(_apart(first, second), first, second) for first, second in combinations(near, 2)]
+    for number in (1, 2):
+        for apart, first, second in pairs:
+            if len(apart) == number:
+                yield from _between(cells, apart, first, second)
     for cell in near:
         for mixture in _mixtures(cell)[: len(cell.velocities)]:
             for line in _invariant_lines(mixture[0].field):
@@ -201,24 +202,32 @@ def _mixtures(cell: SignCell) -> list[list[Weighted]]:
     return [[part(number, 1)] for number in range(len(own))] + pairs
 
 
-def _on_surface(cells: SignCells, j: int, first: SignCell, second: SignCell) -> Iterator[FollowedField]:
-    """Sliding between two cells on a surface through the point: weights that make the normal speeds cancel.
+def _apart(first: SignCell, second: SignCell) -> list[int]:
+    """The surfaces between two cells."""
+    return [j for j, (a, b) in enumerate(zip(first.signs, second.signs, strict=True)) if a != b]
 
-    A field that is tangent to the surface is taken alone too.
+
+def _between(cells: SignCells, apart: Sequence[int], first: SignCell, second: SignCell) -> Iterator[FollowedField]:
+    """Sliding between two cells where the surfaces between them, through the point, meet.
+
+    The weights make the speeds across the first of them cancel; where they do not cancel those across the other, there
+    is no such motion.  A field that is tangent to the surface is taken alone too.
     """
     count = len(cells.states)
-    surface = as_checked(rational_terms(cells.surfaces[j]), count)
-    if surface.at_origin:
+    surfaces = {j: as_checked(rational_terms(cells.surfaces[j]), count) for j in apart}
+    if any(surface.at_origin for surface in surfaces.values()):
         return
-    signs = pattern(0 if i == j else sign for i, sign in enumerate(first.signs))
+    signs = pattern(0 if j in apart else sign for j, sign in enumerate(first.signs))
 
     def part(cell: SignCell, number: int, field: Field, weight: Polynomial) -> Weighted:
-        return Weighted(cell, number, field, weight, tuple(cell.signs[j] * surface.slope(k) for k in range(count)))
+        toward = (sum((cell.signs[j] * own.slope(k) for j, own in surfaces.items()), Fraction(0)) for k in range(count))
+        return Weighted(cell, number, field, weight, tuple(toward))
 
+    across = surfaces[apart[0]]
     for a, f in enumerate(_fields(first)):
         yield from _on_subspace(cells, signs, [part(first, a, f, constant(count, 1))])
         for b, g in enumerate(_fields(second)):
-            own, other = lie_derivative(surface, f), lie_derivative(surface, g)
+            own, other = lie_derivative(across, f), lie_derivative(across, g)
             for mixture in ((-other, own), (other, -own)):
                 yield from _on_subspace(cells, signs, [part(first, a, f, mixture[0]), part(second, b, g, mixture[1])])
 

@@ -45,8 +45,11 @@ from nonsmooth.proofs.kernel.cells import (
 )
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import (
+    LARGE,
     SCALES,
+    GrowthEvidence,
     PiecewiseFunction,
+    find_growing_product,
     find_growth,
     find_lyapunov,
     formula_text,
@@ -538,6 +541,12 @@ def search_function(point: SpacePoint, known: Known) -> Finding | None:
     return None if function is None else conclude_function(known, function)
 
 
+def search_large_function(point: SpacePoint, known: Known) -> Finding | None:
+    """The same in large programs, after all that takes less time."""
+    function = None if known.attraction_is_refuted else find_lyapunov(point.system, LARGE)
+    return None if function is None else conclude_function(known, function)
+
+
 def decide_by_sum_of_squares(point: SpacePoint, known: Known) -> Finding | None:
     """The sum of squares that nobody named with all work, where nothing else is found."""
     spectrum, shown = point.spectrum, known.function is not None
@@ -584,7 +593,17 @@ def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | Non
 
 def search_growth(point: SpacePoint, known: Known) -> Finding | None:
     """A V that shows instability, unless the point is known to be stable."""
-    growth = find_growth(point.system) if known.standing is None else None
+    if known.standing is not None:
+        return None
+    return _by_growth(point, find_growth(point.system) or find_growing_product(point.system))
+
+
+def search_large_growth(point: SpacePoint, known: Known) -> Finding | None:
+    """The same in large programs, after all that takes less time."""
+    return _by_growth(point, find_growth(point.system, LARGE)) if known.standing is None else None
+
+
+def _by_growth(point: SpacePoint, growth: GrowthEvidence | None) -> Finding | None:
     if growth is None:
         return None
     facts, entry = growth.facts(point.system.states), growth.entry

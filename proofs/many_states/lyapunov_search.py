@@ -24,7 +24,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import chain, combinations, combinations_with_replacement
+from itertools import combinations, combinations_with_replacement
 
 import numpy as np
 from flint import fmpq
@@ -151,23 +151,32 @@ def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
 
 SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked cube
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried in turn
-MOST_UNKNOWNS = 12_000  # entries of Gram matrices in one program
+# Entries of the Gram matrices of a program: small ones take up to two seconds each, large ones up to twenty.  Larger
+# ones are not solved.
+SMALL = range(8_000)
+LARGE = range(8_000, 24_000)
 
 
-def find_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
+def find_lyapunov(system: SwitchedSystem, entries: range = SMALL) -> ExaminedLyapunov | None:
     """A V that is positive and falls along every solution on a cube about the point; None where none is found.
+
+    Args:
+        system: in two states or more.
+        entries: the sizes of the programs that are solved.
 
     Raises:
         BeyondReachError: for a system that is not decided here.
     """
-    for radius, formula in proposals(system, positive=True):
+    for radius, formula in proposals(system, positive=True, entries=entries):
         examined = examine(system, formula, radius, effort=Effort.STRICT)
         if examined.decrease is Decrease.STRICT:
             return examined
     return None
 
 
-def proposals(system: SwitchedSystem, *, positive: bool) -> Iterator[tuple[Number, PiecewiseExpression]]:
+def proposals(
+    system: SwitchedSystem, *, positive: bool, entries: range = SMALL
+) -> Iterator[tuple[Number, PiecewiseExpression]]:
     """Rounded proposals, family by family, on the checked cube and on smaller ones.
 
     What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.  No V falls
@@ -183,7 +192,7 @@ def proposals(system: SwitchedSystem, *, positive: bool) -> Iterator[tuple[Numbe
             if number >= len(bases[k]):
                 continue
             radius, cells = cubes[k]
-            found = list(_of_family(system, cells, bases[k][number], positive=positive))
+            found = list(_of_family(system, cells, bases[k][number], positive=positive, entries=entries))
             yield from ((radius, formula) for formula in found)
             if k and not found:
                 break
@@ -210,14 +219,14 @@ def _looks_alike(cells: SignCells) -> bool:
 
 
 def _of_family(
-    system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction], *, positive: bool
+    system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction], *, positive: bool, entries: range
 ) -> Iterator[PiecewiseExpression]:
     """Sums of the functions of a basis, coefficients rounded more and more finely."""
     try:
         problems, parameters = _problems(system, cells, basis, positive=positive)
     except BeyondReachError:
         return
-    if sum(gram_entries(blocks) for _, blocks in problems) > 2 * MOST_UNKNOWNS:
+    if sum(gram_entries(blocks) for _, blocks in problems) not in entries:
         return
     solved = solve_inside(problems, parameters, bounded=True)
     seen = {"0"}
@@ -321,17 +330,26 @@ class GrowthEvidence:
         return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**self.stated.proofs, **self.proofs}}
 
 
-def find_growth(system: SwitchedSystem) -> GrowthEvidence | None:
-    """A V that shows instability; None where none is found.
+def find_growth(system: SwitchedSystem, entries: range = SMALL) -> GrowthEvidence | None:
+    """A V that shows instability, of a program with so many entries; None where none is found.
 
     Raises:
         BeyondReachError: for a system that is not decided here.
     """
-    falling = (_shown(system, own, radius, Effort.STRICT) for radius, own in proposals(system, positive=False))
-    by_square = (
-        _shown(system, own, radius, Effort.FULL, SPEED) for radius, _ in _cubes(system) for own in _products(system)
-    )
-    return next(filter(None, chain(falling, by_square)), None)
+    proposed = proposals(system, positive=False, entries=entries)
+    falling = (_shown(system, own, radius, Effort.STRICT) for radius, own in proposed)
+    return next(filter(None, falling), None)
+
+
+def find_growing_product(system: SwitchedSystem) -> GrowthEvidence | None:
+    """A product of states, or a difference of squares, that shows instability; None where none does.
+
+    Raises:
+        BeyondReachError: for a system that is not decided here.
+    """
+    asked = ((radius, own) for radius, _ in _cubes(system) for own in _products(system))
+    shown = (_shown(system, own, radius, Effort.FULL, SPEED) for radius, own in asked)
+    return next(filter(None, shown), None)
 
 
 def _shown(

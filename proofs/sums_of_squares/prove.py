@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
-from itertools import takewhile
+from itertools import product, takewhile
 
-from flint import fmpq
+import numpy as np
+from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.sums_of_squares.ansatz import (
+    Block,
     Blocks,
     Condition,
     build_blocks,
@@ -22,8 +25,14 @@ from nonsmooth.proofs.sums_of_squares.ansatz import (
     plain_block,
     without_idle,
 )
-from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, rounded, solve, solve_inside
-from nonsmooth.symbolic.numbers.polynomial import Exponents
+from nonsmooth.proofs.sums_of_squares.conic_program import (
+    RationalMatrix,
+    particular_solution,
+    rounded,
+    solve,
+    solve_inside,
+)
+from nonsmooth.symbolic.numbers.polynomial import Exponents, multiply_terms
 
 MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes too long, and many gigabytes
 
@@ -101,11 +110,50 @@ def _weakly(condition: Condition, effort: Effort) -> SumOfSquares | None:
     for built in (plain_block(condition), *(build_blocks(condition, level) for level in LEVELS[effort][:1])):
         blocks = without_idle(built, condition.support)
         if _is_solvable(blocks) and _holds_monomials(blocks):
+            grams = known_squares(condition, blocks)
+            if grams is not None:
+                return SumOfSquares(condition, blocks, grams, strict=False)
             solution = solve([(condition, blocks)], 0, inner=0.0, bounded=False, strict=False)
             grams = None if solution is None else rounded(condition, blocks, solution.grams[0], strict=False)
             if grams is not None:
                 return SumOfSquares(condition, blocks, grams, strict=False)
     return None
+
+
+def known_squares(condition: Condition, blocks: Blocks) -> tuple[RationalMatrix, ...] | None:
+    """Gram matrices of ``p = sum_k c_k G_k v_k^2``, ``c_k >= 0``, with v_k a monomial or a guard; None without any.
+
+    The friction ``y |y|`` makes ``-V' = y^3`` where ``y >= 0``: the guard y beside the square of y.  Such a p is zero
+    along faces, so its matrices are singular, and no rounding of a semidefinite program keeps them semidefinite; this
+    is a linear program.  Floats say which products are used, and exact numbers what their weights are.
+    """
+    products = [(k, square) for k, block in enumerate(blocks) for square in _squares(condition, block)]
+    terms = [multiply_terms(blocks[k].product, multiply_terms(square, square)) for k, square in products]
+    rows = sorted({e for own in (condition.constant, *terms) for e in own})
+    table = [[own.get(e, fmpq(0)) for own in terms] for e in rows]
+    target = [condition.constant.get(e, fmpq(0)) for e in rows]
+    matrix = np.array([[float(entry) for entry in row] for row in table]).reshape(len(rows), len(terms))
+    proposed = solve_program(np.ones(len(terms)), A_eq=matrix, b_eq=[float(value) for value in target])
+    if proposed.status != 0:
+        return None
+    used = [k for k, weight in enumerate(proposed.x) if weight > 0]
+    equations = fmpq_mat(len(rows), len(used), [row[k] for row in table for k in used])
+    solution = particular_solution(equations, fmpq_mat(len(rows), 1, target))
+    weights = [] if solution is None else solution.entries()
+    if len(weights) < len(used) or min(weights) < 0:
+        return None
+    grams = [[[fmpq(0)] * len(block.monomials) for _ in block.monomials] for block in blocks]
+    for weight, (k, square) in zip(weights, (products[number] for number in used), strict=True):
+        places = [(blocks[k].monomials.index(e), c) for e, c in square.items()]
+        for (i, first), (j, second) in product(places, places):
+            grams[k][i][j] += weight * first * second
+    return tuple(tuple(map(tuple, gram)) for gram in grams)
+
+
+def _squares(condition: Condition, block: Block) -> Iterator[Mapping[Exponents, fmpq]]:
+    """The monomials of a block, and the guards that are sums of several of them."""
+    yield from ({e: fmpq(1)} for e in block.monomials)
+    yield from (guard for guard in condition.guards if len(guard) > 1 and set(guard) <= set(block.monomials))
 
 
 def _holds_monomials(blocks: Blocks) -> bool:

@@ -225,7 +225,6 @@ LAST_PARTS = (  # of every report
     ReportPart("references", references_section),
     ReportPart("versions", reproduction_section),
 )
-PART_NAMES = names_of(SceneKind.ARRAY)
 
 
 # ---- the report in brief -------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS, ultimate_bound
+from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS, certified_error, ultimate_bound, wheel_speed
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
@@ -36,7 +36,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text, lower_text, upper_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
+from nonsmooth.symbolic.numbers.plane_arrays import turned
 
 Coefficients: TypeAlias = tuple[float, ...]
 
@@ -286,76 +286,20 @@ def _gains_text(feedback: AnyFeedback, scene: Scene) -> str:
 
 
 def _effort_by_v(table: LawTable, feedback: AnyFeedback, scene: Scene) -> str:
-    """The largest speed by the error sqrt(V): over all poses, and in the certified region.
-
-    With ``V = c^T P c + w theta^2`` wheel w is asked for the product of ``(c, theta)`` and g_w in the metric of V,
-    whose largest value over sqrt(V) is :func:`_largest_product`, and for the turn of g_w times ``c^T P J c``, at most
-    ``rho V/(1 - rho)``.  A driven law asks for ``(g . xi_l) u``, at most ``sqrt(V) |xi_l| |u|``, l the unit of length.
-    """
-    rho = Fraction(0) if isinstance(feedback, DrivenFeedback) else feedback.lyapunov.eccentricity
-    sizes = [_sizes(table, feedback, region) for region in table.regions]
-    first, second = (Fraction(max(column)) * (1 + FEW_ROUNDINGS) for column in zip(*sizes, strict=True))
-    where = table.regions[int(np.argmax([size for size, _ in sizes]))].name
-    text = f"{upper_text(first, DIGITS)} k sqrt(V)"
-    bent = second * rho / (1 - rho)
-    if bent:
-        text += f" + {upper_text(bent, DIGITS)} k V"
+    """The largest speed by the error sqrt(V): over all poses, and in the certified region."""
+    bound = wheel_speed(feedback, scene)
+    if bound is None:  # no law that V certifies
+        return ""
+    where = table.regions[bound.place].name if table.kind is LawKind.DRIVEN else f"cell {bound.place}"
+    text = f"{upper_text(bound.by_root, DIGITS)} k sqrt(V)"
+    if bound.by_level:
+        text += f" + {upper_text(bound.by_level, DIGITS)} k V"
     text += f", V = {feedback.lyapunov} (the largest of all regions: {where})"
-    root = _certified_root(feedback)
-    if root is None:
+    error = certified_error(feedback)
+    if error is None:
         return text
-    unit = scene.units.after_speed
-    bound = (first * root + bent * root**2) * (1 + FEW_ROUNDINGS)
-    return f"{text}, which is {upper_text(bound, DIGITS)} k{unit} on the border of the certified region"
-
-
-def _sizes(table: LawTable, feedback: AnyFeedback, region: LawRegion) -> tuple[float, float]:
-    """Of the fastest wheel: its speed over sqrt(V), and the turn of its control field."""
-    if table.kind is LawKind.GRADIENT:
-        values = [_largest_product(table, region, row) for row in region.speeds.values()]
-        return max(values), max(abs(row[2]) for row in region.speeds.values())
-    scale = np.array([1.0, 1.0, table.constants["w"] ** 0.5])
-    lengths = np.linalg.norm(np.array(region.axes) * scale, axis=1)
-    return max(float(np.max(np.abs(row) * lengths)) for row in region.speeds.values()), 0.0
-
-
-def _largest_product(table: LawTable, region: LawRegion, row: Coefficients) -> float:
-    """The largest ``(P c, w theta) . g`` over sqrt(V), for c in the directions of a cell.
-
-    For c along a unit vector e it is ``sqrt((g_c . P e)^2/(e . P e) + w g_theta^2)``, which is largest along g_c, or
-    where that is not in the cell on the border of its directions.
-    """
-    e, f = table.constants["e"], table.constants["f"]
-    shape, g = np.array([[1 + e, f], [f, 1 - e]]), np.array(row[:2])
-    rays = [ray for ray in _border(region) if ray.any()]
-    candidates = [g, -g] if not rays else [*rays, *(way for way in (g, -g) if _is_between(way, rays))]
-    along = [(g @ shape @ way) ** 2 / (way @ shape @ way) for way in candidates if way.any()]
-    return math.sqrt(max(along, default=0.0) + table.constants["w"] * row[2] ** 2)
-
-
-def _border(region: LawRegion) -> tuple[Floats, ...]:
-    """The first and the last direction of a cell seen from the point, counterclockwise; none where it lies within."""
-    corners = np.array(region.corners)
-    middle = corners.mean(axis=0)
-    if region.depth(0.0, 0.0) > 0 or not middle.any():
-        return ()
-    turns = np.arctan2(corners @ turned(middle), corners @ middle)
-    return corners[np.argmin(turns)], corners[np.argmax(turns)]
-
-
-def _is_between(way: Floats, rays: Sequence[Floats]) -> bool:
-    """Whether a direction lies between two that are less than half a turn apart, or on them."""
-    first, last = rays
-    return bool(turned(first) @ way >= 0 and turned(way) @ last >= 0 and (first + last) @ way >= 0)
-
-
-def _certified_root(feedback: AnyFeedback) -> Fraction | None:
-    """Sqrt(V) on the border of the certified region; None where that is no level of V, or not known."""
-    if isinstance(feedback, FeedbackResult):
-        level = feedback.region.level if isinstance(feedback.region, LevelRegion) else None
-        return None if level is None else Fraction(math.sqrt(level)) * (1 + FEW_ROUNDINGS)
-    known = feedback.reach is not None and feedback.every_load is None
-    return Fraction(float(feedback.reach)) * (1 + FEW_ROUNDINGS) if known and feedback.reach is not None else None
+    fastest = upper_text(bound.at_error(error) * (1 + FEW_ROUNDINGS), DIGITS)
+    return f"{text}, which is {fastest} k{scene.units.after_speed} on the border of the certified region"
 
 
 def _effort_by_terms(table: LawTable) -> str:

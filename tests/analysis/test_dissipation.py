@@ -46,7 +46,7 @@ from nonsmooth.analysis.minimizers.sampling import SampledLaw, greedy_twist, sam
 from nonsmooth.analysis.motion.frames import wheel_slips
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
-from nonsmooth.proofs.theorem4 import check_smooth
+from nonsmooth.proofs.theorem4 import check_smooth, check_theorem4
 from nonsmooth.proofs.theorem4_result import SmoothCheck
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -286,7 +286,9 @@ def test_every_minimum_is_proved_and_right(arrays: Arrays, build: object) -> Non
 @cache
 def checked(build: Callable[[Arrays], Scene]) -> SmoothCheck:
     """What several tests look at."""
-    return check_smooth(build(Arrays()), prune=False)
+    result = check_theorem4(build(Arrays()), prune=False)
+    assert isinstance(result, SmoothCheck)
+    return result
 
 
 @few(1)

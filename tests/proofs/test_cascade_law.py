@@ -28,6 +28,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.floats import Floats
+from tests.proofs.forged import with_results
 from tests.thorough import few, keep, thorough
 
 Rate: TypeAlias = Callable[[Floats], Floats]
@@ -210,7 +211,7 @@ def test_a_theorem_holds_by_the_cascade_alone() -> None:
     assert result.verdict is Theorem4.HOLDS
     assert result.check()
     assert isinstance(result.feedback, FeedbackResult)
-    assert not result.with_results(feedback=replace(result.feedback, cascade=None)).check()
+    assert not with_results(result, feedback=replace(result.feedback, cascade=None)).check()
 
 
 # ---- no feedback at all --------------------------------------------------------------------------

@@ -50,6 +50,7 @@ from tests.oracles.array_bounds import assert_bounds_hold
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.rebuilt_arrays import assert_still_true
 from tests.proofs.forces_oracle import verifies
+from tests.proofs.forged import with_results
 from tests.thorough import few, keep, thorough
 
 # ---- Certificates of the built-in scenes: each is valid, small and quickly checked; what they hold and what is
@@ -125,7 +126,7 @@ def test_rule_ellipse_has_no_certificate() -> None:
 
 def test_a_verdict_of_which_the_checker_shows_another_is_a_fault(arrays: Arrays) -> None:
     result = check_cells(arrays.four_wheel())
-    forged = result.with_results(rotation=replace(result.rotation, verdict=Rotation.NEUTRAL))
+    forged = with_results(result, rotation=replace(result.rotation, verdict=Rotation.NEUTRAL))
     with pytest.raises(UnverifiedError, match=r"evidence of the claim .*'stable, not attractive'"):
         build_certificate(forged)
 

@@ -41,6 +41,7 @@ LEAVING: dict[str, tuple[str, Any]] = {
     "cubic ray": ("x y", ["x**3 - y**2*x*2", "-y*x**2"]),
     "three states, into a cell": ("x y z", ["y", "z", "2*sign(x + 3*y + 3*z)"]),
     "three states, slide": ("x y z", ["x + y", "-2*sign(y)", "x - z"]),
+    "where two surfaces meet": ("x y z", ["-sign(x)", "-sign(y)", "-z + 2*sign(x)*sign(y)"]),
 }
 
 

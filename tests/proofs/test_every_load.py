@@ -40,6 +40,7 @@ from tests.conftest import Arrays, WheelData
 from tests.measured_arrays import Kind, measured_array
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.floats import Floats
+from tests.proofs.forged import with_results
 from tests.thorough import few, thorough
 
 # ---- Verdicts for every load, against sampled loads: in floats by the minimizers, and exactly as loads that are
@@ -336,9 +337,9 @@ def test_forged_evidence_is_refused(rule: str) -> None:
     middle = load_set(scene.recentred()).reached.middle
     wrong = tuple(load * 2 for load in middle)
     for forged in (replace(equilibrium.point, witness=None), replace(equilibrium.point, witness=wrong)):
-        assert not found.with_results(equilibrium=EveryLoadEquilibrium(forged)).check()
+        assert not with_results(found, equilibrium=EveryLoadEquilibrium(forged)).check()
     stable = replace(translation, verdict=Translation.STABLE)
-    assert not found.with_results(translation=stable).check()
+    assert not with_results(found, translation=stable).check()
 
 
 def test_a_forged_unstable_verdict_is_refused() -> None:
@@ -347,7 +348,7 @@ def test_a_forged_unstable_verdict_is_refused() -> None:
     middle = translation.point.loads.reached.middle
     forged = replace(translation, verdict=Translation.UNSTABLE, load=middle, comes_home=False)
     assert not evidence_holds(forged)
-    assert not found.with_results(translation=forged).check()
+    assert not with_results(found, translation=forged).check()
 
 
 @few(3)

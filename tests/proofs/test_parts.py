@@ -258,6 +258,7 @@ EMPTY = '["x**2*y - x**4 - y**2 > 0", "y > 0"]', '"(y - x**2)**2*(1 + y**2) + x*
 
 
 @few(2)
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize("where", EMPTY, ids=["by products", "by squares"])
 @pytest.mark.parametrize("rhs", ['["-x", "-y"]', '["-x + y", "-x - y**3"]', '["-sign(x) + y", "-2*sign(y) - x"]'])
 def test_a_region_without_points_changes_nothing(tmp_path: Path, where: str, rhs: str) -> None:

@@ -27,10 +27,11 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from nonsmooth.symbolic.mechanics.scene import Scene
-from tests.built_in import drift, verdicts
+from tests.built_in import drift, verdicts, whole_check
 from tests.conftest import Arrays, Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.clause_evidence import evidence_holds
+from tests.proofs.forged import with_results
 from tests.thorough import few, keep, thorough
 
 # ---- Theorem 4 as a whole: verdicts of known arrays, pruning, and results that do not belong together.
@@ -104,23 +105,23 @@ def test_a_refuted_clause_fails_and_an_open_one_leaves_it_undecided(arrays: Arra
     assert conclude(r.results)[0] is Theorem4.HOLDS
     one = r.partition.scene.field.one
     fails = replace(r.equilibrium, verdict=Equilibrium.FAILS, separator=(one, one))
-    assert conclude(r.with_results(equilibrium=fails).results)[0] is Theorem4.HYPOTHESES_NOT_MET
+    assert conclude(with_results(r, equilibrium=fails).results)[0] is Theorem4.HYPOTHESES_NOT_MET
     for verdict, expected in (
         (Translation.UNSTABLE, Theorem4.FAILS),
         (Translation.UNDECIDED, Theorem4.UNDECIDED),
         (Translation.STABLE, Theorem4.HOLDS),
     ):
-        other = r.with_results(translation=replace(r.translation, verdict=verdict))
+        other = with_results(r, translation=replace(r.translation, verdict=verdict))
         assert conclude(other.results)[0] is expected
     for spin, expected in ((Rotation.NEUTRAL, Theorem4.FAILS), (Rotation.UNDECIDED, Theorem4.UNDECIDED)):
-        other = r.with_results(rotation=replace(r.rotation, verdict=spin))
+        other = with_results(r, rotation=replace(r.rotation, verdict=spin))
         assert conclude(other.results)[0] is expected
     for law, expected in (
         (Feedback.NO_CERTIFICATE, Theorem4.UNDECIDED),
         (Feedback.UNDECIDED, Theorem4.UNDECIDED),
         (Feedback.NOT_APPLICABLE, Theorem4.HOLDS),
     ):
-        other = r.with_results(feedback=replace(r.feedback, verdict=law))
+        other = with_results(r, feedback=replace(r.feedback, verdict=law))
         assert conclude(other.results)[0] is expected
 
 
@@ -128,7 +129,7 @@ def test_a_failure_outweighs_an_open_clause(arrays: Arrays) -> None:
     r = check_cells(arrays.four_wheel(ROLL))
     neutral = replace(r.rotation, verdict=Rotation.NEUTRAL)
     undecided = replace(r.translation, verdict=Translation.UNDECIDED)
-    assert conclude(r.with_results(translation=undecided, rotation=neutral).results)[0] is Theorem4.FAILS
+    assert conclude(with_results(r, translation=undecided, rotation=neutral).results)[0] is Theorem4.FAILS
 
 
 def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None:
@@ -143,7 +144,7 @@ def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None
         assert [str(x) for x in result.feedback.obstruction or ()] == ["0", "1", "0"]
         assert result.verdict is Theorem4.FAILS
         assert result.check()
-        assert not result.with_results(feedback=replace(result.feedback, obstruction=None)).check()
+        assert not with_results(result, feedback=replace(result.feedback, obstruction=None)).check()
 
 
 # ---- leaving out what a scene does not need ------------------------------------------------------
@@ -151,7 +152,7 @@ def test_a_far_wheel_does_not_lift_a_missing_certificate(arrays: Arrays) -> None
 
 def same_without_pruning(scene: Scene) -> None:
     """Every verdict, rate, region and drift is the same where all contact states are looked at."""
-    pruned, whole = check_cells(scene), check_cells(scene, prune=False)
+    pruned, whole = check_cells(scene), whole_check(scene)
     assert verdicts(pruned) == verdicts(whole)
     assert drift(pruned) == drift(whole)
     assert pruned.translation.worst_rate == whole.translation.worst_rate
@@ -195,7 +196,7 @@ def test_what_is_left_out_is_named(arrays: Arrays) -> None:
 
 def test_without_pruning_everything_is_counted(arrays: Arrays) -> None:
     scene = arrays.four_wheel(SIDE)
-    result = check_cells(scene, prune=False)
+    result = whole_check(scene)
     assert result.census == check_cells(scene).census
     assert (result.census.possible, result.census.singular, result.census.distinct_twists) == (56, 16, 13)
     assert [entry.what for entry in result.skipped] == ["feedback search"]
@@ -220,7 +221,8 @@ def test_a_partition_with_a_hole_is_refused(arrays: Arrays) -> None:
     far = next(cell for cell in r.partition.cells if not cell.polygon.contains((zero, zero)))
     holed = replace(r.partition, cells=tuple(cell for cell in r.partition.cells if cell is not far))
     translation = decide_translation(holed)
-    wrong = replace(r, cells=holed).with_results(
+    wrong = with_results(
+        replace(r, cells=holed),
         equilibrium=decide_equilibrium(holed),
         translation=translation,
         rotation=decide_rotation(holed, translation),
@@ -233,7 +235,7 @@ def test_a_partition_with_a_hole_is_refused(arrays: Arrays) -> None:
 
 def test_a_feedback_clause_that_was_waved_away_is_refused(arrays: Arrays) -> None:
     r = check_cells(arrays.four_wheel(ROLL))
-    assert not r.with_results(feedback=replace(r.feedback, verdict=Feedback.NOT_APPLICABLE)).check()
+    assert not with_results(r, feedback=replace(r.feedback, verdict=Feedback.NOT_APPLICABLE)).check()
 
 
 @pytest.mark.parametrize("rule", ["nearest", "ellipse", "roller"])
@@ -263,7 +265,7 @@ def test_the_feedback_clause_applies_exactly_where_the_friction_says_so(
     assert result.feedback.verdict is (Feedback.NOT_APPLICABLE if friction == SIDE else Feedback.STABILIZABLE)
     for verdict in set(Feedback) - {result.feedback.verdict, Feedback.UNDECIDED}:
         wrong = replace(result.feedback, verdict=verdict)
-        forged = result.with_results(feedback=wrong)
+        forged = with_results(result, feedback=wrong)
         assert not replace(forged, verdict=conclude(forged.results)[0]).check()
 
 
@@ -326,7 +328,7 @@ def test_differing_verdicts_are_counted() -> None:
     trial = PRUNING.build(scene).trials[1]
     right = check_theorem4(scene)
     open_rotation = replace(right.rotation, verdict=Rotation.UNDECIDED)
-    wrong = replace(right.with_results(rotation=open_rotation), verdict=Theorem4.UNDECIDED)
+    wrong = replace(with_results(right, rotation=open_rotation), verdict=Theorem4.UNDECIDED)
     assert trial.judge(right).error == 0
     assert trial.judge(wrong).error == 2
     assert verdicts_of(right) == ("holds", "holds", "asymptotically stable", "unstable", "stabilizable")

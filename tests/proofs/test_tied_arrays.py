@@ -46,6 +46,7 @@ from tests.oracles.tied_arrays import (
     tied_box,
     untied_array,
 )
+from tests.proofs.forged import with_results
 from tests.thorough import thorough
 
 # ---- Translation verdicts of arrays with exact coincidences, against paths that know nothing of the fan of cones.
@@ -80,7 +81,7 @@ def test_a_velocity_along_a_ray_that_omega_bends_outward_lets_full_turns_diverge
 def test_a_verdict_that_the_own_paths_contradict_is_undecided(arrays: Arrays, wheels: list[Wheel]) -> None:
     result = check_cells(scene_of(arrays, wheels))
     forged = replace(result.translation, verdict=Translation.ASYMPTOTICALLY_STABLE)
-    left, answered = reconciled(result.with_results(translation=forged))
+    left, answered = reconciled(with_results(result, translation=forged))
     between = {one.between: one.sides for one in left.contradictions}
     said, seen = between["position and a path"]
     assert said.startswith("position comes home")

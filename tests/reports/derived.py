@@ -6,8 +6,12 @@ from functools import cache
 
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
+from nonsmooth.reports.derivations.parts import names_of
 from nonsmooth.reports.papers.murphey_burdick_2001.audit import audit_section
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.messages.scene_kind import SceneKind
+
+PART_NAMES = names_of(SceneKind.ARRAY)  # of the parts of an array's report
 
 
 @cache

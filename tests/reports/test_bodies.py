@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 import nonsmooth
-import nonsmooth as ns
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.reports.checks.answers import destinations_head
 from nonsmooth.reports.checks.check import check_scene
@@ -28,10 +27,9 @@ from nonsmooth.reports.studies.result import Result
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
-from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.outlined import polygon_depths
 from tests.reports.conftest import Invoke
-from tests.thorough import few, keep, thorough
+from tests.thorough import few, keep
 
 # ---- Bodies with an outline through the commands: who carries, how far that holds, tipping, and what is refused.
 
@@ -152,15 +150,6 @@ def test_tipping_among_many_scenes(carton: str, invoke: Invoke) -> None:
     assert "tips" in done.out
 
 
-def test_tipping_in_python(carton: str) -> None:
-    array = ns.load(carton)
-    assert isinstance(array, ns.Array)
-    tipped = array.check(at=(2.9, 2.9))
-    assert tipped.position.verdict == "tips"
-    assert "wheel 36 alone" in tipped.position.sentence
-    assert array.check().contact_set.wheels == (15, 16, 21, 22)
-
-
 def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke, tmp_path: Path) -> None:
     file = str(tmp_path / "c.json")
     assert invoke("check", carton, "--certificate", file).status == 0
@@ -202,16 +191,6 @@ def test_a_path_of_every_kind_through_the_command(
     tips = invoke("simulate", carton, *options, "--from", "2.9,2.9,0")
     assert (tips.status, tips.out) == (2, "")
     assert tips.err.endswith("where the body stands on its wheels, received one where it tips over wheel 36\n")
-
-
-def test_a_path_through_the_command_and_python(carton: str, invoke: Invoke) -> None:
-    status, found = record(invoke, "simulate", carton, "--rule", "ellipse", "--from", "0.5,0.15,0", "--until", "0.5")
-    assert status == 0
-    assert {event["kind"] for event in found["events"]} <= {"enter", "leave", "slide"}
-    array = ns.load(carton)
-    assert isinstance(array, ns.Array)
-    path = array.with_(rule="ellipse").simulate((0.5, 0.15, 0), until=0.5)
-    assert np.allclose(found["end"]["state"], path.trajectory.end.state, rtol=0, atol=1e-12)
 
 
 def test_reports_name_the_wheels_that_carry(carton: str, invoke: Invoke) -> None:
@@ -335,28 +314,6 @@ def test_a_check_says_which_part_of_the_stated_square_its_shares_are_of(table_fi
     assert "in the square within 25 mm, 6.25 % of the 100 mm square that is stated (--grid 9 maps that)" in head
     assert "on the wheels that carry it here" in head
     assert destinations_head(load_scene("four-wheel"), 7).endswith("start in the square (shares sampled from 7 starts)")
-
-
-def test_a_picture_is_drawn(large_carton: Path, invoke: Invoke) -> None:
-    done = invoke("simulate", "carton.toml", "--grid", "2", "-o", "map.svg")
-    assert (done.status, done.err) == (0, "")
-    assert (large_carton.parent / "map.svg").read_text().startswith("<?xml")
-
-
-@thorough  # the small one: test_json_and_table_are_the_same_numbers
-def test_python_gives_the_same_map(large_carton: Path, invoke: Invoke) -> None:
-    array = nonsmooth.load(large_carton)
-    assert isinstance(array, nonsmooth.Array)
-    found = array.map(4, heading=0.3)
-    assert found.to_dict() == invoke(*GRID, "--json").record
-    assert "(sampled)" in repr(found)
-    assert len(found.rows()) == 16
-    assert (
-        "the rate of theta there is open" in invoke("simulate", large_carton.name, "--rule", "nearest", *GRID[2:]).out
-    )
-    assert array.with_(rule="nearest").map(2).to_dict()["rule"] == "nearest"
-    with pytest.raises(SceneError, match="leading"):
-        array.map(3, kinematics="leading")
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")

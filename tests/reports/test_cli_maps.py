@@ -141,22 +141,6 @@ def test_pictures_are_whole_and_equal_for_equal_input(scene: str, grid: str, suf
         ET.fromstring(first)
 
 
-def test_the_summary_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["simulate", "four-wheel-side", "--grid", "6", "--kinematics", "leading"]) == 0
-    out = capsys.readouterr().out
-    for said in (
-        "6 x 6 starts",
-        "theta_inf",
-        "-0.15 to 0.15",
-        "by t = 0.141 to 0.707",
-        "latest arrival",
-        "t = 0.7071067812",
-        "never arrive",
-    ):
-        assert said in out
-    assert "33.33 %" in out.splitlines()[-2]  # 12 of the 36 starts lie on a diagonal, where both axes can be reached
-
-
 class Terminal(io.StringIO):
     """A stream that says it is a terminal."""
 

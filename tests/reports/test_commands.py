@@ -38,10 +38,6 @@ from tests.engine_export import engine_twist, error, predicted_twist
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
 
-# ---- The commands ``verify``, ``stress`` and ``vehicle`` -----------------------------------------
-
-# ---- Certificates through the command line and in Python -----------------------------------------
-
 # ---- ``nonsmooth verify``: what it prints, and whether a certificate is about a scene ------------
 
 
@@ -192,8 +188,6 @@ def test_the_command_shows_the_answers_without_one(invoke: Invoke, tmp_path: Pat
     assert not Path("c.json").exists()
 
 
-# ---- The commands ``stress`` and ``vehicle`` -----------------------------------------------------
-
 # ---- ``nonsmooth stress`` through the command line: formats, exit statuses, an interrupt, progress.
 
 GOOD = judged("spirals", "loss 1e-3", "1e5 switches", 1e-13, 1e-12, condition=1e3, why="rounding")
@@ -328,21 +322,6 @@ def test_rules_that_say_nothing_are_named_in_the_record(invoke: Invoke, tmp_path
     rules = invoke("vehicle", "side.toml", "--json").record["rules"]
     assert "required a wheel that grips under rule roller" in rules[-1]["refused"]
     assert "roller" not in invoke("vehicle", "side.toml").out
-
-
-def test_python_holds_the_record_of_the_command(invoke: Invoke, tmp_path: Path) -> None:
-    record = invoke("vehicle", "jackal", "--spin", "3", "--json").record
-    loaded = ns.Vehicle.load("jackal")
-    found = loaded.motion(spin=3)
-    assert json.loads(json.dumps(found.to_dict())) == record
-    assert found.twist == tuple(record["twist"])
-    assert found.multiplier == record["multiplier"]
-    assert len(found.rows()) == 19
-    found.save(tmp_path / "own.csv")
-    invoke("vehicle", "jackal", "-o", "other.csv")
-    assert (tmp_path / "own.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
-    assert repr(loaded) == "Vehicle 'jackal': 4 wheels"
-    assert len(repr(found)) < 200
 
 
 def test_a_vehicle_made_in_python() -> None:

@@ -18,7 +18,6 @@ from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
-from nonsmooth.reports.derivations.parts import PART_NAMES
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
@@ -27,7 +26,7 @@ from nonsmooth.reports.sections.rules import MOST_WHEELS
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays
-from tests.reports.derived import derived
+from tests.reports.derived import PART_NAMES, derived
 from tests.thorough import examples, few, keep, thorough
 
 SCENES = ("four-wheel", "four-wheel-side", "off-center", "ring-5", "conveyor-3", "saddle")

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.derivations.parts import PART_NAMES
 from nonsmooth.reports.designs.design import DesignResult
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
 from nonsmooth.reports.output.entries import toml_text
@@ -24,6 +23,7 @@ from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke
+from tests.reports.derived import PART_NAMES
 from tests.thorough import keep, thorough
 
 

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import derive_report, render_report
-from nonsmooth.reports.derivations.parts import PART_NAMES, chosen_parts
+from nonsmooth.reports.derivations.parts import chosen_parts
 from nonsmooth.reports.formats.html import NAMESPACE, display_mathml, inline_mathml, render_html
 from nonsmooth.reports.output.document import (
     Document,
@@ -34,7 +34,7 @@ from nonsmooth.reports.output.document import (
 )
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.reports.derived import derived, derived_afresh, page
+from tests.reports.derived import PART_NAMES, derived, derived_afresh, page
 from tests.thorough import examples, few, keep, thorough
 
 # ---- The HTML report without a browser: one file, nothing from elsewhere, links that lead somewhere, literal text.

@@ -1,7 +1,11 @@
-"""Laws as programs in Python, C and Structured Text, each run as what it is, beside the law of a simulation."""
+"""Laws as programs in Python, C and Structured Text, each run as what it is, beside the law of a simulation.
+
+And beside the evidence of the clause: the twists that it imposes under rules other than ``nearest``.
+"""
 
 from __future__ import annotations
 
+import ast
 import ctypes
 import json
 import math
@@ -23,7 +27,8 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.feedback.loop_bounds import wheel_speed
+from nonsmooth.proofs.clauses.feedback.driven_law import in_scene, rim_speeds
+from nonsmooth.proofs.clauses.feedback.loop_bounds import certified_error, wheel_speed
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
@@ -33,15 +38,17 @@ from nonsmooth.reports.laws.law_table import LawKind, NoLawError
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import checked
 from tests.conftest import Arrays
 from tests.reports.conftest import Invoke
 from tests.structured_text import FunctionBlock, StructuredTextError
-from tests.thorough import few
+from tests.thorough import few, keep
 
 Speeds: TypeAlias = Mapping[int, float]
 Law: TypeAlias = Callable[[float, float, float, float], Speeds]
@@ -177,6 +184,7 @@ def case(arrays: Arrays, name: str) -> tuple[Check, LawName, LawKind]:
             return check_theorem4(scene), LawName.CERTIFIED, LawKind.GRADIENT if rule == "nearest" else LawKind.DRIVEN
         case [scene_name, rule]:
             kind = LawKind.GRADIENT if rule == "nearest" else LawKind.DRIVEN
+            kind = LawKind.SLOW_TURNS if scene_name in ("conveyor-3", "saddle") else kind
             return check_theorem4(load_scene(scene_name, rule=rule)), LawName.CERTIFIED, kind
         case [scene_name, rule, law]:
             return check_theorem4(load_scene(scene_name, rule=rule)), LawName(law), LawKind.PAPER
@@ -206,10 +214,12 @@ CASES = [
     "limited nearest",
     "limited ellipse",
 ]
+NO_LAW = ("four-wheel-side", "off-center", "differential-drive", "omni-3", "mecanum-4", "roller-bed")
+MORE_CASES = [f"{name} nearest" for name in builtin_scenes() if name not in (*NO_LAW, "four-wheel")]
 
 
-@few(5)
-@pytest.mark.parametrize("name", CASES)
+@few(6)
+@pytest.mark.parametrize("name", [*CASES, *MORE_CASES])
 def test_every_language_is_the_law_of_the_simulation(arrays: Arrays, name: str, tmp_path: Path) -> None:
     check, law_name, kind = case(arrays, name)
     law = law_of(check, law_name)
@@ -270,6 +280,65 @@ def simulated_path(
     return np.asarray(pose)
 
 
+# ---- the evidence of the clause ------------------------------------------------------------------
+
+
+def imposed_speeds(check: Check, pose: Floats, gain: float) -> Speeds:
+    """The speeds that impose ``-k (g . xi_l) xi_l``, from the evidence."""
+    feedback = check.feedback
+    assert isinstance(feedback, DrivenFeedback)
+    x, y = pose[:2]
+    (cone,) = [cone for cone in feedback.cones if cone.rays is None or is_between(cone.rays, (x, y))]
+    g = np.array([x, y, float(feedback.length) ** 2 * pose[2]])
+    twists = [np.array(list(map(float, in_scene(imposed.twist, feedback.length)))) for imposed in cone.twists]
+    best = max(range(len(twists)), key=lambda k: abs(float(g @ twists[k])))
+    own = in_own_length(check.scene.recentred())
+    speeds = rim_speeds(own, cone.twists[best])
+    factor = -gain * float(g @ twists[best])
+    return {wheel.index: factor * speed for wheel, speed in zip(own.wheels, speeds, strict=True)}
+
+
+def is_between(rays: tuple[Any, Any], c: tuple[float, float]) -> bool:
+    """Whether a place lies in the cone between two rays."""
+    start, end = (tuple(map(float, ray)) for ray in rays)
+    return start[0] * c[1] > start[1] * c[0] and c[0] * end[1] > c[1] * end[0]
+
+
+@few(2)
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+@pytest.mark.parametrize("name", keep(2, ["four-wheel", "ring-5", "conveyor-3", "ring-8", "grid-4x4"]))
+def test_under_other_rules_the_program_imposes_the_twist_of_the_clause(name: str, rule: str) -> None:
+    """In another unit of length too: the twists are those of the clause in the scene's own."""
+    scene = load_scene(name, rule=rule)
+    for length in (Fraction(1), Fraction(3, 10)):
+        check = check_theorem4(replace(scene, check=replace(scene.check, length=length)))
+        law = law_of(check)
+        for pose in random_poses(check, 0):
+            x, y, theta = pose.tolist()
+            assert_alike(law(x, y, theta, k=2.0), imposed_speeds(check, pose, gain=2.0))
+
+
+@few(1)
+@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+def test_the_program_keeps_speed_limits_by_one_factor(arrays: Arrays, rule: str) -> None:
+    check, *_ = case(arrays, f"limited {rule}")
+    law, limits, at_a_limit = law_of(check), dict(enumerate((0.1, 0.2, 0.3, 0.4), 1)), 0
+    for pose in random_poses(check, 0):
+        expected = (
+            imposed_speeds(check, pose, 1.0) if rule == "ellipse" else simulated(check, LawName.CERTIFIED, 1)(pose)
+        )
+        excess = max((abs(u) / limits[w] for w, u in expected.items() if w in limits), default=0.0)
+        if rule == "ellipse" and excess > 1:
+            expected = {wheel: speed / excess for wheel, speed in expected.items()}
+        found = law(*pose.tolist())
+        assert_alike(found, expected)
+        assert all(abs(found[w]) <= limit * (1 + CLOSE) for w, limit in limits.items() if w in found)
+        at_a_limit += excess > 1 - CLOSE
+    assert 2 < at_a_limit < POSES
+    limit_of = {int(row["wheel"]): row["speed_limit"] for row in law.rows()}
+    assert limit_of == {1: "0.1", 2: "0.2", 3: "0.3", 4: "0.4", 5: ""}
+
+
 # ---- what the header says ------------------------------------------------------------------------
 
 
@@ -294,11 +363,12 @@ def test_the_pose_answer_bounds_speeds_under_another_v(arrays: Arrays) -> None:
     feedback = check.feedback
     assert isinstance(feedback, FeedbackResult)
     assert feedback.region is not None
-    bound = wheel_speed(feedback, check.scene)
+    bound, error = wheel_speed(feedback, check.scene), certified_error(feedback)
     assert bound is not None
+    assert error is not None
     level = float(feedback.region.level)
     fastest = max(fastest_at_level(law_of(check), feedback.lyapunov.value, level))
-    assert 0.5 * float(bound) < fastest / math.sqrt(level) <= float(bound)
+    assert 0.5 * float(bound.at_error(error)) < fastest <= float(bound.at_error(error))
 
 
 def fastest_at_level(law: LawResult, value: Callable[[Any], float], level: float) -> list[float]:
@@ -349,7 +419,31 @@ def test_a_hostile_name_stays_a_comment(language: Language, tmp_path: Path) -> N
     assert_alike(found, law_of(check)(0.01, 0.02, 0.03))
 
 
-def test_outside_of_all_regions_nothing_runs(tmp_path: Path) -> None:
+def test_the_program_needs_nothing_but_python() -> None:
+    program = law_of(checked("four-wheel", "nearest")).program()
+    imported = [node for node in ast.walk(ast.parse(program)) if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert [alias.name for node in imported for alias in node.names] == ["math"]
+    assert "certified from starts with V < 0.25" in program
+    names: dict[str, Callable[..., Speeds]] = {}
+    exec(program, names)  # noqa: S102 (a law that the test has just written)
+    with pytest.raises(ValueError, match="required a place in a region of the law"):
+        names["speeds"](9.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", 'x\n"""\nregion,where'])
+def test_a_table_says_what_a_program_says(name: str) -> None:
+    """Region, largest speed and the constants of its formulas, in comments before the names of its columns."""
+    law = law_of(check_theorem4(replace(load_scene("four-wheel"), name=name)))
+    lines = law.formats[".csv"](law, ".csv").decode().splitlines()
+    first = next(k for k, line in enumerate(lines) if not line.startswith("# "))
+    assert lines[first] == "region,where,xi_l,wheel,speed"
+    head = " ".join(" ".join(lines[:first]).replace("#", "").split())
+    assert "certified from starts with V < 0.25" in head
+    assert "No rim is asked for a speed above 1.00001 k sqrt(V)" in head
+    assert "w = 1.0" in head
+
+
+def test_outside_of_all_regions_nothing_runs() -> None:
     law = law_of(checked("four-wheel", "nearest"))
     with pytest.raises(ValueError, match="required a place in a region"):
         law(9.0, 0.0, 0.0)
@@ -415,6 +509,13 @@ def test_no_line_ends_within_the_name_of_a_wheel() -> None:
     program = result.law().program("st")
     named = re.findall(r"\[\d+\] wheel \d+(?:,| \*\))", program)
     assert len(named) == 16
+
+
+def test_no_certificate_is_written_where_the_law_beside_it_is_refused(invoke: Invoke, tmp_path: Path) -> None:
+    done = invoke("check", "roller-bed", "--certificate", "bed.json", "--law", "bed.py")
+    assert done.status == 2
+    assert "required a certified feedback law" in done.err
+    assert not list(tmp_path.glob("bed.*"))
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")

@@ -27,6 +27,7 @@ from nonsmooth.symbolic.formulas.surfaces import constant
 from nonsmooth.symbolic.mechanics.scene import WheelNumber
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_text import brief_text, numbers_text, short_text
+from tests.proofs.forged import with_results
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
 
@@ -330,7 +331,7 @@ def wrong(check: Check) -> Check:
     """The four-wheel array, which attracts, as a point that bodies leave: a fault that no evidence shows."""
     assert isinstance(check, CellCheck)
     translation = replace(check.translation, verdict=Translation.UNSTABLE, fan=None)
-    return replace(check.with_results(translation=translation), verdict=Theorem4.FAILS)
+    return replace(with_results(check, translation=translation), verdict=Theorem4.FAILS)
 
 
 @pytest.fixture

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import re
@@ -226,7 +224,6 @@ def test_a_path_under_a_law_says_that_the_clock_stopped_it(invoke: Invoke) -> No
 # ---- ``nonsmooth simulate --method dynamics``: its text, JSON, CSV and pictures, and what it refuses.
 
 DYNAMICS = ("simulate", "four-wheel", "--from", "0.2,0.4,0", "--method", "dynamics")
-PNG = b"\x89PNG"
 
 
 def invoke(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
@@ -298,25 +295,6 @@ def test_path_does_not_depend_on_the_scenes_rule(capsys: pytest.CaptureFixture[s
     assert one == other
 
 
-@thorough
-def test_masses_as_text_and_json_are_the_same_numbers(capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = (*DYNAMICS, "--until", "0.02", "--mass", "0.01", "--compare-masses")
-    record = json.loads(invoke(capsys, *arguments, "--json"))
-    assert list(record) == ["schema", "scene", "start", "until", "rows", "limits", "skipped"]
-    assert (record["schema"], record["start"], record["until"]) == ("nonsmooth-masses/1", [0.2, 0.4, 0], 0.02)
-    assert [row["mass"] for row in record["rows"]] == pytest.approx([10.0**-k for k in range(2, 7)])
-    assert [{own["rule"] for own in row["distances"]} for row in record["rows"]] == [
-        {"nearest", "box", "ellipse", "roller"}
-    ] * 5
-    assert {limit["rule"] for limit in record["limits"]} == {"nearest", "box", "roller"}
-    assert record["skipped"] == []
-    text = invoke(capsys, *arguments)
-    for row in record["rows"]:
-        for own in row["distances"]:
-            assert f"{own['position']:.3g}," in text  # a cell may be broken after the comma
-            assert f"{own['rotation']:.3g} " in text
-
-
 @thorough  # the small one: test_rules_without_a_path_are_named, analysis/test_mass_study.py
 def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
     outward = ("simulate", "outward", "--from", "0.2,0.4,0", "--method", "dynamics", "--compare-masses")
@@ -324,57 +302,6 @@ def test_masses_name_paths_that_end_early_or_do_not_exist(capsys: pytest.Capture
     outside = ("simulate", "four-wheel", "--from", "0.6,0.4,0", "--method", "dynamics", "--compare-masses")
     text = " ".join(invoke(capsys, *outside, "--until", "0.1").split())
     assert "rule box: no path: required a start inside the domain" in text
-
-
-@thorough  # the small one: test_record_is_that_of_a_trajectory_with_body_and_velocity
-def test_files_of_a_path(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    files = {suffix: str(tmp_path / f"path{suffix}") for suffix in (".csv", ".json", ".svg", ".png")}
-    for file in files.values():
-        assert "the time is over" in invoke(capsys, *DYNAMICS, "--until", "0.5", "-o", file)
-    record = json.loads(Path(files[".json"]).read_text(encoding="utf-8"))
-    header, *lines = csv.reader(Path(files[".csv"]).read_text(encoding="utf-8").splitlines())
-    assert header == ["t", "x", "y", "theta", "w_x", "w_y", "omega"]
-    expected = np.column_stack([record["t"], record["state"], record["velocity"]])
-    assert np.array_equal(np.array(lines, float), expected)
-    assert ET.parse(files[".svg"]).getroot().tag.endswith("svg")
-    assert Path(files[".png"]).read_bytes().startswith(PNG)
-
-
-@thorough  # the small one: test_a_body_with_mass_is_what_the_command_follows, reports/interface/test_results.py
-def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    arguments = (*DYNAMICS, "--until", "0.02", "--compare-masses", "-o")
-    table, picture = tmp_path / "masses.csv", tmp_path / "masses.svg"
-    assert "from rule ellipse at mass 1e-05" in invoke(capsys, *arguments, str(table))
-    invoke(capsys, *arguments, str(picture))
-    header, *lines = csv.reader(table.read_text(encoding="utf-8").splitlines())
-    assert header == ["mass", "rule", "position", "rotation", "until"]
-    assert len(lines) == 5 * 4 + 3
-    assert [line[1] for line in lines if float(line[0]) == 0] == ["nearest", "box", "roller"]
-    first = picture.read_bytes()
-    invoke(capsys, *arguments, str(picture))
-    assert picture.read_bytes() == first
-
-
-# ---- ``simulate --method``: hysteresis and smoothing follow the event-driven path within their width.
-
-WIDTH = 1e-3
-ERROR_PER_WIDTH = 4  # as in tests/analysis/test_steppers.py
-
-
-def end_of(invoke: Invoke, *options: str) -> tuple[str, list[float]]:
-    start = ("--from", "0.4,0.15,0", "--until", "0.3")
-    found = invoke("simulate", "four-wheel", *start, *options, "--json")
-    assert found.status == 0
-    return found.record["method"], found.record["end"]["state"]
-
-
-@pytest.mark.parametrize("method", ["hysteresis", "smoothed"])
-def test_layers_stay_near_the_events(method: str, invoke: Invoke) -> None:
-    _, exact = end_of(invoke)
-    name, found = end_of(invoke, "--method", method, "--width", str(WIDTH))
-    assert name == method
-    assert found != exact
-    assert found == pytest.approx(exact, abs=ERROR_PER_WIDTH * WIDTH)
 
 
 # ---- Solutions of plain systems through the command line, against their closed forms -------------
@@ -415,18 +342,6 @@ def follow(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Follow:
         return json.loads(captured.out)
 
     return call
-
-
-def test_two_surfaces_become_a_slide(follow: Follow) -> None:
-    """x' = -2 if x > y else 2, y' = -3 if y > x else 1.5 from (1.5, 1)."""
-    record = follow(TWO_SURFACES, "1.5,1", "--until", "1")
-    (event,) = record["events"]
-    assert (event["kind"], event["surface"]) == ("slide", "x - y = 0")
-    assert event["t"] == pytest.approx(1 / 7, abs=EVENT)
-    assert record["end"]["state"] == pytest.approx([31 / 34, 31 / 34], abs=EVENT)
-    assert record["unique"] is True
-    assert (record["schema"], record["kinematics"], record["feedback"]) == ("nonsmooth-trajectory/1", None, None)
-    assert (record["states"], record["method"]) == (["x", "y"], "events")
 
 
 def test_equation_4_with_its_heading(follow: Follow) -> None:
@@ -491,22 +406,6 @@ def test_no_solution_leaves_a_point_that_is_proved_stable(follow: Follow) -> Non
     assert record["unique"] is not True
 
 
-def test_hysteresis_stays_within_its_width(follow: Follow) -> None:
-    record = follow(TWO_SURFACES, "1.5,1", "--until", "1", "--method", "hysteresis", "--width", "1e-3")
-    assert (record["method"], record["unique"]) == ("hysteresis", None)
-    assert record["end"]["state"] == pytest.approx([31 / 34, 31 / 34], abs=1e-2)
-    late = np.array([event["state"] for event in record["events"]]) @ [1, -1] / ROOT
-    assert np.abs(late) == pytest.approx(1e-3, rel=1e-6)
-
-
-def test_a_table_holds_the_samples(tmp_path: Path, follow: Follow) -> None:
-    record, file = follow(EQ_4, "1,0.5,0"), tmp_path / "path.csv"
-    assert run(app, ["simulate", str(tmp_path / "system.toml"), "--from", "1,0.5,0", "-o", str(file)]) == 0
-    rows = list(csv.DictReader(io.StringIO(file.read_text())))
-    assert [float(row["t"]) for row in rows] == record["t"]
-    assert [[float(row[name]) for name in record["states"]] for row in rows] == record["state"]
-
-
 @few(1)
 @pytest.mark.parametrize("suffix", keep(1, [".svg", ".png", ".pdf"]))
 @pytest.mark.parametrize(
@@ -522,10 +421,3 @@ def test_pictures(states: list[str], rhs: list[str], start: str, suffix: str, tm
     assert first == second
     if suffix == ".svg":
         ET.fromstring(first)
-
-
-def test_events_and_end_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["simulate", "relay-oscillator", "--from", "1,0.5", "--until", "2"]) == 0
-    out = capsys.readouterr().out
-    for said in ("plain switched system in x, y", "cross at x = 1.5, y = 0", "x = 0, y = -1.5", "unique"):
-        assert said in out

@@ -33,6 +33,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, default_length
 from tests.array_certificates import check_certificate, proofs, said
 from tests.measured_arrays import Kind, measured_array
 from tests.oracles.floats import Floats
+from tests.proofs.forged import with_results
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
 
@@ -280,7 +281,7 @@ def test_every_result_is_verified_and_one_for_another_length_is_refused(name: st
     if isinstance(result.feedback, DrivenFeedback):
         assert result.feedback == decide_driven_feedback(scene)
         other = replace(scene, check=replace(scene.check, length=Fraction(1)))
-        assert not result.with_results(feedback=replace(result.feedback, scene=other)).check()
+        assert not with_results(result, feedback=replace(result.feedback, scene=other)).check()
 
 
 @few(1)

@@ -14,8 +14,10 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.kernel_strategies import decide_by_solution
+from nonsmooth.proofs.system_decision import checked_point, decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
+from nonsmooth.proofs.systems.findings import Known
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
@@ -383,7 +385,9 @@ def test_a_verdict_of_overlapping_tables() -> None:
         {"rhs": ["0", "0"]},
     ]
     assert decide_system(built(tables)).verdict == "asymptotically stable"
-    assert decide_system(built(tables, overlap=True)).verdict == "unstable"
+    found = decide_by_solution(checked_point(built(tables, overlap=True)), Known())
+    assert found is not None
+    assert found.verdict == "unstable"
 
 
 SINE = {"states": ["x", "y"], "rhs": ["y", "-k*sin(x) - y"], "parameters": {"k": [1, 2]}}

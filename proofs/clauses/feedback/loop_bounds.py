@@ -5,7 +5,8 @@ the unit of length ``|g . xi_l| <= |xi_l| |g|``: no rim is faster than ``k max_l
 longest twist attains its bound, at the error g along it. Speeds and lengths change their unit alike.
 
 *Laws by rows* with ``V = c^T P c + w theta^2``.  Wheel i with the control field ``(f, t)`` runs at ``-k (f . P c + t w
-theta)`` to first order, so no faster than ``k sqrt(f^T P f + w t^2) sqrt(V)`` (Cauchy-Schwarz).
+theta)`` to first order, so for c along e no faster than ``k sqrt((f . P e)^2/(e . P e) + w t^2) sqrt(V)``
+(Cauchy-Schwarz).
 
 *Limited speeds.*  The law imposes ``-sigma k (g . xi_l) xi_l`` with one factor ``sigma <= 1`` that keeps every speed
 within its limit m_i.  With ``q_l = min_i m_i/|u_l,i|``, a law at its limit has ``sigma k |g . xi_l| = q_l``.  So
@@ -39,9 +40,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.rational_bounds import confirmed, rounded_down, rounded_up
 from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.mechanics.constraints import inner
@@ -53,6 +58,10 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
+    from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
+
+Floats: TypeAlias = NDArray[np.float64]
 
 FEW_ROUNDINGS = Fraction(1, 2**40)  # more than a few roundings of a quotient or product of floats
 PI = Fraction(355, 113)  # above pi
@@ -68,30 +77,85 @@ TOO_LATE = "the pose is too old: with gain k = 1 the delay is certified below {:
 TOO_WRONG = "the errors are too large for the disc in which the law is certified"
 
 
-def wheel_speed(feedback: AnyFeedback, scene: Scene) -> Fraction | None:
-    """The largest speed of a rim over sqrt(V), at gain one; None without a V that falls under the law.
+# ---- speeds of rims ----------------------------------------------------------------------
 
-    Under rule ``nearest`` wheel w is asked for ``(P c, m theta) . g + g_theta c^T P J c`` with its field g, at most
-    ``sqrt(V(g)) sqrt(V) + |g_theta| rho V/(1 - rho)``: the second part is bounded in the certified region.  None where
-    V is no sum of squares (rho > 0) and that region is not known.
+
+@dataclass(frozen=True)
+class WheelSpeed:
+    """Under the law with gain k no rim is faster than ``k (by_root sqrt(V) + by_level V)``.
+
+    Attributes:
+        by_root: speed of a rim over sqrt(V), to first order.
+        by_level: what is added over V, where V is no sum of squares: fields turn with the body.
+        place: index of the cell, or number of the cone of directions, in which the first is largest.
+    """
+
+    by_root: Fraction
+    by_level: Fraction
+    place: int
+
+    def at_error(self, error: Fraction) -> Fraction:
+        """The largest speed at gain one where the error sqrt(V) is at most a number."""
+        return self.by_root * error + self.by_level * error**2
+
+
+def wheel_speed(feedback: AnyFeedback, scene: Scene) -> WheelSpeed | None:
+    """How fast the rims run under a certified law, at gain one; None without a V that falls under it.
+
+    Under rule ``nearest`` wheel w is asked for ``(P c, m theta) . g + g_theta c^T P J c`` with its field g.  The first
+    part over sqrt(V) is largest for c in some direction of a cell (:func:`_largest_product`), and the second at most
+    ``|g_theta| rho V/(1 - rho)``.  Under the other rules it is asked for ``(g . xi_l) u``, at most
+    ``sqrt(V) |xi_l| |u|``.
     """
     if not feedback.has_lyapunov:
         return None
     if isinstance(feedback, FeedbackResult):
-        fields = [field for data in feedback.cells for field in data.fields]
-        fastest = max(feedback.lyapunov.value(field) for field in fields) ** 0.5
-        rho = float(feedback.lyapunov.eccentricity)
-        if rho and feedback.region is None:
-            return None
-        if rho and feedback.region is not None:
-            turn = max(abs(float(field[2])) for field in fields)
-            fastest += turn * rho / (1 - rho) * float(feedback.region.level) ** 0.5
-    else:
-        from nonsmooth.proofs.clauses.feedback.driven_law import effort
+        rho = feedback.lyapunov.eccentricity
+        speeds = [_fastest(data, feedback.lyapunov) for data in feedback.cells]
+        largest = max(speeds)
+        place = feedback.cells[speeds.index(largest)].cell.index
+        turn = max(abs(float(field[2])) for data in feedback.cells for field in data.fields)
+        bent = Fraction(turn) * (1 + FEW_ROUNDINGS) * rho / (1 - rho)
+        return WheelSpeed(Fraction(largest) * (1 + FEW_ROUNDINGS), bent, place)
+    from nonsmooth.proofs.clauses.feedback.driven_law import effort
 
-        own = in_own_length(scene.recentred())
-        fastest = max(effort(own, imposed) for cone in feedback.cones for imposed in cone.twists)
-    return Fraction(fastest) * (1 + FEW_ROUNDINGS)
+    own = in_own_length(scene.recentred())
+    efforts = [max(effort(own, imposed) for imposed in cone.twists) for cone in feedback.cones]
+    largest = max(efforts)
+    return WheelSpeed(Fraction(largest) * (1 + FEW_ROUNDINGS), Fraction(0), efforts.index(largest))
+
+
+def _fastest(data: InputCell, lyapunov: ControlLyapunov) -> float:
+    """The largest ``(P c, w theta) . g`` over sqrt(V) of both fields of a cell."""
+    corners = np.array([[float(x), float(y)] for x, y in data.cell.polygon.vertices])
+    return max(_largest_product(corners, np.array([float(entry) for entry in g]), lyapunov) for g in data.fields)
+
+
+def _largest_product(corners: Floats, field: Floats, lyapunov: ControlLyapunov) -> float:
+    """The largest ``(P c, w theta) . g`` over sqrt(V), for c in the directions of a cell with these corners.
+
+    For c along e it is ``sqrt((g_c . P e)^2/(e . P e) + w g_theta^2)``, which is largest along g_c or against it, and
+    where all corners are on one side of that line at one of them.  What floats leave open counts as on the line.
+    """
+    e, f = map(float, lyapunov.shape)
+    metric, push = np.array([[1 + e, f], [f, 1 - e]]), field[:2]
+    beside = corners[:, 0] * push[1] - corners[:, 1] * push[0]
+    doubt = float(FEW_ROUNDINGS) * np.hypot(*corners.T) * math.hypot(*push)
+    nonzero = corners.any(axis=1)
+    is_beside = (beside > doubt)[nonzero].all() or (beside < -doubt)[nonzero].all()
+    directions = corners if is_beside else [*corners, push]
+    along = [(push @ metric @ way) ** 2 / (way @ metric @ way) for way in directions if way.any()]
+    return math.sqrt(max(along, default=0.0) + float(lyapunov.weight) * field[2] ** 2)
+
+
+def certified_error(feedback: AnyFeedback) -> Fraction | None:
+    """Sqrt(V) on the border of the certified region; None where that is no level of V, or not known."""
+    if isinstance(feedback, FeedbackResult):
+        level = feedback.region.level if isinstance(feedback.region, LevelRegion) else None
+        return None if level is None else Fraction(math.sqrt(level)) * (1 + FEW_ROUNDINGS)
+    if feedback.reach is None or feedback.every_load is not None:
+        return None
+    return Fraction(float(feedback.reach)) * (1 + FEW_ROUNDINGS)
 
 
 def limited_speed(feedback: DrivenFeedback, scene: Scene) -> Fraction | None:

@@ -47,6 +47,7 @@ from nonsmooth.symbolic.mechanics.contact_set import standing, with_only
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import listening
+from tests.built_in import whole_check
 from tests.thorough import few, keep
 
 # ---- The answers to a builder's questions, beside paths that know nothing of the clauses they come from.
@@ -93,7 +94,7 @@ def test_bodies_come_home_from_as_far_and_as_fast_as_said(name: str) -> None:
 @few(2)
 @pytest.mark.parametrize(("name", "rule"), [("four-wheel", "box"), ("ring-6", "box"), ("four-wheel-side", "nearest")])
 def test_bodies_stay_as_near_as_said(name: str, rule: str) -> None:
-    check = check_cells(load_scene(name, rule=rule), prune=False)
+    check = whole_check(load_scene(name, rule=rule))
     within = float(value_of(check, "position", "stays_within"))
     field = array_field(check.partition, Kinematics.EXACT)
     for k in range(8):

@@ -30,6 +30,7 @@ from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.array_certificates import say
 from tests.evidence.contradictions import FAMILIES, compared, study
+from tests.proofs.forged import with_results
 from tests.thorough import few, keep, thorough
 
 HALF = Fraction(1, 2)
@@ -72,14 +73,14 @@ def with_situation(check: Check, **changes: Any) -> Check:
     assert isinstance(equilibrium, EllipseEquilibrium)
     assert isinstance(translation, EllipseTranslation)
     point = replace(equilibrium.point, **changes)
-    return check.with_results(
-        equilibrium=replace(equilibrium, point=point), translation=replace(translation, point=point)
+    return with_results(
+        check, equilibrium=replace(equilibrium, point=point), translation=replace(translation, point=point)
     )
 
 
 def with_translation(check: Check, verdict: Translation, **changes: Any) -> Check:
     assert isinstance(check.translation, TranslationResult)
-    return check.with_results(translation=replace(check.translation, verdict=verdict, **changes))
+    return with_results(check, translation=replace(check.translation, verdict=verdict, **changes))
 
 
 # ---- planted faults, one for each pair -----------------------------------------------------------
@@ -95,7 +96,7 @@ def test_a_point_from_which_nothing_is_driven_away(rule: str) -> None:
 def test_a_rest_point_of_cells_that_is_said_to_be_none() -> None:
     check = checked("four-wheel")
     assert isinstance(check.equilibrium, EquilibriumResult)
-    planted = check.with_results(equilibrium=replace(check.equilibrium, verdict=Equilibrium.FAILS, weights={}))
+    planted = with_results(check, equilibrium=replace(check.equilibrium, verdict=Equilibrium.FAILS, weights={}))
     assert "position and destinations" in noticed(planted)
 
 
@@ -153,7 +154,7 @@ def test_a_linearization_with_the_wrong_sign(name: str, planted: str, monkeypatc
 def test_a_body_that_turns_for_ever_where_it_is_said_to_rest_without_turning() -> None:
     check = replace(checked("four-wheel"), verdict=Theorem4.FAILS)
     drift = check.rotation.drift
-    planted = check.with_results(rotation=RotationResult(Rotation.NEUTRAL, drift, None, "planted"))
+    planted = with_results(check, rotation=RotationResult(Rotation.NEUTRAL, drift, None, "planted"))
     answered = full_answers(planted, ask_others=False)
     starts = np.array([[0.1, 0.0], [0.0, 0.2]])
     ends = SampledEnds(starts, np.zeros((2, 2)), np.zeros(2, bool), np.array([np.inf, 0.1]))
@@ -162,11 +163,11 @@ def test_a_body_that_turns_for_ever_where_it_is_said_to_rest_without_turning() -
     bounded = replace(planted.rotation, rotation_per_distance=check.scene.field(HALF))
     ends = replace(ends, turning=np.array([0.04, 0.2]))
     assert noticed(
-        planted.with_results(rotation=bounded), replace(answered, destinations=Destinations((), 2, ends))
+        with_results(planted, rotation=bounded), replace(answered, destinations=Destinations((), 2, ends))
     ) == {"heading and destinations"}
     ends = replace(ends, turning=np.array([0.04, -0.09]))
     assert not noticed(
-        planted.with_results(rotation=bounded), replace(answered, destinations=Destinations((), 2, ends))
+        with_results(planted, rotation=bounded), replace(answered, destinations=Destinations((), 2, ends))
     )
 
 
@@ -176,7 +177,7 @@ def test_a_sampled_point_at_which_the_distance_grows_where_it_is_said_to_fall() 
     for at, between in ((0.1, {"position and the samples of V*"}), (0.4, set())):
         sampled = SampledDerivative(100, 0.01, 0.02, (at, 0.0))
         planted = replace(check.translation, sampled=sampled, region_radius=check.scene.field(Fraction(1, 4)))
-        planted_check = check.with_results(translation=planted)
+        planted_check = with_results(check, translation=planted)
         assert noticed(planted_check, Answers(answers_of(planted_check), None, ())) == between
 
 

@@ -54,6 +54,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rounded import certain_sign, enclosed, plain, rounded
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
+from tests.proofs.forged import with_results
 from tests.thorough import few, keep, thorough
 
 # ---- Clauses 1 to 3 at a place of rest that is the point within rounding, against forces in forty digits.
@@ -214,9 +215,9 @@ def test_a_check_with_forged_balls_does_not_verify() -> None:
     for forged in (nearer, faster, replace(rest, spin=-rest.spin)):
         assert forged != rest
         result = replace(check.equilibrium, point=replace(point, rest=forged))
-        assert not check.with_results(equilibrium=result).check()
+        assert not with_results(check, equilibrium=result).check()
         moved = replace(check.translation, point=replace(point, rest=forged))
-        assert not check.with_results(translation=moved).check()
+        assert not with_results(check, translation=moved).check()
 
 
 def test_a_point_that_is_only_near_is_no_equilibrium() -> None:

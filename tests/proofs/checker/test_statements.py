@@ -155,14 +155,17 @@ def test_pieces_are_joined_beside_faces() -> None:
 
 
 def test_fields_of_all_sides_count_on_a_face() -> None:
-    """Two lines meet on a line on which V bends; from both sides other sectors reach this place, and it is at rest."""
+    """Two lines meet on a line on which V bends; from both sides other sectors reach this place, and it is at rest.
+
+    Patterns that have no point change nothing, whether they are said to be empty or not.
+    """
     first, second = "y - x + 1/2", "y + x - 1/2"
     a, b = f"(1 + sign({first}))/2", f"(1 + sign({second}))/2"
     above, below = f"({a})*({b})", f"(1 - {a})*(1 - {b})"
     beside = f"(1 - {above} - {below})"
     rhs = [f"{above} + {below} - x*{beside}", f"-{above} + {below} - y*{beside}"]
-    for surfaces in (["y", first, second], ["-y", first, second]):
-        hypotheses = lyapunov("x**2 + 3*Abs(y)", cells(*surfaces), level="99/100")
+    for height, empty in (("y", []), ("-y", []), ("y", ["+--"]), ("y", ["-++"]), ("y", ["+--", "-++"])):
+        hypotheses = lyapunov("x**2 + 3*Abs(y)", cells(height, first, second, empty=empty), level="99/100")
         assert "face 0.." in refused(rhs, "lyapunov", hypotheses)
 
 

@@ -93,6 +93,23 @@ def test_zeros_are_allowed_where_that_is_asked() -> None:
     assert find(positive({(1, 0): 1, (2, 0): 1, (0, 2): 0}, [X]), Effort.FULL) is not None
 
 
+def test_products_of_guards_and_squares_are_shown_where_they_vanish_along_faces() -> None:
+    """``-V'`` of friction of second order, on the ground and between two bodies: zero wherever nothing moves."""
+    y, w, apart = {(0, 1, 0): 1}, {(0, 0, 1): 1}, {(0, 1, 0): 1, (0, 0, 1): -1}
+    cube_of_apart = {(0, 3, 0): 1, (0, 2, 1): -3, (0, 1, 2): 3, (0, 0, 3): -1}
+    for asked in (
+        positive({(0, 3, 0): 2, (0, 0, 3): (1, 3)}, [y, w]),
+        positive({**cube_of_apart, (0, 1, 2): 4}, [y, apart]),
+        positive({**cube_of_apart, (0, 0, 3): (-3, 4)}, [apart, w], box=True),
+    ):
+        found = find(asked, Effort.FULL)
+        assert found is not None
+        assert not found.strict
+        assert follows(asked, found)
+    assert find(positive({(0, 3, 0): 2, (0, 0, 3): (-1, 3)}, [y, w]), Effort.FULL) is None
+    assert find(positive(cube_of_apart, [y, w]), Effort.FULL) is None
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_what_is_proved_is_positive_at_points(seed: int) -> None:
     rng = np.random.default_rng(seed)

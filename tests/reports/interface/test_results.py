@@ -26,7 +26,7 @@ from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic import annihilator, constraint_matrix, stacked_constraints, wheel_constraints
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.conftest import Invoke
-from tests.thorough import few, keep, thorough
+from tests.thorough import few, keep
 
 # ---- Arrays, systems, checks and results as a script holds them ----------------------------------
 
@@ -56,13 +56,38 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return capsys.readouterr().out
 
 
-@pytest.mark.parametrize("rule", ["nearest", "box"])
-def test_cells_are_the_record_of_the_command(rule: str, capsys: pytest.CaptureFixture[str]) -> None:
-    cells = array(rule=rule).cells()
-    record = json.loads(printed(capsys, "partition", "four-wheel", "--rule", rule, "--json"))
-    assert json.loads(json.dumps(cells.to_dict())) == record
-    assert len(cells) == len(record["cells"])
-    assert {row["cell"] for row in cells.rows()} == {str(k) for k in range(1, len(cells) + 1)}
+PATH = "simulate four-wheel --from 0.1,0.2,0.3 --until 0.5 --kinematics leading"
+HEAVY = "simulate four-wheel --from 0.2,0.3,0 --until 0.01 --method dynamics --mass 0.02"
+# Of every kind of result: the command, and what a script calls; of both the record is the same.
+SAME: dict[str, Callable[[], Any]] = {
+    "partition four-wheel": lambda: array().cells(),
+    "partition four-wheel --rule box": lambda: array(rule="box").cells(),
+    "partition four-wheel --compare": lambda: array().compare(),
+    "check four-wheel --rule box": lambda: array().check(rule="box"),
+    "check four-wheel --rule all": lambda: array().check(rule="all"),
+    "check eq-4": lambda: ns.load("eq-4").check(),
+    "simulate saddle --grid 5 --heading 0.2 --until 1": lambda: array("saddle").map(5, heading=0.2, until=1),
+    PATH: lambda: array().simulate((0.1, 0.2, 0.3), 0.5, kinematics="leading"),
+    f"{PATH} --method smoothed --width 0.01": lambda: array().simulate(
+        (0.1, 0.2, 0.3), 0.5, kinematics="leading", method="smoothed", width=0.01
+    ),
+    f"{HEAVY} --inertia 0.01": lambda: array().dynamics((0.2, 0.3, 0), until=0.01, mass=0.02, inertia=0.01),
+    f"{HEAVY} --compare-masses": lambda: array().compare_masses((0.2, 0.3, 0), until=0.01, mass=0.02),
+    "vehicle jackal --spin 3": lambda: ns.Vehicle.load("jackal").motion(spin=3),
+}
+
+
+@pytest.mark.parametrize("command", SAME)
+def test_a_result_is_the_record_of_the_command(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    run(app, [*command.split(), "--json"])
+    record, result = json.loads(capsys.readouterr().out), SAME[command]()
+    own = json.loads(json.dumps(result.to_dict()))
+    for one in (record, own, *record.get("checks", ()), *own.get("checks", ())):
+        one.pop("seconds", None)
+    assert {key: record[key] for key in own} == own  # of a path the command says further how it ends
+    assert result.rows()
+    assert "<table" in result._repr_html_()
+    assert len(str(result).splitlines()) <= MOST_LINES
 
 
 @few(1)
@@ -77,15 +102,6 @@ def test_pictures_are_the_files_of_the_command(show: str, capsys: pytest.Capture
 def test_a_picture_of_something_else_is_refused() -> None:
     with pytest.raises(ValueError, match="show: required one of cells, array, rates, received 'tea'"):
         array().cells().picture(show="tea")
-
-
-def test_a_comparison_is_the_record_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
-    compared = array().compare()
-    record = json.loads(printed(capsys, "partition", "four-wheel", "--compare", "--json"))
-    assert json.loads(json.dumps(compared.to_dict())) == record
-    exact, *sampled = (row["what"] for row in compared.rows())
-    assert exact == "same motion on a share of the area"
-    assert set(sampled) == {"sampled"}
 
 
 @few(2)
@@ -104,17 +120,6 @@ def test_a_report_is_the_file_of_the_command(
         assert own == report.text(suffix)
 
 
-def test_a_map_is_the_record_of_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    options = ("--grid", "5", "--heading", "0.2", "--until", "1", "--kinematics", "leading")
-    record = json.loads(printed(capsys, "simulate", "off-center", *options, "--json"))
-    found = array("off-center").map(5, heading=0.2, until=1.0, kinematics="leading")
-    assert json.loads(json.dumps(found.to_dict())) == record
-    printed(capsys, "simulate", "off-center", *options, "-o", str(tmp_path / "other.csv"))
-    assert found.save(tmp_path / "own.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
-    assert len(found.rows()) == 25
-    assert len(str(found).splitlines()) <= MOST_LINES
-
-
 @pytest.mark.parametrize(
     ("options", "line"),
     [
@@ -128,17 +133,6 @@ def test_a_map_is_the_record_of_the_command(capsys: pytest.CaptureFixture[str], 
 def test_a_map_of_something_else_is_refused(options: dict[str, Any], line: str) -> None:
     with pytest.raises(ValueError, match=line):
         array().map(**options)
-
-
-@pytest.mark.parametrize("method", ["events", "hysteresis", "smoothed"])
-def test_a_path_is_that_of_the_command(method: str, capsys: pytest.CaptureFixture[str]) -> None:
-    options = ["--from", "0.1,0.2,0.3", "--until", "0.5", "--method", method, "--kinematics", "leading"]
-    options += [] if method == "events" else ["--width", "0.01"]
-    record = json.loads(printed(capsys, "simulate", "four-wheel", *options, "--json"))
-    width = {} if method == "events" else {"width": 0.01}
-    path = array().simulate((0.1, 0.2, 0.3), 0.5, method=method, kinematics="leading", **width)
-    own = json.loads(json.dumps(path.to_dict()))
-    assert {key: record[key] for key in own} == own
 
 
 @pytest.mark.parametrize(
@@ -206,21 +200,6 @@ def inside(value: Any, depth: int = 0) -> Iterator[Any]:
         yield value
         for part in dataclasses.fields(value):
             yield from inside(getattr(value, part.name), depth + 1)
-
-
-def test_a_body_with_mass_is_what_the_command_follows(capsys: pytest.CaptureFixture[str]) -> None:
-    command = ("simulate", "four-wheel", "--from", "0.2,0.3,0", "--until", "0.01", "--method", "dynamics")
-    path = array().dynamics((0.2, 0.3, 0), until=0.01, mass=0.02, inertia=0.01)
-    assert json.loads(json.dumps(path.to_dict())) == json.loads(
-        printed(capsys, *command, "--mass", "0.02", "--inertia", "0.01", "--json")
-    )
-    study = array().compare_masses((0.2, 0.3, 0), until=0.01, mass=0.01)
-    assert json.loads(json.dumps(study.to_dict())) == json.loads(
-        printed(capsys, *command, "--mass", "0.01", "--compare-masses", "--json")
-    )
-    assert len(repr(study).splitlines()) <= MOST_LINES
-    with pytest.raises(ValueError, match="mass: required a positive number"):
-        array().compare_masses((0.2, 0.3, 0), mass=0)
 
 
 def test_a_check_of_two_states_is_drawn_as_its_phase_portrait() -> None:
@@ -317,50 +296,11 @@ def test_a_result_answers() -> None:
     assert [row["question"] for row in result.rows()][:3] == ["position", "heading", "pose"]
 
 
-@pytest.mark.parametrize("name", keep(1, ["four-wheel", "off-center"]))
-def test_a_result_is_the_record_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    run(app, ["check", name, "--rule", "box", "--json"])
-    printed = json.loads(capsys.readouterr().out)
-    record = ns.load(name).check(rule="box").to_dict()
-    record.pop("seconds")
-    printed.pop("seconds")
-    assert json.loads(json.dumps(record)) == printed
-
-
 def test_the_best_point() -> None:
     array = ns.load("off-center")
     assert isinstance(array, ns.Array)
     result = array.check(at="auto")
     assert (result.at, result.position.verdict) == ((0.5, 0.25), Position.COMES_HOME)
-
-
-@few(2)
-@pytest.mark.parametrize("name", ["four-wheel", "grid-4x4", "saddle", "off-center", "eq-4", "flower"])
-def test_results_print_in_few_lines(name: str) -> None:
-    subject = ns.load(name)
-    result = subject.check()
-    lines = str(result).splitlines()
-    assert len(lines) <= 12
-    assert all(len(line) <= 100 for line in lines)
-    parts: list[Any] = [subject, result, result.evidence, result.evidence.scene]
-    parts += [getattr(result.evidence, "partition", None), getattr(subject, "scene", None)]
-    start = (0.1, 0.2, 0.3)[: len(subject.system.states) if isinstance(subject, ns.System) else 3]
-    path = subject.simulate(start, until=0.5)
-    assert all(len(repr(part)) <= 2_000 for part in [*parts, path, path.trajectory])
-    assert "<table" in result._repr_html_()
-
-
-@thorough  # the small one: test_a_path_is_that_of_the_command, test_results.py
-def test_paths_of_every_kind() -> None:
-    array = ring()
-    opened, closed = (array.simulate((0.2, 0.1, 0.3), until=1, feedback=law) for law in (False, True))
-    assert abs(closed.state[-1, 2]) < abs(opened.state[-1, 2])
-    smooth = array.simulate((0.2, 0.1, 0.3), until=1, rule="ellipse")
-    assert smooth.partition is None
-    assert np.hypot(*smooth.state[-1, :2]) < 0.01
-    assert [list(row) for row in opened.rows()[:1]] == [["t", "x", "y", "theta"]]
-    with pytest.raises(ValueError, match="nothing"):
-        array.simulate((0.2, 0.1, 0.3), feedback="nothing")
 
 
 def test_rows_and_films_of_a_closed_loop_are_those_of_the_command(tmp_path: Path) -> None:
@@ -406,12 +346,6 @@ def test_plots_draw_on_the_axes_given() -> None:
     plt.close("all")
 
 
-@thorough  # the small one: test_a_report_is_the_file_of_the_command, test_results.py
-def test_reports_are_written(tmp_path: Path) -> None:
-    written = ring(name="mine").report(tmp_path / "mine.md")
-    assert written.read_text(encoding="utf-8").startswith("# Derivation report: mine")
-
-
 def test_a_table_of_pandas_where_there_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
     class Pandas:
         DataFrame: Any = staticmethod(list)
@@ -455,12 +389,9 @@ def test_files_and_statuses_follow(invoke: Invoke, tmp_path: Path) -> None:
         four_wheel().check(require="tea")
 
 
-def test_all_rules_are_compared(invoke: Invoke) -> None:
+def test_all_rules_are_compared() -> None:
     found = four_wheel().check(rule="all")
     assert isinstance(found, RulesResult)
-    record = invoke("check", "four-wheel", "--rule", "all", "--json").record
-    own = [without_seconds(check) for check in found.to_dict()["checks"]]
-    assert own == [without_seconds(check) for check in record["checks"]]
     assert {row["rule"] for row in found.rows()} == {"nearest", "box", "ellipse", "roller"}
 
 

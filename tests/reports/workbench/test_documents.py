@@ -103,17 +103,6 @@ def test_speeds_of_a_table_keep_their_unit(tmp_path: Any) -> None:
     assert float(again.scene.wheels[0].speed) == 0.1
 
 
-def test_a_table_of_wheels_is_written_out(tmp_path: Any) -> None:
-    (tmp_path / "w.csv").write_text("x,y,heading\n1,1,inward\n-1,1,45 deg\n-1,-1,inward\n1,-1,pi/6\n")
-    file = tmp_path / "s.toml"
-    file.write_text("[wheels]\nfile = 'w.csv'\n[friction]\nmu_roll = 1\nmu_side = 0.5\n")
-    document = document_of(str(file))
-    assert "wheels" not in document
-    array = opened(document)
-    assert isinstance(array, Array)
-    assert [str(w.direction) for w in array.scene.wheels] == [str(w.direction) for w in load_scene(str(file)).wheels]
-
-
 # ---- Edits of wheels: exact in all numbers, and their own inverses where they should be ----------
 
 SCENES = ("four-wheel", "ring-5", "spiral-30", "off-center", "omni-3", "elliptic")
@@ -277,7 +266,9 @@ wheels = { file = "wheels.csv" }
 def test_a_table_written_out_keeps_names_millimetres_and_degrees(tmp_path: Path) -> None:
     (tmp_path / "wheels.csv").write_text(TABLE, encoding="utf-8")
     (tmp_path / "table.toml").write_text(SCENE, encoding="utf-8")
-    text = written(document_of(tmp_path / "table.toml"))
+    document = document_of(tmp_path / "table.toml")
+    text = written(document)
+    assert "wheels" not in document
     assert written(read_toml(text)) == text
     for said in ('name = "M1"', "position = [-100.5, -80]", "heading = 34.1", 'heading = "145.9 deg"', "[0, -1]"):
         assert said in text

@@ -6,7 +6,6 @@ import json
 import math
 import os
 import signal
-import threading
 import time
 from multiprocessing import Pipe
 from pathlib import Path
@@ -116,24 +115,6 @@ def test_a_newer_view_of_the_same_tab_cancels_the_older_one(server: Workbench, s
         assert newer["exact"]["verdict"] == "holds"
         rest = [stage["stage"] for stage in older]
     assert rest[-1] == "cancelled"
-
-
-def test_tabs_do_not_disturb_each_other(server: Workbench) -> None:
-    documents = {name: server.document(name) for name in ("four-wheel", "ring-3")}
-    counts: dict[str, set[int]] = {name: set() for name in documents}
-
-    def drag(name: str) -> None:
-        for k in range(10):
-            stages = server.view(documents[name], tab=name, sequence=k, want=[])
-            counts[name].add(len(stages["fast"]["wheels"]))
-            assert stages["exact"]["sequence"] == k
-
-    threads = [threading.Thread(target=drag, args=(name,)) for name in documents]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert counts == {"four-wheel": {4}, "ring-3": {3}}
 
 
 def test_a_closed_connection_frees_its_worker(server: Workbench) -> None:
@@ -247,21 +228,12 @@ def test_a_file_in_another_folder_is_opened(tmp_path: Path) -> None:
 # ---- A server that is killed and started again: pages and tokens outlive it, its workers do not.
 
 
-def test_a_page_outlives_the_server(server: Workbench) -> None:
-    document = server.document("four-wheel")
-    token, began, pids = server.token, server.ask("/api/health").json["started"], server.workers()
-    server.kill()
-    server.start()
-    assert server.token == token
-    assert server.ask("/api/health").json["started"] != began
-    assert server.view(document, want=[])["exact"]["verdict"] == "holds"
-    assert not any(map(_lives, pids))
-
-
 @needs_chromium
 def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: Workbench) -> None:
+    """With the token that it has, which outlives the server, too; the workers do not."""
     opened = Opened(browser, server.address)
     page = opened.page
+    token, began, pids = server.token, server.ask("/api/health").json["started"], server.workers()
     page.keyboard.press("n")
     server.kill()
     edited(page, lambda: page.keyboard.press("ArrowRight"))
@@ -270,11 +242,14 @@ def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: 
     page.keyboard.press("ArrowUp")  # nothing stops the hand
     assert document(page)["wheel"][0]["position"] != [1, 1]
     server.start()
+    assert server.token == token
+    assert server.ask("/api/health").json["started"] != began
     page.locator("#banner").wait_for(state="hidden")
     settled(page)
     shown = page.evaluate("() => workbench.results.geometry.wheels[0].x")
     assert shown == pytest.approx(document(page)["wheel"][0]["position"][0])
     opened.context.close()
+    assert not any(map(_lives, pids))
 
 
 def _lives(pid: int) -> bool:
