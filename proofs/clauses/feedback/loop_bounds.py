@@ -40,10 +40,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
@@ -54,6 +53,7 @@ from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -61,7 +61,6 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
     from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 
-Floats: TypeAlias = NDArray[np.float64]
 
 FEW_ROUNDINGS = Fraction(1, 2**40)  # more than a few roundings of a quotient or product of floats
 PI = Fraction(355, 113)  # above pi
