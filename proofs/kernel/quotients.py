@@ -106,7 +106,7 @@ def _quotients(subject: System, cube: Record) -> Iterator[tuple[str, str]]:
         except RejectedError:
             return
         rows = _rows(claims)
-        for basis in (fmpq_mat(np.eye(len(forms), dtype=int).tolist()), _kept(claims)):
+        for basis in (fmpq_mat(np.eye(len(forms), dtype=int).tolist()), kept_forms(claims)):
             for chosen in proposed(rows @ np.array(basis.tolist(), dtype=float)) if basis.ncols() else ():
                 top = dict(zip(forms, coefficients_of(basis, chosen), strict=True))
                 yield formula_text(Polynomial(len(states), top), states), bottom + (f"**{power}" if power > 1 else "")
@@ -126,8 +126,8 @@ def _claims(subject: System, cube: Record, forms: Sequence[str], power: int) -> 
     return [functions.claims(k) for k in range(len(forms))]
 
 
-def _kept(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
-    """The forms, in columns, that the lowest terms of all fields leave as they are."""
+def kept_forms(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
+    """The sums of functions, in columns, that the lowest terms of all fields leave as they are."""
     falling = [[claim for claim in same if claim.name.startswith("cell")] for same in claims]
     falls = [[own.value.terms for claim in same for own in claim.inequalities] for same in falling]
     lowest = min((sum(e) for own in falls for terms in own for e in terms), default=0)

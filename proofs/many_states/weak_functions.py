@@ -14,12 +14,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
 
 import numpy as np
-from flint import fmpq
+from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
@@ -28,6 +28,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
 from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second, gradient, rounded, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
@@ -40,6 +41,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
@@ -66,11 +68,14 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) ->
     for basis in families(stated.cells):
         conditions = functions_on(system, stated, [own.text for own in basis])
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in basis])
-        for found in _solved(_rates(conditions), conditions, costs, positive=positive):
-            text = formula_text(basis, [fmpq(c.numerator, c.denominator) for c in found])
-            if text not in seen:
-                seen.add(text)
-                yield text
+        asked = LinearProgram(_rates(conditions), *_values(conditions), costs)
+        kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
+        for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
+            for chosen in asked.combined(columns).solutions(positive=positive) if columns.ncols() else ():
+                text = formula_text(basis, list(map(as_fmpq, coefficients_of(columns, chosen))))
+                if text not in seen:
+                    seen.add(text)
+                    yield text
 
 
 def _rates(conditions: Functions) -> Floats:
@@ -101,27 +106,47 @@ def _values(conditions: Functions) -> tuple[Floats, Floats]:
     return np.vstack(places), np.vstack(values)
 
 
-def _solved(rates: Floats, conditions: Functions, costs: Floats, *, positive: bool) -> Iterator[list[Fraction]]:
-    """The least coefficients with which V rises along no row, and is positive, or negative somewhere."""
-    points, values = _values(conditions)
-    sizes = np.sum(points**2, axis=1)
-    if positive:
-        asked = [(-values, -sizes)]
-    else:
-        axes = [
-            int(np.argmax(side * points[:, k] / np.sqrt(sizes))) for k in range(points.shape[1]) for side in (1, -1)
-        ]
-        asked = [(values[[k]], -sizes[[k]]) for k in axes]
-    for matrix, limits in asked:
-        rows = np.vstack([rates, matrix])
-        bounds = np.r_[np.zeros(len(rates)), limits]
-        solved = solve_program(np.r_[costs, costs], A_ub=np.hstack([rows, -rows]), b_ub=bounds, bounds=(0, MOST))
-        if solved.status == 0:
-            size = len(costs)
-            values_of = solved.x[:size] - solved.x[size:]
-            found = rounded(values_of, lambda own: bool(np.all(rates @ own <= SLACK)))
-            if found is not None:
-                yield found
+@dataclass(frozen=True)
+class LinearProgram:
+    """The least coefficients of functions whose sum V rises along no row, and is positive, or negative somewhere.
+
+    Attributes:
+        rates: of the functions along extreme velocities, of shape (m, k).
+        points: of all cells, of shape (n, states).
+        values: of the functions there, of shape (n, k).
+        costs: of the functions.
+    """
+
+    rates: Floats
+    points: Floats
+    values: Floats
+    costs: Floats
+
+    def combined(self, columns: fmpq_mat) -> LinearProgram:
+        """The same about sums of the functions; many rows need such sums to meet equalities that rounding breaks."""
+        sums = np.array(columns.tolist(), dtype=float)
+        return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums))
+
+    def solutions(self, *, positive: bool) -> Iterator[list[Fraction]]:
+        """In short fractions."""
+        sizes = np.sum(self.points**2, axis=1)
+        if positive:
+            asked = [(-self.values, -sizes)]
+        else:
+            along = self.points / np.sqrt(sizes)[:, None]
+            axes = [int(np.argmax(side * along[:, k])) for k in range(along.shape[1]) for side in (1, -1)]
+            asked = [(self.values[[k]], -sizes[[k]]) for k in axes]
+        for matrix, limits in asked:
+            rows = np.vstack([self.rates, matrix])
+            bounds = np.r_[np.zeros(len(self.rates)), limits]
+            costs = np.r_[self.costs, self.costs]
+            solved = solve_program(costs, A_ub=np.hstack([rows, -rows]), b_ub=bounds, bounds=(0, MOST))
+            if solved.status == 0:
+                size = len(self.costs)
+                values = solved.x[:size] - solved.x[size:]
+                found = rounded(values, lambda own: bool(np.all(self.rates @ own <= SLACK)))
+                if found is not None:
+                    yield found
 
 
 # ---- functions that are proved -------------------------------------------------------------------

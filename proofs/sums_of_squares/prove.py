@@ -76,11 +76,30 @@ def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> SumO
         effort: how far it is looked for.
     """
     scaled = normalized(condition)
-    for blocks in _programs(scaled, effort):
+    for blocks in () if _vanishes_along_an_axis(scaled) else _programs(scaled, effort):
         found = _strictly(scaled, blocks)
         if found is not None:
             return found
     return _weakly(scaled, effort) if effort in WEAK else None
+
+
+def _vanishes_along_an_axis(condition: Condition) -> bool:
+    """Whether p is zero on half an axis beside the origin, at points of the set: then no proof is strict."""
+    zero = (0,) * condition.variables
+    if any(abs(bound.get(zero, fmpq(0))) >= 1 for bound in condition.bounds):
+        return False
+    for k in range(condition.variables):
+        guards = [_along_axis(guard, k) for guard in condition.guards]
+        for side in (1, -1):
+            first = (own[min(own)] * side ** min(own) for own in guards if own)
+            if not _along_axis(condition.constant, k) and all(value > 0 for value in first):
+                return True
+    return False
+
+
+def _along_axis(terms: Mapping[Exponents, fmpq], k: int) -> dict[int, fmpq]:
+    """The coefficients of a polynomial on an axis, by powers."""
+    return {e[k]: c for e, c in terms.items() if e[k] == sum(e) and c}
 
 
 def _programs(condition: Condition, effort: Effort) -> Iterator[Blocks]:

@@ -29,6 +29,7 @@ from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, f
 from nonsmooth.proofs.many_states.lyapunov_search import proposals
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
+from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
@@ -149,6 +150,26 @@ def test_states_by_themselves_may_have_numbers_whose_powers_are_no_floats() -> N
 @pytest.mark.parametrize("third", keep(1, ["-z", "-z + sin(x)/2"]))
 def test_a_pendulum_comes_to_rest(third: str) -> None:
     assert decide_system(built(["y", "-sin(x) - y", third])).verdict is ATTRACTS
+
+
+DAMPING = {"cubic": "{0}**3", "quadratic": "Abs({0})*{0}", "of a joint": "{0}**3 + ({0} - {1})**3"}
+
+
+@pytest.mark.parametrize("friction", DAMPING)
+def test_the_energy_of_masses_and_springs_is_found(friction: str) -> None:
+    """Of three masses between walls, whose modes have irrational frequencies: no sum of functions of one state each."""
+    x, z, u, y, w, v = sp.symbols("x z u y w v")
+    energy = y**2 + w**2 + v**2 + x**2 + (x - z) ** 2 + (z - u) ** 2 + u**2
+    pairs = [("y", "w"), ("w", "y"), ("v", "v")]
+    forces = [
+        f"{-sp.diff(energy, q) / 2} - ({DAMPING[friction].format(*pair)})"
+        for q, pair in zip((x, z, u), pairs, strict=True)
+    ]
+    rhs = [entry for pair in zip("ywv", forces, strict=True) for entry in pair]
+    found = find_weak_lyapunov(system(list("xyzwuv"), rhs))
+    assert found is not None
+    assert found.decrease is Decrease.WEAK
+    assert sp.simplify(sp.sympify(found.formula.text) / energy).is_constant()
 
 
 def test_sines_fractions_and_intervals() -> None:

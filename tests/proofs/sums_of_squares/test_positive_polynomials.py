@@ -93,6 +93,18 @@ def test_zeros_are_allowed_where_that_is_asked() -> None:
     assert find(positive({(1, 0): 1, (2, 0): 1, (0, 2): 0}, [X]), Effort.FULL) is not None
 
 
+def test_no_program_asks_whether_a_polynomial_is_positive_that_is_zero_along_an_axis(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    idle = positive({(0, 2, 0): 1, (0, 0, 4): 1}, box=True)
+    beside = positive({(0, 1, 0): 1, (0, 0, 2): 1}, [{(1, 0, 0): 1, (0, 1, 0): 1}, {(0, 1, 0): 1}])
+    cut_off = positive({(0, 2): 1}, [{(1, 0): -1, (0, 1): 1}, {(1, 0): 1, (0, 1): 1}])  # where |x| <= y
+    assert find(cut_off, Effort.STRICT) is not None
+    monkeypatch.setattr("nonsmooth.proofs.sums_of_squares.prove.solve_inside", None)
+    assert find(idle, Effort.STRICT) is None
+    assert find(beside, Effort.STRICT) is None
+
+
 def test_products_of_guards_and_squares_are_shown_where_they_vanish_along_faces() -> None:
     """``-V'`` of friction of second order, on the ground and between two bodies: zero wherever nothing moves."""
     y, w, apart = {(0, 1, 0): 1}, {(0, 0, 1): 1}, {(0, 1, 0): 1, (0, 0, 1): -1}
