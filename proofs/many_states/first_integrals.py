@@ -2,8 +2,8 @@
 
 Where one polynomial field f acts near the point, ``grad I . f = 0`` is linear in the coefficients of I: the integrals
 of some degree are a linear space, with the products of integrals of lower degree.  Those without linear terms are
-sought whose quadratic form is positive definite, as energies with their Casimir functions are (Arnold 1966): V is kept
-exactly, and positive near the point.
+sought whose quadratic form is positive definite, as energies with their Casimir functions are (Arnold 1966), or that
+are sums of squares, as energies of springs without a linear part are: V is kept exactly, and positive near the point.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
 
 
 def _positive_integrals(field: Sequence[Polynomial]) -> list[Polynomial]:
-    """Integrals of least degree with a positive definite quadratic form."""
+    """Integrals of least degree with a positive definite quadratic form, or that are positive as they are."""
     count = len(field)
     for degree in range(2, MOST_DEGREE + 1):
         if comb(count + degree, degree) > MOST_UNKNOWNS:
@@ -72,19 +72,20 @@ def _positive_integrals(field: Sequence[Polynomial]) -> list[Polynomial]:
         monomials = powers_between(count, 2, degree)
         kept = list(vanishing_combinations([[lie_derivative(own, field)] for own in monomials]))
         integrals = [combined(monomials, own) for own in kept]
-        found = _definite(integrals, count) if integrals else []
-        if found:
-            return found
+        forms = [Polynomial(count, {e: c for e, c in own.terms.items() if sum(e) == 2}) for own in integrals]
+        for parts in (forms, integrals):
+            found = _definite(integrals, parts, count)
+            if found:
+                return found
     return []
 
 
-def _definite(integrals: Sequence[Polynomial], count: int) -> list[Polynomial]:
-    """Sums of integrals whose quadratic forms are positive definite, as a semidefinite program proposes them."""
-    forms = [Polynomial(count, {e: c for e, c in own.terms.items() if sum(e) == 2}) for own in integrals]
-    condition = Condition({}, dict(enumerate(map(terms_of, forms))), (), (), count)
+def _definite(integrals: Sequence[Polynomial], parts: Sequence[Polynomial], count: int) -> list[Polynomial]:
+    """Sums of integrals in which the sum of these parts is positive, as a semidefinite program proposes them."""
+    condition = Condition({}, dict(enumerate(map(terms_of, parts))), (), (), count)
     if not condition.support:
         return []
-    solved = solve_inside([(condition, build_blocks(condition))], len(forms), bounded=True)
+    solved = solve_inside([(condition, build_blocks(condition))], len(parts), bounded=True)
     if solved is None:
         return []
     found = []

@@ -222,6 +222,7 @@ KEPT: dict[str, tuple[Sequence[str], Sequence[str]]] = {
     "rigid body about its long axis": (RIGID, "100"),
     "rigid body about its short axis": (RIGID, "001"),
     "Henon and Heiles": (["u", "v", "-x - 2*x*y", "-y - x**2 + y**2"], "0000"),
+    "cubic springs": (["u", "v", "-x**3 - (x - y)**3", "-y**3 - (y - x)**3"], "0000"),
     "three species": (["x*(y - u)", "y*(u - x)", "u*(x - y)"], "111"),
     "linear": (["y", "-x", "v", "-2*u"], "0000"),
 }
@@ -254,10 +255,19 @@ def test_what_is_kept_is_an_integral() -> None:
     assert np.linalg.eigvalsh(hessian).min() > 0
 
 
+def test_the_energy_of_springs_without_a_linear_part_is_kept() -> None:
+    found = find_kept_function(system(*KEPT["cubic springs"]))
+    assert found is not None
+    x, y, u, v = sympy.symbols("x y u v")
+    energy = u**2 / 2 + v**2 / 2 + (x**4 + y**4 + (x - y) ** 4) / 4
+    assert sympy.simplify(sympy.sympify(found.formula.text) / energy).is_constant()
+
+
 @pytest.mark.parametrize(
     ("rhs", "at"),
     [
         (RIGID, "010"),  # the middle axis
+        (["u", "v", "-x**3 + (x - y)**3", "-y**3 - (x - y)**3"], "0000"),  # a spring that pushes apart
         (["u", "v", "-x - 2*x*y", "-y - x**2 + y**2 - v**3"], "0000"),  # damped
         (["u", "v", "-x", "y"], "0000"),  # an integral of both signs
         (["-x", "-y", "-u"], "000"),
