@@ -73,18 +73,29 @@ def _further(kind: str, said: Any, field: Field) -> str:
             falls = "falls off the point" if said["decreases"] == "strictly" else "does not grow"
             return f"disc: abs(c) {falls} where abs(c)^2 <= {own['squared_radius']}"
         case "arrival":
-            return f"arrival: {starts} is at the point after abs(c0)/({own['rate']}) at the latest"
+            return f"arrival: {starts} is at the point after abs(c0)/{_factor(own['rate'])} at the latest"
         case "swing":
             return f"swing: {starts} keeps to abs(c)^2 <= {own['squared_swing']}"
         case "turning":
-            return f"turning: {starts} turns by at most ({own['per_distance']}) abs(c0) in all"
+            return f"turning: {starts} turns by at most {_times(own['per_distance'], 'abs(c0)')} in all"
         case "feedback rate":
             p, q, s = (_number(data, field) for data in said["form"])
             where = f" where abs(c)^2 <= {own['squared_reach']}" if "squared_reach" in own else ""
-            function = f"V = ({p}) x^2 + 2 ({q}) x y + ({s}) y^2 + ({own['weight']}) theta^2"
-            return f"feedback rate: the law of gain K has V' <= -2 K ({own['kappa']}) V{where}, {function}"
+            mixed = f" + 2 {_times(q, 'x y')}" if q != "0" else ""
+            function = f"V = {_times(p, 'x^2')}{mixed} + {_times(s, 'y^2')} + {_times(own['weight'], 'theta^2')}"
+            return f"feedback rate: the law of gain K has V' <= -2 K {_factor(own['kappa'])} V{where}, {function}"
     radius, start, rate = (f"{float(rational(said[key])):.4g}" for key in ("radius", "start", "rate"))
     return f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"
+
+
+def _factor(number: str) -> str:
+    """A number as a factor, in brackets where it is not a single whole number."""
+    return number if number.isdigit() else f"({number})"
+
+
+def _times(number: str, name: str) -> str:
+    """A number times something; one is left out."""
+    return name if number == "1" else f"{_factor(number)} {name}"
 
 
 # ---- plain systems -------------------------------------------------------------------------------

@@ -107,9 +107,8 @@ def test_a_written_file_verifies(arrays: Arrays, tmp_path: Path) -> None:
         "theorem 4: holds",
         "disc: abs(c) falls off the point where abs(c)^2 <= about 0.654508",
         "drift: a body that rests at the point turns at rates from -0.726543 to 0.726543, rounded",
-        "arrival: from abs(c0)^2 <= about 0.654508 a body is at the point after abs(c0)/(1) at the latest",
-        "feedback rate: the law of gain K has V' <= -2 K (2429/5000) V, "
-        "V = (1) x^2 + 2 (0) x y + (1) y^2 + (1) theta^2",
+        "arrival: from abs(c0)^2 <= about 0.654508 a body is at the point after abs(c0)/1 at the latest",
+        "feedback rate: the law of gain K has V' <= -2 K (2429/5000) V, V = x^2 + y^2 + theta^2",
     ]
 
 
