@@ -6,9 +6,9 @@ changes to good ones.  With ``arrays`` behind it the command writes those of arr
 
 from __future__ import annotations
 
+import argparse
 import json
 import random
-import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -90,4 +90,6 @@ def is_rejected(own: Forgery, good: Mapping[str, Record]) -> bool:
     return False
 
 
-write(arrays_only=sys.argv[1:] == ["arrays"])
+parser = argparse.ArgumentParser(prog="python -m tests.certificates", description="Write the corpus anew.")
+parser.add_argument("part", nargs="?", choices=["arrays"], help="certificates of arrays alone")
+write(arrays_only=parser.parse_args().part is not None)

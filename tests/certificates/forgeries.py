@@ -442,7 +442,9 @@ def other_polygon(good: Record) -> Iterator[Any]:
         return
     own, last = hypotheses["corners"], len(good["statement"]["claims"]) - 1
     claim = [*CLAIMS, last, "outside", "corners"]
-    rings = [own[::-1], own[:2], [], [*own, own[0]], [*own, own[1]], [own[1], own[0], *own[2:]], own * 2]
+    rings = [own[::-1], own[:2], [], [*own, own[0]], own * 2]
+    if len(own) > 1:  # there is one alone where lines bound the rest
+        rings += [[*own, own[1]], [own[1], own[0], *own[2:]]]
     for k in range(len(own)):
         for corner in ("0 0", "1 0", "0 99", "1/2 0", "1", "1 2 3", 7, f"{own[k]} "):
             rings.append([*own[:k], corner, *own[k + 1 :]])
