@@ -44,7 +44,7 @@ class Forgery:
     def document(self, good: Record) -> Record:
         """The forged certificate."""
         found = copy.deepcopy(good)
-        for path, value in self.changes:
+        for path, value in copy.deepcopy(self.changes):  # a later change may be inside the value of an earlier one
             own: Any = found
             for key in path[:-1]:
                 own = own[key]
