@@ -20,16 +20,13 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.proofs.boxes.balanced_forces import TINY, BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import (
-    NEWTON_STEPS,
     PRECISION,
-    Balance,
     EnclosedRest,
+    enclosed_motion,
     enclosed_rest,
-    isolated_zero,
-    slope_of_pose_rate,
     unknowns_at_rest,
 )
-from nonsmooth.proofs.boxes.enclosures import UNIT, newton
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.level_sets import (
@@ -232,7 +229,6 @@ def _times(matrices: Floats, vectors: Intervals) -> Intervals:
 
 
 PARTS = 6  # of each side of the square in which the field is differentiated
-CENTRED = 2.0**-30  # of twist and forces: Newton's step in the middle of a part after which no better one is needed
 CONE, CONE_PARTS = 16, 16  # the same for cones, of which few of them are asked: of at most so many sectors
 DISCS = tuple(Fraction(1, 8**k) for k in range(1, 6))  # of the accuracy: where the field is taken for nearly linear
 WIDTHS = (1.0, 0.5, 0.25)  # b of the cones that are tried
@@ -332,7 +328,7 @@ def _slopes_over(rest: EnclosedRest, shape: SectorFunction, reach: float, beside
     """
     near, count = unknowns_at_rest(rest.zero).mid(), PARTS if len(shape.sectors) > CONE else CONE_PARTS
     half, margin = reach / count, reach * 2.0**-20 + float(beside) * 2
-    known: dict[tuple[float, float], arb_mat | None] = {}
+    known: dict[tuple[float, float], tuple[arb_mat, arb_mat] | None] = {}
     middles = [half * (2 * k + 1 - count) for k in range(count)]
     hulls = []
     for sector in shape.sectors.tolist():
@@ -341,11 +337,12 @@ def _slopes_over(rest: EnclosedRest, shape: SectorFunction, reach: float, beside
             if _is_beyond(shape.rays(sector), place, half, margin):
                 continue
             if place not in known:
-                known[place] = _slope_over_part(rest.balance, near, place, half * (1 + 2.0**-40))
-            part = known[place]
-            if part is None:
+                part = [arb(entry) + arb(half * (1 + 2.0**-40)) * UNIT for entry in place]
+                known[place] = enclosed_motion(rest.balance, near, part)
+            motion = known[place]
+            if motion is None:
                 return None
-            hull = list(map(arb.union, hull, part.entries())) if hull else part.entries()
+            hull = list(map(arb.union, hull, motion[1].entries())) if hull else motion[1].entries()
         hulls.append(arb_mat(2, 2, hull))
     return hulls
 
@@ -357,24 +354,6 @@ def _is_beyond(rays: Floats, place: tuple[float, float], half: float, margin: fl
     inside_first = ax * y - ay * x + half * (abs(ax) + abs(ay))
     inside_second = by * x - bx * y + half * (abs(bx) + abs(by))
     return bool(min(inside_first, inside_second) < -margin)
-
-
-def _slope_over_part(balance: Balance, near: arb_mat, middle: tuple[float, float], half: float) -> arb_mat | None:
-    """The hull of A over a square about a point; Krawczyk's operator encloses twist and forces all over it."""
-    centre = arb(middle[0]), arb(middle[1])
-    place = [entry + arb(half) * UNIT for entry in centre]
-
-    def equations(unknowns: arb_mat, there: Sequence[arb]) -> tuple[arb_mat, arb_mat] | None:
-        found = balance.at(unknowns, there)
-        return None if found is None else found[:2]
-
-    start = newton(lambda unknowns: equations(unknowns, centre), near, NEWTON_STEPS, last=CENTRED)
-    unknowns = None if start is None else isolated_zero(lambda unknowns: equations(unknowns, place), start)
-    found = None if unknowns is None else balance.at(unknowns, place)
-    if unknowns is None or found is None:
-        return None
-    _, bend, by_place = found
-    return slope_of_pose_rate(bend, by_place, place, unknowns[2, 0])
 
 
 def _rises_around(forces: BalancedForces, shape: SectorFunction, level: float, accuracy: Fraction) -> bool:

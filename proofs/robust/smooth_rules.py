@@ -37,7 +37,7 @@ from nonsmooth.proofs.boxes.enclosures import (
     linear_stability,
     newton,
     parameters,
-    pose_rate_slope,
+    slope_of_pose_rate,
     turned_by,
     unit_vector,
 )
@@ -210,14 +210,9 @@ def _inflated(centre: arb_mat, offset: arb_mat) -> arb_mat:
 def _attracting(balance: _Balance, box: arb_mat) -> EquilibriumBox | None:
     """Bounds of the box, where A is Hurwitz all over it."""
     x, y, omega = box.entries()
-    inverse = approximate_inverse(balance.by_twist)
-    if inverse is None or not is_positive_definite(balance.by_twist.tolist()):
+    motion = slope_of_pose_rate(balance.by_twist, balance.by_place, (x, y), omega)
+    if motion is None or not is_positive_definite(balance.by_twist.tolist()):
         return None
-    try:
-        response = -(inverse * balance.by_twist).solve(inverse * balance.by_place)  # (V; w)
-    except ZeroDivisionError:
-        return None
-    motion = pose_rate_slope(arb_mat([[x], [y]]), omega, response)
     if linear_stability(motion.tolist()) is not Translation.ASYMPTOTICALLY_STABLE:
         return None
     return EquilibriumBox(-rational_below(-(x * x + y * y)), -rational_below(-abs(omega)))
