@@ -40,8 +40,7 @@ from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.feedback.gradient_law import SLACK
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, drift_at_rest
-from nonsmooth.proofs.clauses.translation.certified_disc import SIMPLE, CertifiedDisc, certified_disc
-from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.clauses.translation.on_cells import SIMPLE, CertifiedDisc, TranslationResult, certified_disc
 from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, shaped
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.exact_json import Record, encode, homogeneous

@@ -23,7 +23,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
-from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces, LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Map,
@@ -35,7 +35,6 @@ from nonsmooth.proofs.boxes.enclosures import (
     slope_of_pose_rate,
 )
 from nonsmooth.proofs.boxes.linearization import Slip, slip_at_rest
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import added, scaled
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of

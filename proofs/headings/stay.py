@@ -20,9 +20,9 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_ru
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs import clause_registry
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox
 from nonsmooth.proofs.boxes.enclosed_rest import Balance, enclosed_motion
 from nonsmooth.proofs.boxes.enclosures import linear_stability
-from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation

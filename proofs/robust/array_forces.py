@@ -15,9 +15,9 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
-from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.robust.box import BoxWheel
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.rule import MIXED

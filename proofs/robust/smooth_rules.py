@@ -27,6 +27,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Jet,
@@ -42,7 +43,6 @@ from nonsmooth.proofs.boxes.enclosures import (
     unit_vector,
 )
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple, force_law, rollers
 from nonsmooth.proofs.robust.box import box_wheels, half_widths

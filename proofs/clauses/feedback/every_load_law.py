@@ -44,7 +44,7 @@ from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.proofs.clauses.every_load.point import FloatLoads, float_loads
+from nonsmooth.proofs.clauses.at_point.every_load import FloatLoads, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
 from nonsmooth.symbolic.mechanics.constraints import roll_row, side_row

@@ -23,8 +23,8 @@ from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, Spr
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
+from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried, rest_balance
-from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
