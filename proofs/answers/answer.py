@@ -21,7 +21,7 @@ from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import lower_text, numbers_text, upper_text
@@ -184,9 +184,7 @@ def at_least(value: Positive) -> str:
 
 def at_most(value: Positive) -> str:
     """A decimal that is not below the number."""
-    if isinstance(value, arb):
-        return upper_text(-rational_below(-value), DIGITS)
-    return upper_text(value, DIGITS)
+    return upper_text(_comparable(value, rational_above), DIGITS)
 
 
 def half_life(rate: Positive) -> str:
@@ -194,8 +192,9 @@ def half_life(rate: Positive) -> str:
     return at_most(LN_2 / _comparable(rate))
 
 
-def _comparable(value: Positive) -> Number | Lazy | Fraction:
-    return rational_below(value) if isinstance(value, arb) else value
+def _comparable(value: Positive, end: Callable[[arb], Fraction] = rational_below) -> Number | Lazy | Fraction:
+    """A number, or an end of a ball."""
+    return end(value) if isinstance(value, arb) else value
 
 
 # ---- units ---------------------------------------------------------------------------------------
@@ -213,9 +212,7 @@ def angle_at_least(value: Positive, units: Units) -> str:
 def angle_at_most(value: Positive, units: Units) -> str:
     """An angle (radian) or a rate of one in the unit of the scene, not below it."""
     degrees, _, below = HALF_TURN
-    shown: Positive = value
-    if units.in_degrees:
-        shown = (-rational_below(-value) if isinstance(value, arb) else value) * (degrees / below)
+    shown = _comparable(value, rational_above) * (degrees / below) if units.in_degrees else value
     return f"{at_most(shown)} {units.angle}"
 
 

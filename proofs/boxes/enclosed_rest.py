@@ -39,7 +39,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import added, scaled
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number_text import upper_text
 
 PRECISION = 128  # bits
@@ -172,13 +172,13 @@ class EnclosedRest:
         """An upper bound of its distance from the origin, of a few digits."""
         x, y = (abs(entry).upper() for entry in self.place)
         with ctx.workprec(PRECISION):
-            return Fraction(upper_text(-rational_below(-(x * x + y * y).sqrt()), DIGITS))
+            return Fraction(upper_text(rational_above((x * x + y * y).sqrt()), DIGITS))
 
     @property
     def rates(self) -> tuple[Fraction, Fraction]:
         """A lower and an upper bound of the spin."""
         unit = Fraction(1, 10**SPIN_DECIMALS)
-        low, high = rational_below(self.spin), -rational_below(-self.spin)
+        low, high = rational_below(self.spin), rational_above(self.spin)
         return low // unit * unit, -(-high // unit) * unit
 
     @property

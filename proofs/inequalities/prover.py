@@ -62,6 +62,7 @@ from nonsmooth.symbolic.numbers.coefficients import height
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms, float_values, float_values_and_sizes
 
 # ---- forms on simplicial cones that are decided completely ---------------------------------------
@@ -320,7 +321,7 @@ def _grid() -> tuple[Weights, ...]:
 def _suspects(question: Question, triangle: Sequence[Triple]) -> Iterator[Weights]:
     """The weights at which floats say that the claim fails, the clearest failures first."""
     weights = np.array(_grid(), dtype=float)
-    x, y, w = (weights @ np.array([[float(v) for v in g] for g in triangle])).T
+    x, y, w = (weights @ float_points(triangle)).T
     inside = w > 0
     with np.errstate(all="ignore"):
         points = np.column_stack([x / w, y / w])

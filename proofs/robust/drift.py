@@ -27,7 +27,7 @@ from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nea
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
+from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
@@ -55,7 +55,7 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
     if scene.contact.rule == "nearest":
         with ctx.workprec(PRECISION):
             found = _cell_motions(scene, radius)
-            return None if found is None else max(-rational_below(-abs(motion[2])) for _, motion in found)
+            return None if found is None else max(rational_above(abs(motion[2])) for _, motion in found)
     forces = BalancedForces.of(scene)
     if forces is None:
         return None

@@ -37,10 +37,10 @@ from nonsmooth.proofs.robust.level_sets import (
     short_levels,
     short_vertices,
 )
-from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
+from nonsmooth.proofs.robust.touching_rings import RATIO, falls_about, finer_rate, ring_rates
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
@@ -75,7 +75,7 @@ def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     left, free = pieces, forces.minimizers(pieces.middles)
     for _ in range(MOST_HALVINGS + 1):
         shown = affine_rates(forces, left, free)
-        hopeless = ~(_seen(forces, left, free) > 0) | _sticks(forces, free)
+        hopeless = ~(falls_about(forces, left, free) > 0) | _sticks(forces, free)
         lost = np.unique(owners[(shown <= 0) & hopeless])
         rates[lost] = 0.0
         np.minimum.at(rates, owners[shown > 0], shown[shown > 0])
@@ -94,13 +94,6 @@ def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     else:
         rates[owners] = 0.0
     return rates.reshape(-1, pieces.per_ring).min(axis=1).tolist()
-
-
-def _seen(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
-    """About ``-V'`` in the middle of each quadrangle, times its size."""
-    slopes, places = pieces.middle_slopes, pieces.middles
-    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
-    return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
 
 
 def _sticks(forces: BalancedForces, free: Floats) -> Mask:
@@ -158,12 +151,11 @@ def _affine_twists(
     inverse[regular] = np.linalg.inv(slopes[regular])
     start = Intervals.of(free)
     slips = _slips(forces, start)
-    forms, (one, by_x, by_y) = forces.forms, forces.forms
+    one, by_x, by_y = forces.forms
     pull = _pull(forces, slips)
     loads = one + by_x * Intervals.of(places[:, :1]) + by_y * Intervals.of(places[:, 1:])
     off = -_times(inverse, _weighed(loads, pull))
-    columns = [-_times(inverse, _weighed(form, pull)) for form in forms[1:]]
-    by_place = Intervals(*(np.stack([getattr(column, end) for column in columns], axis=-1) for end in ("low", "high")))
+    by_place = Intervals.stacked([-_times(inverse, _weighed(form, pull)) for form in (by_x, by_y)])
     reach = [np.abs(pieces.corners[:, :, k] - places[:, None, k]).max(axis=1) * (1 + 2.0**-40) for k in range(2)]
     sides = [Intervals(-size, size)[:, None] for size in reach]
     change = off + by_place[:, :, 0] * sides[0] + by_place[:, :, 1] * sides[1]
@@ -203,8 +195,7 @@ def _pull(forces: BalancedForces, slips: tuple[Intervals, Intervals]) -> list[In
 
 def _weighed(loads: Intervals, parts: list[Intervals]) -> Intervals:
     """The sums over all wheels, (n, parts)."""
-    sums = [(loads * part).sum(axis=1) for part in parts]
-    return Intervals(*(np.stack([getattr(each, end) for each in sums], axis=-1) for end in ("low", "high")))
+    return Intervals.stacked([(loads * part).sum(axis=1) for part in parts])
 
 
 def _contraction(
@@ -215,8 +206,7 @@ def _contraction(
     bend, w = loads * forces.enclosed_sets.bend(r, s), [s * a - r * b for a, b in zip(*forces.rows, strict=True)]
     entries = _weighed(bend, [w[i] * w[j] if i != j else w[i].square for i in range(3) for j in range(3)])
     hessian = Intervals(entries.low.reshape(-1, 3, 3), entries.high.reshape(-1, 3, 3))
-    columns = [-_times(inverse, hessian[:, :, j]) for j in range(3)]
-    product = Intervals(*(np.stack([getattr(each, end) for each in columns], axis=-1) for end in ("low", "high")))
+    product = Intervals.stacked([-_times(inverse, hessian[:, :, j]) for j in range(3)])
     return product + Intervals.of(np.eye(3))
 
 
@@ -403,7 +393,7 @@ class AttractingDisc:
         """After which bodies from within ``start`` of the point are within ``near`` of it; both beyond ``beside``."""
         share = (start + self.beside) * self.outside / (self.inside * (near - self.beside))
         with ctx.workprec(PRECISION):
-            logarithm = -rational_below(-(arb(share.numerator) / share.denominator).log())
+            logarithm = rational_above((arb(share.numerator) / share.denominator).log())
         return max(logarithm, Fraction(0)) / self.rate
 
 

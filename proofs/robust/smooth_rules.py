@@ -51,7 +51,7 @@ from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 PRECISION = 64  # bits of the balls
@@ -215,7 +215,7 @@ def _attracting(balance: _Balance, box: arb_mat) -> EquilibriumBox | None:
         return None
     if linear_stability(motion.tolist()) is not Translation.ASYMPTOTICALLY_STABLE:
         return None
-    return EquilibriumBox(-rational_below(-(x * x + y * y)), -rational_below(-abs(omega)))
+    return EquilibriumBox(rational_above(x * x + y * y), rational_above(abs(omega)))
 
 
 # ---- rules ``ellipse`` and ``roller`` over a box of parameters: where every body comes nearer ----

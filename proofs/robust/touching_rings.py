@@ -261,12 +261,17 @@ def least_rate(forces: BalancedForces, pieces: RingPieces) -> float:
     return rate
 
 
+def falls_about(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
+    """About ``-V'`` in the middle of each quadrangle, times its size, from the minimizers there."""
+    slopes, places = pieces.middle_slopes, pieces.middles
+    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
+    return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
+
+
 def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, Mask]:
     """In the middle of each quadrangle the minimizer, ``-V'`` in floats, and whether that is positive."""
     free = forces.minimizers(pieces.middles)
-    slopes, places = pieces.middle_slopes, pieces.middles
-    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
-    falls = -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
+    slopes, falls = pieces.middle_slopes, falls_about(forces, pieces, free)
     sizes = pieces.sizes.mean(axis=1)
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
     still = STILL if isinstance(forces.sets, Box) else SLOW
