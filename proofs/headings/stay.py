@@ -40,7 +40,6 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 if TYPE_CHECKING:
     from nonsmooth.analysis.bodies.set_motion import SetGuesses
 
-NEEDED = ("equilibrium", "translation", "rotation")
 UNITS = 400_000  # of exact arithmetic for one set of wheels: half a second or so
 
 
@@ -135,9 +134,7 @@ class StaysAt:
         try:
             with work_limit(self.scene.field, UNITS):
                 work = Workspace(on_wheels(self.scene, numbers), sample=False)
-                for clause in clause_registry.CLAUSES:
-                    if clause.name in NEEDED:
-                        work.earlier[clause.name] = clause.decide(work)
+                clause_registry.decide_clauses(work, left_out="feedback")
         except TipsError:
             return Stay(Stays.TIPS)
         except (RefusalError, WorkLimitError, SceneError) as error:
