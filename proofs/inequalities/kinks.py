@@ -37,7 +37,6 @@ from typing import Any, NamedTuple
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.effort import require_effort
 from nonsmooth.proofs.inequalities.real_roots import (
     Coefficients,
     RealRoot,
@@ -49,6 +48,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     trimmed,
     value,
 )
+from nonsmooth.proofs.inequalities.subdivision import require_effort
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import cross, dot, hull_holds_zero, minus
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -29,7 +29,6 @@ import numpy as np
 from flint import fmpq
 
 from nonsmooth.analysis.cells.region import Region, Triple
-from nonsmooth.proofs.inequalities.effort import effort_left, take_effort
 from nonsmooth.proofs.inequalities.forms import (
     PLANE,
     Problem,
@@ -55,6 +54,8 @@ from nonsmooth.proofs.inequalities.subdivision import (
     SubCone,
     Vector,
     Violation,
+    effort_left,
+    take_effort,
 )
 from nonsmooth.symbolic.formulas.surfaces import factorize
 from nonsmooth.symbolic.mechanics.constraints import cofactors

@@ -43,11 +43,11 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
-from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
+from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.symbolic.formulas.surfaces import divides
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign

@@ -21,9 +21,9 @@ from itertools import combinations
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, velocities_at
-from nonsmooth.proofs.inequalities.effort import effort_of_its_own
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Proof, prove
+from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.derivatives import EFFORT
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
