@@ -35,7 +35,7 @@ from operator import or_
 from typing import Any, NamedTuple
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.region import Segment
+from nonsmooth.analysis.cells.region import Segment, on_edge
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.real_roots import (
     Coefficients,
@@ -227,8 +227,7 @@ class Kink:
 
     def point(self, t: Fraction) -> tuple[Any, Any]:
         """The point of the edge at a parameter."""
-        x, y, w = (a + b * t for a, b in zip(*self.edge, strict=True))
-        return x / w, y / w
+        return on_edge(self.edge, t)
 
     def trends(self) -> tuple[Trends, Fraction | RealRoot]:
         """The worst trends on the open edge, and where the last derivative is worst.

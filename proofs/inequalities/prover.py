@@ -28,7 +28,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 import numpy as np
 from flint import fmpq
 
-from nonsmooth.analysis.cells.region import Region, Triple
+from nonsmooth.analysis.cells.region import Region, Triple, affine
 from nonsmooth.proofs.inequalities.forms import (
     PLANE,
     Problem,
@@ -337,8 +337,7 @@ def _suspects(question: Question, triangle: Sequence[Triple]) -> Iterator[Weight
 
 
 def _point(triangle: Sequence[Triple], weights: Weights) -> tuple[Any, Any]:
-    x, y, w = (sum(c * v for c, v in zip(column, weights, strict=True)) for column in zip(*triangle, strict=True))
-    return x / w, y / w
+    return affine(sum(c * v for c, v in zip(column, weights, strict=True)) for column in zip(*triangle, strict=True))
 
 
 LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways are tried

@@ -11,7 +11,7 @@ Bounds are those of cells with one motion each where the rule has cells, else of
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -20,7 +20,7 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, clipped_by, square
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nearest
@@ -91,17 +91,9 @@ def is_driven_out_on_one_side(scene: Scene, accuracy: Fraction) -> bool:
     except RefusalError:
         return False
     about = square((scene.field.zero, scene.field.zero), half)
-    near = [(_within(cell.polygon, about.sides), cell.twists) for cell in cells]
+    near = [(clipped_by(cell.polygon, about.sides), cell.twists) for cell in cells]
     known = [(polygon, twists) for polygon, twists in near if polygon is not None]
     return any(_drives(known, direction) for direction in _directions(known))
-
-
-def _within(polygon: Polygon, sides: Iterable[HalfPlane]) -> Polygon | None:
-    """The part of a polygon inside of some half-planes; None where it has no area."""
-    part: Polygon | None = polygon
-    for side in sides:
-        part = part and part.clipped(side)
-    return part
 
 
 def _directions(cells: Sequence[tuple[Polygon, Sequence[Twist]]]) -> Iterator[Point]:

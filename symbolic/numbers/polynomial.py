@@ -9,7 +9,7 @@ generators may hold lazy quotients (:mod:`nonsmooth.symbolic.numbers.lazy`); coe
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import comb
@@ -194,6 +194,10 @@ class Polynomial(ExactRing):
     def is_homogeneous(self) -> bool:
         """Whether all terms have the same total degree."""
         return len({sum(e) for e in self.terms}) <= 1
+
+    def part(self, degree: int) -> Polynomial:
+        """The terms of one total degree."""
+        return replace(self, terms={e: c for e, c in self.terms.items() if sum(e) == degree})
 
     @property
     def constant_value(self) -> Number | None:
