@@ -281,6 +281,10 @@ class BalancedForces:
 
     # ---- intervals: what follows ------------------------------------------------------------------
 
+    def covector(self, x: Intervals, y: Intervals, moment: Intervals) -> Triple:
+        """One about twists, by ``(v, length omega)``."""
+        return x, y, moment * Intervals.of(np.array(1 / self.length)).widened
+
     def powers(self, corners: Floats, pulls: Triple, forces: tuple[Floats, Floats], free: Floats) -> Floats:
         """Upper bounds of ``G . xi`` at the corners of quadrangles, (pieces, 4), for all minimizers xi of D.
 

@@ -187,8 +187,7 @@ def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
         return None
     a, b = (Intervals.of(np.full(corners.shape[:2], -entry)) for entry in direction)
     x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
-    back = a, b, (b * x - a * y) * Intervals.of(np.array(1 / forces.length)).widened
-    most = float(forces.largest_powers(corners, back).max())
+    most = float(forces.largest_powers(corners, forces.covector(a, b, b * x - a * y)).max())
     return Fraction(-most) if math.isfinite(most) else None
 
 

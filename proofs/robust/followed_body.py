@@ -422,8 +422,8 @@ def _lead_left(forces: BalancedForces, corners: Floats, starts: Floats, ends: Fl
         unit = Intervals.of(1 / np.hypot(*(ends - starts).T)[:, None] * np.ones(4))  # any positive factor does
         along_x, along_y = (unit * (Intervals.of(ends[:, k, None]) - Intervals.of(starts[:, k, None])) for k in (0, 1))
         x, y = (Intervals.of(corners[:, :, k]) for k in (0, 1))
-        moment = (-along_x * x - along_y * y) * Intervals.of(np.array(1 / forces.length)).widened
-        left = ~(forces.largest_powers(corners, (along_y, -along_x, moment), STRENGTHS) < 0)
+        covector = forces.covector(along_y, -along_x, -along_x * x - along_y * y)
+        left = ~(forces.largest_powers(corners, covector, STRENGTHS) < 0)
         if not left.any():
             return True
         corners = _divided(corners[left], *parts)

@@ -124,9 +124,8 @@ def _rates(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
         return np.full(len(pieces.corners), -np.inf)
     middle, by_place, rest, is_enclosed = found
     away = [Intervals.of(pieces.corners[:, :, k]) - Intervals.of(pieces.middles[:, None, k]) for k in range(2)]
-    covector = (*pieces.slopes, pieces.moments * Intervals.of(1 / forces.length).widened)
     rises, bends = Intervals.of(0.0), Intervals.of(0.0)
-    for k, along in enumerate(covector):
+    for k, along in enumerate(forces.covector(*pieces.slopes, pieces.moments)):
         affine = middle[:, None, k] + by_place[:, None, k, 0] * away[0] + by_place[:, None, k, 1] * away[1]
         rises = rises + along * (affine + rest[:, None, k])
         # the mean of products of two affine functions is that of the means, but for a quarter of both ranges

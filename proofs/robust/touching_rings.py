@@ -291,7 +291,6 @@ def piece_rates(
         more: whether pulls are tried too that slow the body by shares of that.
     """
     best = np.full(len(pieces.corners), -np.inf)
-    inverse = Intervals.of(1 / forces.length).widened
     strengths = _strengths(forces, pieces)
     if more and not isinstance(forces.sets, Box):
         strengths += _slowing(forces, pieces, free, seen)
@@ -302,7 +301,7 @@ def piece_rates(
         tell(f"{len(left)} pieces left")
         chosen, some = every[left], pieces.at(left)
         strength = Intervals.of(chosen[:, None])
-        pulls = strength * some.slopes[0], strength * some.slopes[1], strength * some.moments * inverse
+        pulls = forces.covector(strength * some.slopes[0], strength * some.slopes[1], strength * some.moments)
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
         against = forces.against(some.corners.reshape(-1, 2), middle, np.repeat(free[left], 4, axis=0))
         shown = forces.powers(some.corners, pulls, against.forces, free[left])

@@ -43,7 +43,7 @@ from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Proposal: TypeAlias = tuple[Floats, Floats]  # values on rays, and mixed ones
@@ -201,9 +201,7 @@ def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> Floats:
 def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
     basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
-    zero = cone.velocity[0].field.zero
-    matrix = np.array([[float(p.terms.get(e, zero)) for e in ((1, 0), (0, 1))] for p in cone.velocity])
-    return np.asarray(np.linalg.solve(basis, matrix @ basis))
+    return np.asarray(np.linalg.solve(basis, float_slopes(cone.velocity) @ basis))
 
 
 def build_potential(

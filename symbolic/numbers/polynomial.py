@@ -101,6 +101,12 @@ def float_values(terms: Mapping[Exponents, Any], points: Floats) -> Floats:
 
 
 @BEYOND_FLOATS
+def float_slopes(parts: Sequence[Polynomial]) -> Floats:
+    """The gradients of polynomials at the origin, in floats: a row for each."""
+    units = np.eye(len(parts[0].variables), dtype=int).tolist()
+    return np.array([[float(part.terms.get(tuple(unit), 0)) for unit in units] for part in parts])
+
+
 def float_values_and_sizes(terms: Mapping[Exponents, Any], points: Floats) -> tuple[Floats, Floats]:
     """The same, and the sums of the absolute values of the terms, by which rounding is told."""
     listed = list(_float_terms(terms, points))
