@@ -22,8 +22,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, Protocol
 
-from flint import arb
-
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import contact_rule, rule_of
 from nonsmooth.analysis.cells.loads import load_regions
@@ -40,8 +38,7 @@ from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.feedback.gradient_law import SLACK
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, drift_at_rest
-from nonsmooth.proofs.clauses.translation.certified_disc import SIMPLE, CertifiedDisc, certified_disc
-from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.clauses.translation.on_cells import SIMPLE, CertifiedDisc, TranslationResult, certified_disc
 from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, shaped
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.exact_json import Record, encode, homogeneous
@@ -54,7 +51,7 @@ from nonsmooth.symbolic.mechanics.contact_set import alone
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
-from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below, short_below
+from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rational_below, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot
@@ -97,16 +94,11 @@ def turning_factor(partition: Partition, rotation: RotationResult) -> Fraction |
     if not all(sign(inward) > 0 for _, inward in turns):
         return None
     # Of the upper end: a ball around the square of a rounded rate that is nearly zero holds negative numbers, too.
-    factors = (_above(enclosure(square).upper().sqrt() / enclosure(inward)) for square, inward in turns)
+    factors = (rational_above(enclosure(square).upper().sqrt() / enclosure(inward)) for square, inward in turns)
     most = max(factors, default=Fraction())
     simple = most.limit_denominator(SIMPLE)
     is_exact = all(sign(inward * inward * (simple * simple) - square) >= 0 for square, inward in turns)
     return simple if is_exact and abs(simple - most) <= most * (1 - NEARLY) else short_above(most)
-
-
-def _above(ball: arb) -> Fraction:
-    """The upper end of a ball."""
-    return -rational_below(-ball)
 
 
 # ---- the way home by another V -------------------------------------------------------------------
@@ -136,7 +128,7 @@ def ellipse_record(translation: TranslationResult, rotation: RotationResult) -> 
     drift = rotation.drift
     if drift is None or any(drift.interval):
         return record
-    fastest = max(_above(enclosure(abs(twist.omega))) for _, twist in _corner_twists(found))
+    fastest = max(rational_above(enclosure(abs(twist.omega))) for _, twist in _corner_twists(found))
     return {**record, "turn": short_above(fastest / arrival["rate"])}
 
 
@@ -148,7 +140,7 @@ def _form(shape: tuple[Fraction, Fraction]) -> list[Fraction]:
 def _bend(own: QuadraticDecrease, level: Number) -> Fraction:
     """At least ``rho sqrt(level)/sqrt(1 - rho^2)``, which bounds what the rotation adds."""
     rho = own.eccentricity
-    return short_above(_above((enclosure(level) * rational_ball(rho * rho / (1 - rho * rho))).sqrt()))
+    return short_above(rational_above((enclosure(level) * rational_ball(rho * rho / (1 - rho * rho))).sqrt()))
 
 
 def _arrival(found: QuadraticCertificate, own: QuadraticDecrease, squared_radius: Number) -> Record | None:

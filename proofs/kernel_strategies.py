@@ -37,7 +37,7 @@ from nonsmooth.proofs.systems.findings import (
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
@@ -355,8 +355,7 @@ def linear_matrix(system: SwitchedSystem) -> Floats | None:
         return None
     if any(sum(exponents) != 1 for part in field for exponents in part.terms):
         return None
-    units = np.eye(len(states), dtype=int).tolist()
-    matrix = np.array([[float(part.terms.get(tuple(unit), 0)) for unit in units] for part in field])
+    matrix = float_slopes(field)
     return matrix if np.isfinite(matrix).all() else None
 
 

@@ -27,6 +27,7 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
     build_sides,
     smooth_functions,
     values_at,
+    where_guards_hold,
 )
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells, square_cells
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
@@ -254,9 +255,7 @@ def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[
 
 def where_inside(region: Region, points: Floats) -> Mask:
     """Which points a closed region holds, in floats."""
-    kept = np.ones(len(points), dtype=bool)
+    kept = where_guards_hold(region, points)
     for a, b, c in (map(float, side) for side in region.sides):
         kept &= a * points[:, 0] + b * points[:, 1] + c >= 0
-    for guard in region.guards:
-        kept &= values_at(guard, points) >= 0
     return kept

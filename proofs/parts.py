@@ -24,6 +24,7 @@ from nonsmooth.symbolic.files.system_document import with_parameters
 from nonsmooth.symbolic.formulas.expression import parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, no_sign
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.polynomial import float_slopes
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 GROWS = 2.0**-30  # real part of an eigenvalue, from which on it may be positive
@@ -63,14 +64,12 @@ class SlidingSurface:
     @property
     def seems_to_leave(self) -> bool:
         """Whether the first terms of the field there, without switching, have a solution that grows, in floats."""
-        own, count = self.system, len(self.system.states)
+        own = self.system
         try:
             field = own.velocity(no_sign, own.displaced(own.states))
         except SceneError:
             return False
-        units = np.eye(count, dtype=int).tolist()
-        first = np.array([[float(side.terms.get(tuple(unit), 0)) for unit in units] for side in field])
-        return bool(np.linalg.eigvals(first).real.max() > GROWS)
+        return bool(np.linalg.eigvals(float_slopes(field)).real.max() > GROWS)
 
     @property
     def words(self) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, Protocol, Self, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import clear_sign, sure_float
@@ -136,3 +136,18 @@ def convex_polygon(corners: Sequence[Point]) -> Polygon:
         outward = (after[1] - y, x - after[0])
         sides.append(HalfPlane(outward, outward[0] * x + outward[1] * y, "domain"))
     return Polygon(tuple(corners), tuple(sides))
+
+
+class _Clipped(Protocol):
+    def clipped(self, side: Any, /) -> Self | None: ...
+
+
+Part = TypeVar("Part", bound=_Clipped)
+
+
+def clipped_by(whole: Part, sides: Iterable[Any]) -> Part | None:
+    """The part of a polygon, a region or an outline behind several sides; None where no area is left."""
+    part: Part | None = whole
+    for side in sides:
+        part = part and part.clipped(side)
+    return part

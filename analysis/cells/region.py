@@ -8,7 +8,7 @@ also has *guards*: it is the closure of the part where all of them are positive.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -57,8 +57,7 @@ class Region:
     @property
     def inner_point(self) -> Point:
         """A point of the interior (of the convex region; guards are not looked at)."""
-        x, y, w = (sum(column) for column in zip(*self.generators, strict=True))
-        return x / w, y / w
+        return affine(sum(column) for column in zip(*self.generators, strict=True))
 
     def reach(self, x: Any, y: Any) -> Any:
         """A factor s > 0 with ``s (x, y)`` in the region, for a direction in which it has points; 1 if possible."""
@@ -177,3 +176,14 @@ def _between(g: Triple, h: Triple, alpha: Any, beta: Any) -> Triple:
     """``alpha g + beta h``, as a point where it is one."""
     x, y, w = (alpha * a + beta * b for a, b in zip(g, h, strict=True))
     return (x / w, y / w, w / w) if w else (x, y, w)
+
+
+def affine(generator: Iterable[Any]) -> tuple[Any, Any]:
+    """The point ``(x/w, y/w)``."""
+    x, y, w = generator
+    return x / w, y / w
+
+
+def on_edge(edge: Segment, t: Any) -> tuple[Any, Any]:
+    """The point of the edge ``g + t h``."""
+    return affine(a + b * t for a, b in zip(*edge, strict=True))

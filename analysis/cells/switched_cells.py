@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point, clipped_by
 from nonsmooth.analysis.cells.region import Region, Triple, polygon_region, quadrants
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
@@ -133,14 +133,8 @@ def square_regions(radius: Number) -> tuple[Region, ...]:
     """The square ``|x|, |y| <= radius``, as seen from its centre."""
     zero, one = radius.field.zero, radius.field.one
     lines: list[Triple] = [(one, zero, radius), (-one, zero, radius), (zero, one, radius), (zero, -one, radius)]
-    regions: list[Region] = []
-    for quadrant in quadrants(one):
-        region: Region | None = quadrant
-        for line in lines:
-            region = region.clipped(line) if region is not None else None
-        if region is not None:
-            regions.append(region)
-    return tuple(regions)
+    clipped = (clipped_by(quadrant, lines) for quadrant in quadrants(one))
+    return tuple(region for region in clipped if region is not None)
 
 
 def system_cells(system: SwitchedSystem, regions: Iterable[Region]) -> tuple[FieldCell, ...]:

@@ -22,7 +22,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, CellComplex, InCell, OnEdge, Place, build_complex
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, clipped_by
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Velocity
@@ -202,9 +202,7 @@ def piecewise_constant(
     polygons, flows = [], []
     whole = Polygon(tuple(_exact_point(p) for p in domain.vertices), tuple(_exact_side(s) for s in domain.sides))
     for number, (half_planes, rates) in enumerate(pieces, 1):
-        polygon: Polygon | None = whole
-        for side in half_planes:
-            polygon = None if polygon is None else polygon.clipped(_exact_side(side))
+        polygon = clipped_by(whole, map(_exact_side, half_planes))
         if polygon is None:
             raise ValueError(f"required cells with area in the domain, received none for piece {number}")
         polygons.append(polygon)

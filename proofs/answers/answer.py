@@ -5,25 +5,30 @@ An answer says in plain words what the clauses of a check show with their eviden
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity, Rotation
+from nonsmooth.symbolic.mechanics.contact_set import contact_set
+from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_text import lower_text, upper_text
+from nonsmooth.symbolic.numbers.number_text import lower_text, numbers_text, upper_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.theorem4_result import Theorem4Result
 
 UNDECIDED = "undecided"
 WHY_BELOW = "; why: below"  # at the end of an answer beside which the clauses stand
@@ -179,9 +184,7 @@ def at_least(value: Positive) -> str:
 
 def at_most(value: Positive) -> str:
     """A decimal that is not below the number."""
-    if isinstance(value, arb):
-        return upper_text(-rational_below(-value), DIGITS)
-    return upper_text(value, DIGITS)
+    return upper_text(_comparable(value, rational_above), DIGITS)
 
 
 def half_life(rate: Positive) -> str:
@@ -189,8 +192,9 @@ def half_life(rate: Positive) -> str:
     return at_most(LN_2 / _comparable(rate))
 
 
-def _comparable(value: Positive) -> Number | Lazy | Fraction:
-    return rational_below(value) if isinstance(value, arb) else value
+def _comparable(value: Positive, end: Callable[[arb], Fraction] = rational_below) -> Number | Lazy | Fraction:
+    """A number, or an end of a ball."""
+    return end(value) if isinstance(value, arb) else value
 
 
 # ---- units ---------------------------------------------------------------------------------------
@@ -208,7 +212,54 @@ def angle_at_least(value: Positive, units: Units) -> str:
 def angle_at_most(value: Positive, units: Units) -> str:
     """An angle (radian) or a rate of one in the unit of the scene, not below it."""
     degrees, _, below = HALF_TURN
-    shown: Positive = value
-    if units.in_degrees:
-        shown = (-rational_below(-value) if isinstance(value, arb) else value) * (degrees / below)
+    shown = _comparable(value, rational_above) * (degrees / below) if units.in_degrees else value
     return f"{at_most(shown)} {units.angle}"
+
+
+# ---- which wheels carry the body -----------------------------------------------------------------
+#
+# Which wheels carry the body, and how far the answers hold: only while no wheel enters or leaves.
+
+
+ALL_CARRY = "all wheels carry the body, at every pose: the scene names no [body]"
+WITHOUT_SHAPE = "all wheels carry the body, at every pose: the scene states no shape of it"
+
+
+def contact_facts(check: Theorem4Result) -> tuple[Fact, ...]:
+    """The contact set of a check under its keys, and the twists that its rows leave ``free``, about the point."""
+    free = free_twists(check.scene.recentred())
+    words = f"free: {free_text(free)}, so D is the same all along" if free else ""
+    return *_facts(check), Fact("free", Quantity(free), words)
+
+
+def how_far(scene: Scene, place: str = "here", heading: str = "this heading") -> str:
+    """How far a body with an outline may move and turn for certain on the same wheels; empty without one."""
+    found = contact_set(scene)
+    if found.margin is None:
+        return ""
+    words = f"within {at_least(found.margin)}{scene.units.after_length} of {place}"
+    if found.angle is None:
+        return words
+    return f"{words}, or {angle_at_least(found.angle, scene.units)} of {heading} (of both: shares that add up to 1)"
+
+
+def _facts(check: Theorem4Result) -> Iterator[Fact]:
+    scene = check.scene
+    found, unit = contact_set(scene), scene.units.after_length
+    if scene.body is None or found.margin is None:
+        names_body = scene.inertia is not None and scene.inertia.is_stated
+        yield Fact("wheels", list(found.wheels), WITHOUT_SHAPE if names_body else ALL_CARRY)
+        yield from (Fact(key, Quantity(None)) for key in ("margin", "angle", "keeps_wheels_within"))
+        return
+    count = len(scene.wheels) + len(scene.idle)
+    words = f"{scene.body.words}: wheels {numbers_text(found.wheels)} of {count} carry it"
+    if not scene.idle:
+        words = f"{scene.body.words}: all {count} wheels carry it"
+    yield Fact("wheels", list(found.wheels), words)
+    words = f"the answers hold while no wheel enters or leaves: for certain {how_far(scene)}"
+    yield Fact("margin", Quantity(found.margin), words)
+    yield Fact("angle", Quantity(found.angle))
+    turn = check.rotation.rotation_per_distance if check.rotation.verdict is Rotation.NEUTRAL else None
+    keeps = None if turn is None else found.start_that_keeps(turn)
+    said = "" if keeps is None else f"from within {at_least(keeps)}{unit} it keeps its wheels all the way home"
+    yield Fact("keeps_wheels_within", Quantity(keeps), said)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs import clause_registry
-from nonsmooth.proofs.answers.answer import Answer, Position, Question, Results, require_dynamics, require_tolerances
+from nonsmooth.proofs.answers.answer import Answer, Position, Question, require_dynamics, require_tolerances
 from nonsmooth.proofs.answers.heading import heading_answer
 from nonsmooth.proofs.answers.pose import pose_answer
 from nonsmooth.proofs.answers.position import position_answer
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 FEW_UNITS = 150_000  # of exact arithmetic: a fifth of a second or so
 FEW_WHEELS = 1_000  # beyond them loads and support polygons alone, which are not counted in units, take longer
 TAKES_LONG = "not asked: it takes a while"
-NEEDED = ("equilibrium", "translation", "rotation")  # the clauses that position and heading are answered from
 
 
 @dataclass(frozen=True)
@@ -70,20 +69,13 @@ def _under(scene: Scene, name: str) -> OtherRule:
     other = scene.under(name)
     try:
         with work_limit(scene.field, FEW_UNITS):
-            results = _decided(Workspace(other, sample=False))
+            results = clause_registry.decide_clauses(Workspace(other, sample=False), left_out="feedback")
     except RefusalError as error:
         return OtherRule(name, (), str(error))
     except WorkLimitError:
         return OtherRule(name, (), TAKES_LONG)
     answers = (position_answer(other, results), heading_answer(other, results))
     return OtherRule(name, answers, equilibrium=str(results["equilibrium"].verdict))
-
-
-def _decided(work: Workspace) -> Results:
-    for clause in clause_registry.CLAUSES:
-        if clause.name in NEEDED:
-            work.earlier[clause.name] = clause.decide(work)
-    return work.earlier
 
 
 # ---- the registry --------------------------------------------------------------------------------

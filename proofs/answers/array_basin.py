@@ -241,8 +241,7 @@ class ArrayBasin:
     @property
     def area(self) -> float:
         """Of the region, with the polygon inside."""
-        x, y = self.triangles.border.T
-        return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
+        return area(self.triangles.border)
 
     def words(self, length: str) -> str:
         """What is certified, how much that is of what is sampled, and where; lengths have a unit, or none."""

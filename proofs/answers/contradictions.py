@@ -196,38 +196,22 @@ def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
         yield Contradiction("position and destinations", (said, seen), MOTION)
 
 
-def home_and_ends(printed: Printed) -> Iterator[Contradiction]:
-    """A disc from which every body comes home, and a sampled start in it that ends elsewhere."""
-    ends, within = printed.sampled, printed.number("position", "within")
-    if ends is None or within is None or not printed.position(Position.COMES_HOME):
+def discs_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """A certified disc, and a sampled start in it that ends farther away than bodies from there are said to."""
+    ends = printed.sampled
+    if ends is None:
         return
     begin, end = ends.distances
-    away = ends.leaves | (end > ELSEWHERE * printed.radius)
-    yield from _against(printed, (begin <= WELL_INSIDE * within) & away, "position and destinations")
-
-
-def near_and_ends(printed: Printed) -> Iterator[Contradiction]:
-    """A disc from which every body comes near, and a sampled start in it that ends farther away."""
-    ends, within, most = (
-        printed.sampled,
-        printed.number("position", "within"),
-        printed.number("position", "ends_within"),
+    discs = (
+        ("within", (Position.COMES_HOME,), 0.0),
+        ("within", (Position.COMES_NEAR,), printed.number("position", "ends_within")),
+        ("stays_within", STAYS_OR_RESTS, begin),
     )
-    if ends is None or within is None or most is None or not printed.position(Position.COMES_NEAR):
-        return
-    begin, end = ends.distances
-    away = ends.leaves | (end > most + ELSEWHERE * printed.radius)
-    yield from _against(printed, (begin <= WELL_INSIDE * within) & away, "position and destinations")
-
-
-def stays_and_ends(printed: Printed) -> Iterator[Contradiction]:
-    """A disc in which no body gets farther away, and a sampled start in it that ends farther away."""
-    ends, within = printed.sampled, printed.number("position", "stays_within")
-    if ends is None or within is None or not printed.position(*STAYS_OR_RESTS):
-        return
-    begin, end = ends.distances
-    away = ends.leaves | (end > begin + ELSEWHERE * printed.radius)
-    yield from _against(printed, (begin <= WELL_INSIDE * within) & away, "position and destinations")
+    for key, verdicts, most in discs:
+        disc = printed.number("position", key)
+        if disc is not None and most is not None and printed.position(*verdicts):
+            away = ends.leaves | (end > most + ELSEWHERE * printed.radius)
+            yield from _against(printed, (begin <= WELL_INSIDE * disc) & away, "position and destinations")
 
 
 def position_and_paths(printed: Printed) -> Iterator[Contradiction]:
@@ -435,9 +419,7 @@ def disc_and_samples(printed: Printed) -> Iterator[Contradiction]:
 PAIRS: tuple[Pair, ...] = (
     position_and_ends,
     leaves_and_ends,
-    home_and_ends,
-    near_and_ends,
-    stays_and_ends,
+    discs_and_ends,
     position_and_paths,
     heading_and_ends,
     answers_and_rows,

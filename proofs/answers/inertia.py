@@ -10,8 +10,8 @@ of two there.  *Unstable* does not say that the body leaves: it may stay on a sm
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 
@@ -55,6 +55,7 @@ FADES = 4.0  # time constants of the slowest motion in a chunk
 PERIODS = 12.0  # of the slowest swing at most
 CROSSINGS = 2.0, 40.0  # least and most length of a chunk, in times of crossing the circle at the wheels' speed
 MOST_WORK = 20_000  # evaluations of all forces on all starts: some seconds; those that are left are not followed
+UNFOLLOWED = (ValueError, TrajectoryError, LoadError)  # where a path cannot be followed
 DISC, PLATE, STATED = "that of a disc as large as the array", "that of a uniform plate", "as stated"
 
 
@@ -187,26 +188,46 @@ class Simulated:
 
 
 def simulated(scene: Scene, near: NearRest) -> Simulated:
-    """Follow bodies from the ring, heading as checked."""
-    radius, accuracy = float(scene.check.radius) / 2, float(scene.accuracy)
+    """Follow bodies from the ring, heading as checked, and beside them massless ones."""
+    radius = float(scene.check.radius) / 2
     at_x, at_y = map(float, scene.check.equilibrium)
     starts = _ring(scene, radius)
     if near.verdict is Inertia.UNSTABLE and near.place is not None:  # beside it, for a small limit cycle
-        starts.insert(0, (at_x + near.place[0] + BESIDE * accuracy, at_y + near.place[1], 0.0))
-    body = body_of(scene, 1 / float(scene.inertia.gravity)) if scene.inertia is not None else None
-    bodies: list[Settled] = []
-    crossing = radius / max(float(abs(wheel.speed)) for wheel in scene.wheels)
-    if body is None:
-        return Simulated(radius, (), len(starts), None)
+        starts.insert(0, (at_x + near.place[0] + BESIDE * float(scene.accuracy), at_y + near.place[1], 0.0))
+    found = _followed(scene, near, radius, starts, "starts with inertia")
     try:
-        for start in starts:
-            if sum(one.work for one in bodies) > MOST_WORK:
-                return Simulated(radius, tuple(bodies), len(starts), None, "it takes long")
-            with part_of(len(bodies), len(starts), "starts with inertia"):
-                bodies.append(settle(scene, body, start, accuracy, *_chunk(near, crossing)))
-        return Simulated(radius, tuple(bodies), len(starts), _massless(scene, body, bodies, accuracy))
-    except (ValueError, TrajectoryError, LoadError) as error:
-        return Simulated(radius, tuple(bodies), len(starts), None, str(error))
+        return found if found.why_not else replace(found, massless_holds_to=_massless(scene, found.bodies))
+    except UNFOLLOWED as error:
+        return replace(found, why_not=str(error))
+
+
+def from_stated(scene: Scene, near: NearRest) -> Simulated | None:
+    """The same from half of the stated radius, where that is larger than the checked one: over other wheels too."""
+    if scene.check.wider is None or scene.inertia is None:
+        return None
+    radius = float(scene.check.wider) / 2
+    return _followed(scene, near, radius, _ring(scene, radius), "starts with inertia farther out")
+
+
+def _followed(scene: Scene, near: NearRest, radius: float, starts: list[Pose], step: str) -> Simulated:
+    """What becomes of bodies from some starts, as far as they are followed."""
+    found, crossing = Simulated(radius, (), len(starts)), _crossing(scene, radius)
+    body = _body(scene)
+    if body is None:
+        return found
+    for k, start in enumerate(starts):
+        if sum(one.work for one in found.bodies) > MOST_WORK:
+            return replace(found, why_not="it takes long")
+        with part_of(k, len(starts), step):
+            try:
+                settled = settle(scene, body, start, float(scene.accuracy), *_chunk(near, crossing))
+            except StartTipsError:
+                found = replace(found, tip=found.tip + 1)
+            except UNFOLLOWED as error:
+                return replace(found, why_not=str(error))
+            else:
+                found = replace(found, bodies=(*found.bodies, settled))
+    return found
 
 
 def _ring(scene: Scene, radius: float) -> list[Pose]:
@@ -216,25 +237,14 @@ def _ring(scene: Scene, radius: float) -> list[Pose]:
     return [(x + radius * math.cos(angle), y + radius * math.sin(angle), 0.0) for angle in angles]
 
 
-def from_stated(scene: Scene, near: NearRest) -> Simulated | None:
-    """The same from half of the stated radius, where that is larger than the checked one: over other wheels too."""
-    if scene.check.wider is None or scene.inertia is None:
-        return None
-    radius, body = float(scene.check.wider) / 2, body_of(scene, 1 / float(scene.inertia.gravity))
-    crossing = radius / max(float(abs(wheel.speed)) for wheel in scene.wheels)
-    bodies: list[Settled] = []
-    tip, starts = 0, _ring(scene, radius)
-    for k, start in enumerate(starts):
-        if sum(one.work for one in bodies) > MOST_WORK:
-            return Simulated(radius, tuple(bodies), len(starts), why_not="it takes long", tip=tip)
-        with part_of(k, len(starts), "starts with inertia farther out"):
-            try:
-                bodies.append(settle(scene, body, start, float(scene.accuracy), *_chunk(near, crossing)))
-            except StartTipsError:
-                tip += 1
-            except (ValueError, TrajectoryError, LoadError) as error:
-                return Simulated(radius, tuple(bodies), len(starts), why_not=str(error), tip=tip)
-    return Simulated(radius, tuple(bodies), len(starts), tip=tip)
+def _crossing(scene: Scene, radius: float) -> float:
+    """How long a body takes over a radius at the speed of the fastest wheel."""
+    return radius / (max(float(abs(wheel.speed)) for wheel in scene.wheels) or 1.0)
+
+
+def _body(scene: Scene) -> RigidBody | None:
+    """With its own mass; None of a scene that does not say what gravity is."""
+    return None if scene.inertia is None else body_of(scene, 1 / float(scene.inertia.gravity))
 
 
 def settled_from(scene: Scene, start: Pose) -> Settled | None:
@@ -245,10 +255,9 @@ def settled_from(scene: Scene, start: Pose) -> Settled | None:
         LoadError: for a start without loads.
         TrajectoryError: where the path cannot be followed.
     """
-    if scene.inertia is None:
+    body, crossing = _body(scene), _crossing(scene, float(scene.check.radius) / 2)
+    if body is None:
         return None
-    body, radius = body_of(scene, 1 / float(scene.inertia.gravity)), float(scene.check.radius) / 2
-    crossing = radius / (max(float(abs(wheel.speed)) for wheel in scene.wheels) or 1.0)
     return settle(scene, body, start, float(scene.accuracy), *_chunk(near_rest(scene), crossing))
 
 
@@ -263,13 +272,13 @@ def _chunk(near: NearRest, crossing: float) -> tuple[float, bool]:
     return chunk, slowest * chunk >= FADES
 
 
-def _massless(scene: Scene, body: RigidBody, bodies: list[Settled], accuracy: float) -> float | None:
+def _massless(scene: Scene, bodies: Sequence[Settled]) -> float | None:
     """Over the time in which bodies settle, from the first starts; None where some do not settle."""
-    times = [one.settles_after for one in bodies if one.settles_after is not None]
+    times, body = [one.settles_after for one in bodies if one.settles_after is not None], _body(scene)
     until = max(times, default=0.0)
-    if len(times) < len(bodies) or not until:
+    if len(times) < len(bodies) or not until or body is None:
         return None
-    return massless_holds_to(scene, body, [one.start for one in bodies[:COMPARED]], accuracy, until)
+    return massless_holds_to(scene, body, [one.start for one in bodies[:COMPARED]], float(scene.accuracy), until)
 
 
 # ---- the answer --------------------------------------------------------------------------------

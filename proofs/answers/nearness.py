@@ -306,8 +306,7 @@ def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
 
 def _is_followed_out(array: Scene, accuracy: Fraction) -> bool:
     """Whether the body that starts at the point leaves the disc, for every member."""
-    from nonsmooth.proofs.robust.followed_body import is_carried_out
-    from nonsmooth.proofs.robust.funnel import leaves_by_funnel
+    from nonsmooth.proofs.robust.followed_body import is_carried_out, leaves_by_funnel
 
     if not isinstance(rule_of(array), CellRule):
         return leaves_by_funnel(array, accuracy)

@@ -22,17 +22,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
+from nonsmooth.symbolic.mechanics.load_model import Arithmetic
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.springs import load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -279,6 +281,10 @@ class BalancedForces:
 
     # ---- intervals: what follows ------------------------------------------------------------------
 
+    def covector(self, x: Intervals, y: Intervals, moment: Intervals) -> Triple:
+        """One about twists, by ``(v, length omega)``."""
+        return x, y, moment * Intervals.of(np.array(1 / self.length)).widened
+
     def powers(self, corners: Floats, pulls: Triple, forces: tuple[Floats, Floats], free: Floats) -> Floats:
         """Upper bounds of ``G . xi`` at the corners of quadrangles, (pieces, 4), for all minimizers xi of D.
 
@@ -364,3 +370,44 @@ class BalancedForces:
         with np.errstate(divide="ignore", invalid="ignore"):
             bound = np.where(pull > 0, 2 * total.max(axis=1, keepdims=True) / pull * (1 + 2.0**-30), HUGE)
         return Intervals.of(bound)
+
+
+# ---- loads over a box ----------------------------------------------------------------------------
+#
+# Loads over a box of wheel positions and of places of the body, as long as every wheel carries.
+
+
+@dataclass(frozen=True)
+class LoadBox:
+    """Loads as affine functions of c, with enclosures of their coefficients.
+
+    Attributes:
+        forms: ``(c0, cx, cy)`` of every wheel, balls.
+    """
+
+    forms: tuple[tuple[arb, arb, arb], ...]
+
+    def at(self, place: Sequence[arb]) -> list[arb]:
+        """Loads at a place (x, y), balls."""
+        x, y = place
+        return [c0 + cx * x + cy * y for c0, cx, cy in self.forms]
+
+
+def load_box(scene: Scene, step: arb) -> LoadBox | None:
+    """Loads of a scene whose positions may be off by ``step``; None where the springs do not fix them."""
+    off = step * arb(0, 1)
+    moments = [(arb(1), x.ball() + off, y.ball() + off) for x, y in (wheel.position for wheel in scene.wheels)]
+    forms = load_model(scene).forms(moments, range(len(moments)), BALLS)
+    return None if forms is None else LoadBox(tuple(forms))
+
+
+def _inverse(*rows: tuple[arb, arb, arb]) -> list[tuple[arb, arb, arb]] | None:
+    """By elimination, which loses less than cofactors where balls are wide."""
+    try:
+        inverse = arb_mat([list(row) for row in rows]).inv()
+    except ZeroDivisionError:
+        return None
+    return [(inverse[0, c], inverse[1, c], inverse[2, c]) for c in range(3)]
+
+
+BALLS: Arithmetic[arb] = Arithmetic(lambda number: number.ball(), _inverse, lambda load: (load > 0) - (load < 0))

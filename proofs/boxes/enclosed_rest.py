@@ -23,7 +23,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
-from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces, LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Map,
@@ -32,19 +32,19 @@ from nonsmooth.proofs.boxes.enclosures import (
     lies_inside,
     linear_stability,
     newton,
-    pose_rate_slope,
+    slope_of_pose_rate,
 )
 from nonsmooth.proofs.boxes.linearization import Slip, slip_at_rest
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import added, scaled
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number_text import upper_text
 
 PRECISION = 128  # bits
 NEWTON_STEPS = 6
+CENTRED = 2.0**-30  # of twist and forces: Newton's step in the middle of a box after which no better one is needed
 INFLATIONS = 10
 GROWTH = 1.25  # of the image of a box, which is the next one
 LEAST = 2.0**-100  # of its half-widths, beside one
@@ -172,13 +172,13 @@ class EnclosedRest:
         """An upper bound of its distance from the origin, of a few digits."""
         x, y = (abs(entry).upper() for entry in self.place)
         with ctx.workprec(PRECISION):
-            return Fraction(upper_text(-rational_below(-(x * x + y * y).sqrt()), DIGITS))
+            return Fraction(upper_text(rational_above((x * x + y * y).sqrt()), DIGITS))
 
     @property
     def rates(self) -> tuple[Fraction, Fraction]:
         """A lower and an upper bound of the spin."""
         unit = Fraction(1, 10**SPIN_DECIMALS)
-        low, high = rational_below(self.spin), -rational_below(-self.spin)
+        low, high = rational_below(self.spin), rational_above(self.spin)
         return low // unit * unit, -(-high // unit) * unit
 
     @property
@@ -264,14 +264,24 @@ def isolated_zero(equations: Map, centre: arb_mat) -> arb_mat | None:
     return None
 
 
-def slope_of_pose_rate(bend: arb_mat, by_place: arb_mat, place: Sequence[arb], omega: arb) -> arb_mat | None:
-    """A, from the derivatives of the equations; None where D may not bend, or have an edge, in every direction."""
-    inverse = approximate_inverse(bend)  # so that balls that belong together are not told apart by elimination
-    if inverse is None:
+def enclosed_motion(balance: Balance, near: arb_mat, place: Sequence[arb]) -> tuple[arb_mat, arb_mat] | None:
+    """Twist and held forces (n, 1) all over a box of places, and the hull of A there; None where they are not enclosed.
+
+    Args:
+        balance: the equations.
+        near: about these unknowns in the middle of the box, where Newton's method begins.
+        place: the box.
+    """
+
+    def equations(unknowns: arb_mat, there: Sequence[arb]) -> tuple[arb_mat, arb_mat] | None:
+        found = balance.at(unknowns, there)
+        return None if found is None else found[:2]
+
+    middle = [entry.mid() for entry in place]
+    start = newton(lambda unknowns: equations(unknowns, middle), near, NEWTON_STEPS, last=CENTRED)
+    unknowns = None if start is None else isolated_zero(lambda unknowns: equations(unknowns, place), start)
+    found = None if unknowns is None else balance.at(unknowns, place)
+    if unknowns is None or found is None:
         return None
-    try:
-        response = (inverse * bend).solve(inverse * by_place * arb(-1))
-    except ZeroDivisionError:
-        return None
-    twist_slope = arb_mat(3, 2, response.entries()[:6])
-    return pose_rate_slope(arb_mat([[entry] for entry in place]), omega, twist_slope)
+    slope = slope_of_pose_rate(found[1], found[2], place, unknowns[2, 0])
+    return None if slope is None else (unknowns, slope)

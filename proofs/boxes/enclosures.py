@@ -112,11 +112,25 @@ def lies_inside(inner: arb_mat, outer: arb_mat) -> bool:
     return all(b.contains_interior(a) for a, b in zip(inner.entries(), outer.entries(), strict=True))
 
 
-def pose_rate_slope(centre: arb_mat, omega: arb, twist_slope: arb_mat) -> arb_mat:
-    """The slope (2, 2) of ``c' = v + omega J c`` by c (2, 1), of a twist with the slope (3, 2)."""
-    x, y = centre.entries()
+def slope_of_pose_rate(bend: arb_mat, by_place: arb_mat, place: Sequence[arb], omega: arb) -> arb_mat | None:
+    """The slope (2, 2) of ``c' = v + omega J c`` by c; None where the twist may not be smooth in it.
+
+    Args:
+        bend: the slopes (n, n) of equations by the twist ``(v, omega)``, and what else they determine.
+        by_place: their slopes (n, 2) by c.
+        place: c.
+        omega: the rotation rate.
+    """
+    inverse = approximate_inverse(bend)  # so that balls that belong together are not told apart by elimination
+    if inverse is None:
+        return None
+    try:
+        response = (inverse * bend).solve(inverse * by_place * arb(-1))
+    except ZeroDivisionError:
+        return None
+    x, y = place
     moved = arb_mat([[arb(1), arb(0), -y], [arb(0), arb(1), x]])
-    return moved * twist_slope + arb_mat([[arb(0), -omega], [omega, arb(0)]])
+    return moved * arb_mat(3, 2, response.entries()[:6]) + arb_mat([[arb(0), -omega], [omega, arb(0)]])
 
 
 # ---- functions over boxes of parameters --------------------------------------------------------

@@ -50,6 +50,13 @@ class Intervals:
         """One after the other, along the only axis."""
         return cls(np.concatenate([each.low for each in several]), np.concatenate([each.high for each in several]))
 
+    @classmethod
+    def stacked(cls, several: Sequence[Intervals]) -> Intervals:
+        """Side by side, along a new last axis."""
+        return cls(
+            np.stack([each.low for each in several], axis=-1), np.stack([each.high for each in several], axis=-1)
+        )
+
     def __getitem__(self, key: Any) -> Intervals:
         return Intervals(self.low[key], self.high[key])
 

@@ -13,9 +13,9 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, rule_of
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.boxes.enclosed_rest import rest_at_point
+from nonsmooth.proofs.clauses.at_point.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
-from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray, cocircular_array
-from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
+from nonsmooth.proofs.clauses.at_point.every_load import EveryLoadPoint, every_load_point
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.rounded import (

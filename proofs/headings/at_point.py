@@ -30,6 +30,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
@@ -253,7 +254,7 @@ def _moves_off(here: HeadingsAt, cluster: HeadingCluster, inside: Wheels) -> boo
 
 def _shortest(rates: list[arb_mat]) -> arb_mat:
     """The shortest mixture of some rates, in floats, as a column (Gilbert's algorithm)."""
-    points = np.array([[float(entry) for entry in rate.entries()] for rate in rates])
+    points = float_points(rate.entries() for rate in rates)
     shortest = points[0]
     for _ in range(STEPS):
         change = points[(points @ shortest).argmin()] - shortest

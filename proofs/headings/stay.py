@@ -12,30 +12,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
-from itertools import product
 from typing import TYPE_CHECKING, cast
 
 from flint import arb, arb_mat
 
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs import clause_registry
-from nonsmooth.proofs.boxes.enclosures import (
-    approximate_inverse,
-    krawczyk,
-    lies_inside,
-    linear_stability,
-    newton,
-    pose_rate_slope,
-)
-from nonsmooth.proofs.boxes.linearization import slip_at_rest
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox
+from nonsmooth.proofs.boxes.enclosed_rest import Balance, enclosed_motion
+from nonsmooth.proofs.boxes.enclosures import linear_stability
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Translation
-from nonsmooth.symbolic.mechanics.constraints import Twist, added, scaled
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, on_wheels, whole
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
@@ -45,9 +38,8 @@ from nonsmooth.symbolic.numbers.plane import Vector, cross
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.bodies.set_motion import SetGuess, SetGuesses
+    from nonsmooth.analysis.bodies.set_motion import SetGuesses
 
-NEEDED = ("equilibrium", "translation", "rotation")
 UNITS = 400_000  # of exact arithmetic for one set of wheels: half a second or so
 
 
@@ -97,7 +89,7 @@ class StaysAt:
         known = scene.contact.loads is None
         self.rule = rule if isinstance(rule, SmoothRule) and known else None
         self._guesses: SetGuesses | None = None
-        self._motions: dict[tuple[int, ...], EnclosedMotion | str] = {}
+        self._motions: dict[tuple[int, ...], EnclosedMotion | None] = {}
         self._stays: dict[tuple[int, ...], Stay] = {}
 
     def on(self, numbers: Sequence[int]) -> Stay:
@@ -116,16 +108,16 @@ class StaysAt:
         stay = self.on(numbers)
         if stay.twists:
             return [arb_mat([[ball_of(entry) for entry in (*twist.velocity, twist.omega)]]) for twist in stay.twists]
-        motion = "a body that tips" if stay.kind is Stays.TIPS else self.motion(numbers)
-        return None if isinstance(motion, str) else [arb_mat([[*motion.velocity, motion.omega]])]
+        motion = None if stay.kind is Stays.TIPS else self.motion(numbers)
+        return None if motion is None else [arb_mat([[*motion.velocity, motion.omega]])]
 
-    def motion(self, numbers: Sequence[int]) -> EnclosedMotion | str:
-        """The enclosed motion on the wheels with some numbers; why none is proved.
+    def motion(self, numbers: Sequence[int]) -> EnclosedMotion | None:
+        """The enclosed motion on the wheels with some numbers; None where none is proved.
 
         It is looked for under a rule without cells and with elastic loads.
         """
         if self.rule is None:
-            return "a rule with cells, or loads of one set of wheels"
+            return None
         if self._guesses is None:
             from nonsmooth.analysis.bodies.set_motion import SetGuesses  # floats: only where exact clauses leave open
 
@@ -133,11 +125,8 @@ class StaysAt:
         key = tuple(numbers)
         if key not in self._motions:
             places = [k for k, wheel in enumerate(self.scene.wheels) if wheel.index in key]
-            centre = arb_mat([[ball_of(entry)] for entry in self.scene.check.equilibrium])
-            try:
-                self._motions[key] = set_motion(self.scene, self.rule, self._guesses, places, centre)
-            except UndecidedMotionError as error:
-                self._motions[key] = str(error)
+            x, y = map(ball_of, self.scene.check.equilibrium)
+            self._motions[key] = set_motion(self.scene, self._guesses, places, (x, y))
         return self._motions[key]
 
     def _exactly(self, numbers: Sequence[int]) -> Stay:
@@ -145,9 +134,7 @@ class StaysAt:
         try:
             with work_limit(self.scene.field, UNITS):
                 work = Workspace(on_wheels(self.scene, numbers), sample=False)
-                for clause in clause_registry.CLAUSES:
-                    if clause.name in NEEDED:
-                        work.earlier[clause.name] = clause.decide(work)
+                clause_registry.decide_clauses(work, left_out="feedback")
         except TipsError:
             return Stay(Stays.TIPS)
         except (RefusalError, WorkLimitError, SceneError) as error:
@@ -156,8 +143,8 @@ class StaysAt:
 
     def _by_balls(self, numbers: Sequence[int], stay: Stay) -> Stay:
         motion = self.motion(numbers)
-        if isinstance(motion, str):
-            return stay if stay.reason else Stay(Stays.UNDECIDED, reason=motion)
+        if motion is None:
+            return stay
         if any(not entry.contains(0) for entry in motion.velocity):
             return Stay(Stays.MOVES)
         wheels = [wheel for wheel in self.scene.wheels if wheel.index in numbers]
@@ -219,20 +206,9 @@ def _does_the_same(one: Wheel, other: Wheel, twice: Vector) -> bool:
 # ---- motions on a set of wheels ------------------------------------------------------------------
 #
 # The spatial twist ``xi = (v, omega)`` minimizes ``D = sum_i N_i(c) f_i(r_i, s_i)``, with the slips and support
-# functions of :mod:`nonsmooth.proofs.boxes.linearization`, so the centre of mass enters through the loads alone.  Where
-# every loaded wheel slips, ``G(xi, c) = sum_i N_i(c) pull_i(xi) = 0`` determines it.  A wheel that sticks adds two
-# equations, no slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces
-# inside the friction sets and a regular Jacobian is the only minimizer, and smooth in c.  Krawczyk's operator
-# (:mod:`nonsmooth.proofs.boxes.enclosures`) proves one zero near what floats find.
-
-
-NEWTON_STEPS = 12  # from a float to the full precision
-SINGULAR = "a Jacobian that may be singular"
-RADIUS = arb(2) ** -60  # of the box
-
-
-class UndecidedMotionError(Exception):
-    """Balls that do not decide what is asked."""
+# functions of :mod:`nonsmooth.proofs.boxes.linearization`, so the centre of mass enters through the loads alone.  The
+# equations of wheels that slip, and of those that stick, are those of a place of rest
+# (:class:`nonsmooth.proofs.boxes.enclosed_rest.Balance`), with the twist for their unknown in place of c.
 
 
 @dataclass(frozen=True)
@@ -240,144 +216,64 @@ class EnclosedMotion:
     """The only minimizer of D.
 
     Attributes:
-        centre: ``c``, (2, 1).
-        twist: encloses the spatial twist, (3, 1).
-        slope: encloses its slope in c, (3, 2).
+        centre: ``c``.
+        twist: encloses the spatial twist.
+        linearized: ``dc'/dc``, (2, 2).
     """
 
-    centre: arb_mat
-    twist: arb_mat
-    slope: arb_mat
+    centre: tuple[arb, arb]
+    twist: tuple[arb, arb, arb]
+    linearized: arb_mat
 
     @property
     def velocity(self) -> tuple[arb, arb]:
         """Of the centre of mass: ``v + omega J c``."""
-        (vx, vy, omega), (x, y) = self.twist.entries(), self.centre.entries()
+        (vx, vy, omega), (x, y) = self.twist, self.centre
         return vx - omega * y, vy + omega * x
 
     @property
     def omega(self) -> arb:
         """The rotation rate."""
-        return self.twist[2, 0]
-
-    @property
-    def linearized(self) -> arb_mat:
-        """``dc'/dc``, (2, 2)."""
-        return pose_rate_slope(self.centre, self.omega, self.slope)
+        return self.twist[2]
 
 
 def set_motion(
-    scene: Scene, rule: SmoothRule, guesses: SetGuesses, wheels: Sequence[int], centre: arb_mat
-) -> EnclosedMotion:
-    """The motion on some wheels of a scene, by their places in its list.
+    scene: Scene, guesses: SetGuesses, wheels: Sequence[int], centre: tuple[arb, arb]
+) -> EnclosedMotion | None:
+    """The motion on some wheels of a scene, by their places in its list; None where it is not proved to be one.
 
-    Raises:
-        UndecidedMotionError: where it is not proved, or not smooth in c.
+    So it is where a loaded wheel may be free or a free one pressed, and where it is not smooth in c.
     """
-    x, y = (float(entry.mid()) for entry in centre.entries())
-    guess = guesses.of(wheels, (x, y))
-    if guess is None:
-        raise UndecidedMotionError("no motion found, or a body that tips")
-    balance = _Balance(scene, rule, guess, wheels, centre)
-    found = balance.zero_near(arb_mat([[arb(value)] for value in (*guess.twist, *[0.0] * balance.forces)]))
-    balance.require_certain(found.entries()[3:])
-    _, state, slope = balance(found)
+    guess = guesses.of(wheels, (float(centre[0].mid()), float(centre[1].mid())))
+    chosen = [scene.wheels[k] for k in wheels]
+    forms = None if guess is None else _elastic_loads(chosen, guess.loaded)
+    if guess is None or forms is None:
+        return None
+    springs = LoadBox(forms).at(centre)
+    if not all(spring > 0 if pressed else spring < 0 for spring, pressed in zip(springs, guess.loaded, strict=True)):
+        return None  # loads may change their form
+    sets = [smooth_rule_of(scene).friction_set(wheel.friction) for wheel in chosen]
+    rubbing = [k for k, own in enumerate(sets) if guess.loaded[k] and (own.along or own.across)]
+    part = replace(scene, wheels=tuple(chosen[k] for k in rubbing))
+    held = {n: 2 for n, k in enumerate(rubbing) if guess.stuck[k]}
+    balance = Balance(part, LoadBox(tuple(forms[k] for k in rubbing)), held)
+    start = [*guess.twist, *[0.0] * (balance.size - 3)]
+    found = enclosed_motion(balance, arb_mat([[arb(value)] for value in start]), centre)
+    if found is None:
+        return None
+    vx, vy, omega = found[0].entries()[:3]
+    return EnclosedMotion(centre, (vx, vy, omega), found[1])
+
+
+def _elastic_loads(wheels: Sequence[Wheel], loaded: Sequence[bool]) -> tuple[tuple[arb, arb, arb], ...] | None:
+    """Forms in c of springs with total force 1 under the loaded wheels; None where these may stand on one line."""
+    moments = [arb_mat([[arb(1)], *([ball_of(entry)] for entry in wheel.position)]) for wheel in wheels]
+    stiffness = arb_mat(3, 3)
+    for moment, pressed in zip(moments, loaded, strict=True):
+        stiffness += moment * moment.transpose() * arb(int(pressed))
     try:
-        moved = state.inv() * slope * arb(-1)
+        inverse = stiffness.inv()
     except ZeroDivisionError:
-        raise UndecidedMotionError("a motion that may not be smooth") from None
-    return EnclosedMotion(centre, arb_mat(3, 1, found.entries()[:3]), arb_mat(3, 2, moved.entries()[:6]))
-
-
-class _Balance:
-    """G and the slips of the wheels that stick, of elastic loads with total weight 1, as a map of ``(xi, f)``.
-
-    Raises:
-        UndecidedMotionError: where the loaded wheels may stand on one line.
-    """
-
-    def __init__(self, scene: Scene, rule: SmoothRule, guess: SetGuess, wheels: Sequence[int], centre: arb_mat) -> None:
-        """With a guess of which wheels are loaded, and which of these stick."""
-        zero, chosen = scene.field.zero, [scene.wheels[k] for k in wheels]
-        x, y = centre.entries()
-        self._place = arb_mat([[arb(1)], [x], [y]])
-        moments = [arb_mat([[arb(1)], *([ball_of(entry)] for entry in wheel.position)]) for wheel in chosen]
-        stiffness = arb_mat(3, 3)
-        for moment, pressed in zip(moments, guess.loaded, strict=True):
-            stiffness += moment * moment.transpose() * arb(int(pressed))
-        try:
-            inverse = stiffness.inv()
-        except ZeroDivisionError:
-            raise UndecidedMotionError("loaded wheels on one line") from None
-        forms = [inverse * moment for moment in moments]
-        self._springs = [
-            ((form.transpose() * self._place)[0, 0], p) for form, p in zip(forms, guess.loaded, strict=True)
-        ]
-        self._slips = []
-        for wheel, form, pressed, stuck in zip(chosen, forms, guess.loaded, guess.stuck, strict=True):
-            slip = slip_at_rest(wheel, (zero, zero, zero), rule)
-            if pressed and (slip.limits.along or slip.limits.across):
-                a, b, c = form.entries()
-                self._slips.append((replace(slip.map(ball_of), load=(a, b, c)), stuck))
-        self.forces = 2 * sum(stuck for _, stuck in self._slips)
-
-    def __call__(self, unknowns: arb_mat) -> tuple[arb_mat, arb_mat, arb_mat]:
-        """The values (n, 1) and their slopes by the unknowns (n, n) and by c (n, 2).
-
-        Raises:
-            UndecidedMotionError: where a wheel may stick that is not said to.
-        """
-        entries, size = unknowns.entries(), unknowns.nrows()
-        values, state, slope = arb_mat(size, 1), arb_mat(size, size), arb_mat(size, 2)
-        row = 3
-        for slip, stuck in self._slips:
-            now = slip.moved(entries[:3])
-            load = (arb_mat([slip.load]) * self._place)[0, 0]
-            if stuck:
-                grips = scaled(slip.rows[0], slip.limits.along), scaled(slip.rows[1], slip.limits.across)
-                pull = added(scaled(grips[0], entries[row]), scaled(grips[1], entries[row + 1]))
-                for k, value in enumerate((now.along, now.across)):
-                    values[row + k, 0] = value
-                    for r in range(3):
-                        state[row + k, r], state[r, row + k] = slip.rows[k][r], load * grips[k][r]
-                row += 2
-            elif now.is_smooth:
-                pull = now.pull
-                for r, s in product(range(3), repeat=2):
-                    state[r, s] += load * now.bend * now.w[r] * now.w[s]
-            else:
-                raise UndecidedMotionError("a wheel that may stick, or is at the seam of arc and corner")
-            for r in range(3):
-                values[r, 0] += load * pull[r]
-                slope[r, 0], slope[r, 1] = slope[r, 0] + slip.load[1] * pull[r], slope[r, 1] + slip.load[2] * pull[r]
-        return values, state, slope
-
-    def zero_near(self, point: arb_mat) -> arb_mat:
-        """A box (n, 1) that holds exactly one zero near a start.
-
-        Raises:
-            UndecidedMotionError: where none is proved.
-        """
-        near = newton(lambda at: self(at)[:2], point, NEWTON_STEPS)
-        value, state, _ = self(point if near is None else near)
-        inverse = approximate_inverse(state)
-        if near is None or inverse is None:
-            raise UndecidedMotionError(SINGULAR)
-        box = arb_mat([[entry + arb(0, RADIUS)] for entry in near.entries()])
-        image = krawczyk(near, value, inverse, self(box)[1], box)
-        if not lies_inside(image, box):
-            raise UndecidedMotionError("a box that Krawczyk's operator does not map into itself")
-        return image
-
-    def require_certain(self, forces: Sequence[arb]) -> None:
-        """Refuse guesses that are not certain: then loads are affine around, and what sticks goes on sticking.
-
-        Raises:
-            UndecidedMotionError: where a loaded wheel may be free, a free one pressed, or one that sticks may slip.
-        """
-        if not all(spring > 0 if pressed else spring < 0 for spring, pressed in self._springs):
-            raise UndecidedMotionError("loads that change their form")
-        sets = [slip.limits for slip, stuck in self._slips if stuck]
-        pairs = zip(sets, forces[::2], forces[1::2], strict=True)
-        if not all(limits.holds_strictly(along, across) for limits, along, across in pairs):
-            raise UndecidedMotionError("a wheel that sticks at its limit")
+        return None
+    forms = ((inverse * moment).entries() for moment in moments)
+    return tuple((a, b, c) for a, b, c in forms)

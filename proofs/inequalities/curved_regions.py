@@ -38,7 +38,7 @@ from flint import Ordering, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.forms import directions, simplest
-from nonsmooth.proofs.inequalities.real_roots import Sturm, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import Sturm, along_ray, germ_sign, trimmed, value
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -244,17 +244,10 @@ def ray_adherence(region: Region, ray: Point) -> Adherence:
     """
     if not all(sign(a * ray[0] + b * ray[1]) >= 0 if not sign(c) else sign(c) > 0 for a, b, c in region.sides):
         return Adherence.NO
-    signs = {_sign_along(guard, ray) for guard in region.guards}
+    signs = {germ_sign(along_ray(guard, ray)) for guard in region.guards}
     if -1 in signs:
         return Adherence.NO
     return Adherence.UNDECIDED if 0 in signs else Adherence.YES
-
-
-def _sign_along(guard: Polynomial, ray: Point) -> int:
-    """Sign of a polynomial at the points ``s ray`` with small s > 0; 0 where it vanishes at all of them."""
-    s = Polynomial.variable(guard.field, ("s",), "s")
-    along = guard.composed([s * ray[0], s * ray[1]])
-    return along.terms[min(along.terms)].sign() if along else 0
 
 
 def extent(guards: Sequence[Polynomial], start: Point, end: Point) -> Extent:

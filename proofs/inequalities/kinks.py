@@ -35,9 +35,8 @@ from operator import or_
 from typing import Any, NamedTuple
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.region import Segment
+from nonsmooth.analysis.cells.region import Segment, on_edge
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.effort import require_effort
 from nonsmooth.proofs.inequalities.real_roots import (
     Coefficients,
     RealRoot,
@@ -49,6 +48,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     trimmed,
     value,
 )
+from nonsmooth.proofs.inequalities.subdivision import require_effort
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import cross, dot, hull_holds_zero, minus
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -227,8 +227,7 @@ class Kink:
 
     def point(self, t: Fraction) -> tuple[Any, Any]:
         """The point of the edge at a parameter."""
-        x, y, w = (a + b * t for a, b in zip(*self.edge, strict=True))
-        return x / w, y / w
+        return on_edge(self.edge, t)
 
     def trends(self) -> tuple[Trends, Fraction | RealRoot]:
         """The worst trends on the open edge, and where the last derivative is worst.

@@ -18,6 +18,7 @@ import numpy as np
 from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, independent, inner
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, divided
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 if TYPE_CHECKING:
@@ -152,7 +153,7 @@ def _float_basis(columns: Sequence[Column], target: Column, prices: Sequence[Num
     """Columns of an optimal vertex according to HiGHS, completed to three."""
     from scipy.optimize import linprog
 
-    matrix = np.array([[float(x) for x in column] for column in columns]).T
+    matrix = float_points(columns).T
     largest = max(abs(price) for price in prices)
     costs = np.array([float(divided(price, largest)) if largest else 0.0 for price in prices])
     if not np.isfinite(matrix).all():

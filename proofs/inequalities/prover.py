@@ -28,8 +28,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 import numpy as np
 from flint import fmpq
 
-from nonsmooth.analysis.cells.region import Region, Triple
-from nonsmooth.proofs.inequalities.effort import effort_left, take_effort
+from nonsmooth.analysis.cells.region import Region, Triple, affine
 from nonsmooth.proofs.inequalities.forms import (
     PLANE,
     Problem,
@@ -55,6 +54,8 @@ from nonsmooth.proofs.inequalities.subdivision import (
     SubCone,
     Vector,
     Violation,
+    effort_left,
+    take_effort,
 )
 from nonsmooth.symbolic.formulas.surfaces import factorize
 from nonsmooth.symbolic.mechanics.constraints import cofactors
@@ -62,6 +63,7 @@ from nonsmooth.symbolic.numbers.coefficients import height
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms, float_values, float_values_and_sizes
 
 # ---- forms on simplicial cones that are decided completely ---------------------------------------
@@ -320,7 +322,7 @@ def _grid() -> tuple[Weights, ...]:
 def _suspects(question: Question, triangle: Sequence[Triple]) -> Iterator[Weights]:
     """The weights at which floats say that the claim fails, the clearest failures first."""
     weights = np.array(_grid(), dtype=float)
-    x, y, w = (weights @ np.array([[float(v) for v in g] for g in triangle])).T
+    x, y, w = (weights @ float_points(triangle)).T
     inside = w > 0
     with np.errstate(all="ignore"):
         points = np.column_stack([x / w, y / w])
@@ -335,8 +337,7 @@ def _suspects(question: Question, triangle: Sequence[Triple]) -> Iterator[Weight
 
 
 def _point(triangle: Sequence[Triple], weights: Weights) -> tuple[Any, Any]:
-    x, y, w = (sum(c * v for c, v in zip(column, weights, strict=True)) for column in zip(*triangle, strict=True))
-    return x / w, y / w
+    return affine(sum(c * v for c, v in zip(column, weights, strict=True)) for column in zip(*triangle, strict=True))
 
 
 LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways are tried

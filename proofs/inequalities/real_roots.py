@@ -110,6 +110,12 @@ def germ_sign(polynomial: Polynomial) -> int:
     return polynomial.terms[min(polynomial.terms)].sign() if polynomial else 0
 
 
+def along_ray(polynomial: Polynomial, ray: Sequence[Any]) -> Polynomial:
+    """A polynomial at the points ``s ray``."""
+    s = Polynomial.variable(polynomial.field, ("s",), "s")
+    return polynomial.composed([s * ray[0], s * ray[1]])
+
+
 def between_rays(form: Polynomial, first: Sequence[Any], second: Sequence[Any]) -> list[Number]:
     """A form on ``first + t second``, ascending in t; empty where it is zero."""
     terms = in_generators(form.terms, [first, second])

@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -28,14 +30,74 @@ from typing import Any, TypeAlias
 
 from flint import fmpq
 
-from nonsmooth.proofs.inequalities.effort import take_effort
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Terms, add_terms, multiply_terms, with_mixture
+from nonsmooth.symbolic.numbers.work_limit import UNLIMITED, WorkMeter
 
 Vector: TypeAlias = tuple[Any, ...]
 
 LONG_BITS = 512  # of a rational coefficient that costs as much again as a short one
 IRRATIONAL_WORK = 4  # a product of two irrational terms costs about this many rational ones
+
+# ---- how much work the inequalities of one question may take together ----------------------------
+#
+# Counted, so that no machine's speed matters.  Each inequality has limits of its own
+# (:mod:`nonsmooth.proofs.inequalities.prover`); many that are all hard still take minutes.  Inside
+# :func:`shared_effort` they draw on one meter, in coefficients looked at.  What it no longer pays for is left
+# undecided, after a little work on each inequality still; nothing that is shown depends on it.
+
+
+_meter: ContextVar[WorkMeter | None] = ContextVar("effort", default=None)
+
+
+def effort_left() -> int:
+    """The work that may still be done."""
+    meter = _meter.get()
+    return UNLIMITED if meter is None else max(meter.left, 0)
+
+
+def take_effort(units: int) -> None:
+    """Note work that is done."""
+    meter = _meter.get()
+    if meter is not None:
+        meter.left -= units
+
+
+def require_effort(units: int) -> None:
+    """Take work that nothing can be said without.
+
+    Raises:
+        WorkLimitError: where none is left.
+    """
+    meter = _meter.get()
+    if meter is not None:
+        meter.spend(units)
+
+
+@contextmanager
+def shared_effort(units: int) -> Iterator[None]:
+    """Limit the work inside a block; within another block, what is done counts for both."""
+    outer = _meter.get()
+    inner = WorkMeter(units) if outer is None else outer.within(units)
+    token = _meter.set(inner)
+    try:
+        yield
+    finally:
+        _meter.reset(token)
+        take_effort(inner.units - inner.left)
+
+
+@contextmanager
+def effort_of_its_own(units: int) -> Iterator[None]:
+    """The same apart from all others: for what is decided again later and must come out equal."""
+    token = _meter.set(WorkMeter(units))
+    try:
+        yield
+    finally:
+        _meter.reset(token)
+
+
+# ---- forms in the corners, and cuts --------------------------------------------------------------
 
 
 class Role(Enum):

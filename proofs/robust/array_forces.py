@@ -8,16 +8,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, reduce
 from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
-from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.robust.box import BoxWheel
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.rule import MIXED
@@ -244,11 +244,5 @@ def _frame(piece: AnnulusPiece) -> tuple[tuple[arb, arb], arb, Sequence[arb]]:
     corners = [(arb(as_fmpq(a)), arb(as_fmpq(b))) for a, b in piece.corners]
     middle = arb(as_fmpq((piece.inner + piece.outer) / 2))
     along, across = [a * x + b * y - middle for a, b in corners], [b * x - a * y for a, b in corners]
-    return (x, y), middle, (_union(along), _union(across), (angle * UNIT).cos(), (angle * UNIT).sin())
-
-
-def _union(balls: Sequence[arb]) -> arb:
-    found = balls[0]
-    for ball in balls[1:]:
-        found = found.union(ball)
-    return found
+    hulls = reduce(arb.union, along), reduce(arb.union, across)
+    return (x, y), middle, (*hulls, (angle * UNIT).cos(), (angle * UNIT).sin())

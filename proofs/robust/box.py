@@ -19,8 +19,8 @@ from typing import TypeAlias
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import UNIT
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece, Place, polygon_about
 from nonsmooth.proofs.robust.plane_minimum import BoxCorners, Proposal
 from nonsmooth.proofs.robust.rings import PRECISION, RingProof

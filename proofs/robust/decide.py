@@ -12,8 +12,6 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from flint import arb
-
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
@@ -25,7 +23,7 @@ from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import part_of, tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above
 from nonsmooth.symbolic.numbers.number_text import float_text
 
 MAX_SMOOTH = 16  # wheels: with more, rings under rules ellipse and roller take minutes
@@ -295,17 +293,12 @@ def _ends(box: Tolerance, radius: Fraction, start: Fraction, within: Fraction) -
 
 def beside(box: Tolerance) -> Fraction:
     """How far the true centre of mass may be from the nominal one."""
-    return root_above(2 * _above(box.centre_of_mass.ball()) ** 2)
+    return root_above(2 * rational_above(box.centre_of_mass.ball()) ** 2)
 
 
 def _displaced(box: Tolerance) -> Fraction:
     """How far a wheel may be from its place under the body."""
-    return root_above(2 * _above((box.position + box.centre_of_mass).ball()) ** 2)
-
-
-def _above(ball: arb) -> Fraction:
-    """The upper end of a ball."""
-    return -rational_below(-ball)
+    return root_above(2 * rational_above((box.position + box.centre_of_mass).ball()) ** 2)
 
 
 # ---- how much larger the tolerances may be -----------------------------------------------------
@@ -349,7 +342,7 @@ def _largest_multiple(box: Tolerance) -> Fraction:
         bounds.append(LARGEST_TURN / box.heading)
     for share in (box.speed, box.mu_roll, box.mu_side):
         if share:
-            bounds.append(LARGEST_SHARE / -rational_below(-share.ball()))
+            bounds.append(LARGEST_SHARE / rational_above(share.ball()))
     return min(bounds)
 
 

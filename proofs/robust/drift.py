@@ -11,7 +11,7 @@ Bounds are those of cells with one motion each where the rule has cells, else of
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -20,14 +20,14 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, clipped_by, square
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nearest
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
+from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
@@ -55,7 +55,7 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
     if scene.contact.rule == "nearest":
         with ctx.workprec(PRECISION):
             found = _cell_motions(scene, radius)
-            return None if found is None else max(-rational_below(-abs(motion[2])) for _, motion in found)
+            return None if found is None else max(rational_above(abs(motion[2])) for _, motion in found)
     forces = BalancedForces.of(scene)
     if forces is None:
         return None
@@ -91,17 +91,9 @@ def is_driven_out_on_one_side(scene: Scene, accuracy: Fraction) -> bool:
     except RefusalError:
         return False
     about = square((scene.field.zero, scene.field.zero), half)
-    near = [(_within(cell.polygon, about.sides), cell.twists) for cell in cells]
+    near = [(clipped_by(cell.polygon, about.sides), cell.twists) for cell in cells]
     known = [(polygon, twists) for polygon, twists in near if polygon is not None]
     return any(_drives(known, direction) for direction in _directions(known))
-
-
-def _within(polygon: Polygon, sides: Iterable[HalfPlane]) -> Polygon | None:
-    """The part of a polygon inside of some half-planes; None where it has no area."""
-    part: Polygon | None = polygon
-    for side in sides:
-        part = part and part.clipped(side)
-    return part
 
 
 def _directions(cells: Sequence[tuple[Polygon, Sequence[Twist]]]) -> Iterator[Point]:
@@ -195,8 +187,7 @@ def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
         return None
     a, b = (Intervals.of(np.full(corners.shape[:2], -entry)) for entry in direction)
     x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
-    back = a, b, (b * x - a * y) * Intervals.of(np.array(1 / forces.length)).widened
-    most = float(forces.largest_powers(corners, back).max())
+    most = float(forces.largest_powers(corners, forces.covector(a, b, b * x - a * y)).max())
     return Fraction(-most) if math.isfinite(most) else None
 
 

@@ -28,7 +28,7 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
 
 Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
@@ -269,7 +269,7 @@ def _standing(scene: Scene) -> float:
     corners = support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))
     if len(corners) < 3:
         return 0.0
-    places = np.array([[float(entry) for entry in corner] for corner in corners])
+    places = float_points(corners)
     along = np.roll(places, -1, axis=0) - places
     lengths = np.hypot(along[:, 0], along[:, 1])
     if not lengths.all():  # floats do not tell corners apart that are far away
@@ -321,8 +321,8 @@ def velocity_of(scene: Scene) -> Velocity | None:
 
 def _nearest_velocity(scene: Scene) -> Velocity:
     """Both rows of the nearest wheel, then the rows of the next ones in the order of their friction."""
-    places = np.array([[float(entry) for entry in wheel.position] for wheel in scene.wheels])
-    rims = np.array([[float(entry) for entry in wheel.unit_direction] for wheel in scene.wheels])
+    places = places_of(scene.wheels)
+    rims = float_points(wheel.unit_direction for wheel in scene.wheels)
     speeds = [float(wheel.speed) for wheel in scene.wheels]
     rows = []
     for k, wheel in enumerate(scene.wheels):

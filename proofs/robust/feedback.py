@@ -2,8 +2,8 @@
 
 The law commands multiples of three twists ``xi_m``, by the rims' speeds of the scene.  Under these speeds every
 minimizer xi of every array of the box satisfies ``|xi - xi_m| <= rho`` (rule ``box``: bounds of ``+-e_k . xi`` by
-:mod:`nonsmooth.proofs.robust.box`; rules with friction sets: :mod:`nonsmooth.proofs.robust.imposed_twist`), and
-so do multiples, for D is homogeneous in twist and speeds.  With
+:mod:`nonsmooth.proofs.robust.box`; rules with friction sets: below), and so do multiples, for D is homogeneous in twist
+and speeds.  With
 ``g = (c, l theta)``, ``V = |g|^2`` and the xi_m of the largest ``x = |g . xi_m|/|g| >= sqrt(kappa)``::
 
     V'/2 = -k (g . xi_m)(g . xi) <= -k (x^2 - rho x) |g|^2 <= -k sqrt(kappa) (sqrt(kappa) - rho) V.
@@ -24,21 +24,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb, ctx
 
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
+from nonsmooth.proofs.boxes.enclosures import UNIT
+from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.proofs.robust.array_forces import FOLLOWED
+from nonsmooth.proofs.robust.array_forces import FOLLOWED, ArrayBox, PieceForces, Triple, force_law
 from nonsmooth.proofs.robust.box import BoxBound, BoxWheel, box_wheels
-from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS, BoxCorners
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
     from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
-    from nonsmooth.symbolic.mechanics.constraints import Triple
+    from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
+    from nonsmooth.symbolic.numbers.number import Number
 
 PRECISION = 64  # bits of the balls
 PUSHES = (0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)  # of the friction of all wheels
@@ -137,7 +141,7 @@ def _decided(
 class _CommandedTwist:
     """One twist of the law: the array with the speeds that command it."""
 
-    def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, twist: Triple) -> None:
+    def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, twist: Sequence[Number]) -> None:
         """For a twist in the unit l of the scene."""
         self._length = arb(scene.check.length.numerator) / scene.check.length.denominator
         x, y, turn = (entry.ball() for entry in twist)
@@ -187,3 +191,73 @@ class _CommandedTwist:
 
 def _driven(wheel: BoxWheel, speed: arb, drive: arb) -> BoxWheel:
     return replace(wheel, speeds=(speed * drive, arb(0)))
+
+
+# ---- rules with friction sets --------------------------------------------------------------------
+#
+# Rules ``ellipse`` and ``roller``: how far the motion of any array of a box is from the twist that its speeds command.
+#
+# The speeds u that impose xi_m on the scene impose some other twist on an array within its tolerances.  On the border
+# of a cube about xi_m let every subgradient g of D have ``g . (xi - xi_m) > 0``.  Then D increases outward there, and,
+# being convex, has all its minimizers inside, for every array of the box at once.  The body is at the point.
+
+
+SIDE_PARTS = 10  # of each edge of the cube
+SHARES = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.7, 0.9)  # of the largest distance that serves
+
+
+def distance_of_minimizers(
+    own: Scene, box: Tolerance, loads: LoadBox, imposed: ImposedTwist, most: float
+) -> arb | None:
+    """A bound of ``|xi - xi_m|``, below ``most``, in the unit l of the scene; None where none is shown.
+
+    Args:
+        own: a centred scene under rule ``ellipse``, ``roller`` or ``mixed``, with l for the unit of length.
+        box: its tolerances.
+        loads: of all its arrays.
+        imposed: the twist, with the speeds that impose it.
+        most: the largest bound that is of use.
+    """
+    arrays = ArrayBox(box_wheels(own, box), loads, force_law(own))
+    forces = replace(PieceForces.at_point(arrays), speeds=_speeds(own, box, imposed))
+    middle = np.array([float(entry) for entry in imposed.twist])
+    rounding = 2.0**-40 * (most + float(np.abs(middle).max()))  # of the cube to floats
+    for share in SHARES:
+        half = share * most / np.sqrt(3)
+        if _is_outward(forces, middle, half):
+            return arb(half) * arb(3).sqrt() + arb(rounding)
+    return None
+
+
+def _speeds(scene: Scene, box: Tolerance, imposed: ImposedTwist) -> Intervals:
+    """Along and across each wheel's friction axis: rims' speeds of the law, within their tolerance (wheels, 2)."""
+    drive = 1 + box.speed.ball() * UNIT
+    pairs = zip(scene.wheels, rim_speeds(scene, imposed), strict=True)
+    return Intervals.about(
+        [[(gain / wheel.grip_length).ball() * speed * drive for gain in wheel.gains] for wheel, speed in pairs]
+    )
+
+
+def _is_outward(forces: PieceForces, middle: Floats, half: float) -> bool:
+    """Whether D increases outward all along the border of a cube about a twist."""
+    ends = np.linspace(-1.0, 1.0, SIDE_PARTS + 1)
+    part = Intervals(ends[:-1], ends[1:])
+    first, second = np.indices((SIDE_PARTS, SIDE_PARTS)).reshape(2, -1)
+    for k in range(3):
+        for side in (-1.0, 1.0):
+            offset = [Intervals.of(np.full(len(first), side)), part[first], part[second]]
+            x, y, spin = (offset[(axis - k) % 3][None] * Intervals.of(half) for axis in range(3))
+            if not _increases(forces, middle, (x, y, spin)):
+                return False
+    return True
+
+
+def _increases(forces: PieceForces, middle: Floats, offset: Triple) -> bool:
+    """``g . (xi - xi_m) > 0`` on parts of one side: along their middles, and what is left of them."""
+    x, y, spin = (entry + Intervals.of(value) for entry, value in zip(offset, middle, strict=True))
+    pulls = forces.forces((x, y, spin))
+    a, b, c = (Intervals.of(entry.middle) for entry in offset)
+    power = forces.power(pulls, (a, b, c))
+    for entry, centre, pull in zip(offset, (a, b, c), forces.wrench(pulls), strict=True):
+        power = power + (entry - centre) * pull
+    return bool((power.low > 0).all())

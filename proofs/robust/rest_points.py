@@ -20,16 +20,13 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.proofs.boxes.balanced_forces import TINY, BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import (
-    NEWTON_STEPS,
     PRECISION,
-    Balance,
     EnclosedRest,
+    enclosed_motion,
     enclosed_rest,
-    isolated_zero,
-    slope_of_pose_rate,
     unknowns_at_rest,
 )
-from nonsmooth.proofs.boxes.enclosures import UNIT, newton
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.level_sets import (
@@ -40,10 +37,10 @@ from nonsmooth.proofs.robust.level_sets import (
     short_levels,
     short_vertices,
 )
-from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
+from nonsmooth.proofs.robust.touching_rings import RATIO, falls_about, finer_rate, ring_rates
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
@@ -78,7 +75,7 @@ def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     left, free = pieces, forces.minimizers(pieces.middles)
     for _ in range(MOST_HALVINGS + 1):
         shown = affine_rates(forces, left, free)
-        hopeless = ~(_seen(forces, left, free) > 0) | _sticks(forces, free)
+        hopeless = ~(falls_about(forces, left, free) > 0) | _sticks(forces, free)
         lost = np.unique(owners[(shown <= 0) & hopeless])
         rates[lost] = 0.0
         np.minimum.at(rates, owners[shown > 0], shown[shown > 0])
@@ -97,13 +94,6 @@ def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     else:
         rates[owners] = 0.0
     return rates.reshape(-1, pieces.per_ring).min(axis=1).tolist()
-
-
-def _seen(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
-    """About ``-V'`` in the middle of each quadrangle, times its size."""
-    slopes, places = pieces.middle_slopes, pieces.middles
-    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
-    return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
 
 
 def _sticks(forces: BalancedForces, free: Floats) -> Mask:
@@ -134,9 +124,8 @@ def _rates(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
         return np.full(len(pieces.corners), -np.inf)
     middle, by_place, rest, is_enclosed = found
     away = [Intervals.of(pieces.corners[:, :, k]) - Intervals.of(pieces.middles[:, None, k]) for k in range(2)]
-    covector = (*pieces.slopes, pieces.moments * Intervals.of(1 / forces.length).widened)
     rises, bends = Intervals.of(0.0), Intervals.of(0.0)
-    for k, along in enumerate(covector):
+    for k, along in enumerate(forces.covector(*pieces.slopes, pieces.moments)):
         affine = middle[:, None, k] + by_place[:, None, k, 0] * away[0] + by_place[:, None, k, 1] * away[1]
         rises = rises + along * (affine + rest[:, None, k])
         # the mean of products of two affine functions is that of the means, but for a quarter of both ranges
@@ -161,12 +150,11 @@ def _affine_twists(
     inverse[regular] = np.linalg.inv(slopes[regular])
     start = Intervals.of(free)
     slips = _slips(forces, start)
-    forms, (one, by_x, by_y) = forces.forms, forces.forms
+    one, by_x, by_y = forces.forms
     pull = _pull(forces, slips)
     loads = one + by_x * Intervals.of(places[:, :1]) + by_y * Intervals.of(places[:, 1:])
     off = -_times(inverse, _weighed(loads, pull))
-    columns = [-_times(inverse, _weighed(form, pull)) for form in forms[1:]]
-    by_place = Intervals(*(np.stack([getattr(column, end) for column in columns], axis=-1) for end in ("low", "high")))
+    by_place = Intervals.stacked([-_times(inverse, _weighed(form, pull)) for form in (by_x, by_y)])
     reach = [np.abs(pieces.corners[:, :, k] - places[:, None, k]).max(axis=1) * (1 + 2.0**-40) for k in range(2)]
     sides = [Intervals(-size, size)[:, None] for size in reach]
     change = off + by_place[:, :, 0] * sides[0] + by_place[:, :, 1] * sides[1]
@@ -206,8 +194,7 @@ def _pull(forces: BalancedForces, slips: tuple[Intervals, Intervals]) -> list[In
 
 def _weighed(loads: Intervals, parts: list[Intervals]) -> Intervals:
     """The sums over all wheels, (n, parts)."""
-    sums = [(loads * part).sum(axis=1) for part in parts]
-    return Intervals(*(np.stack([getattr(each, end) for each in sums], axis=-1) for end in ("low", "high")))
+    return Intervals.stacked([(loads * part).sum(axis=1) for part in parts])
 
 
 def _contraction(
@@ -218,8 +205,7 @@ def _contraction(
     bend, w = loads * forces.enclosed_sets.bend(r, s), [s * a - r * b for a, b in zip(*forces.rows, strict=True)]
     entries = _weighed(bend, [w[i] * w[j] if i != j else w[i].square for i in range(3) for j in range(3)])
     hessian = Intervals(entries.low.reshape(-1, 3, 3), entries.high.reshape(-1, 3, 3))
-    columns = [-_times(inverse, hessian[:, :, j]) for j in range(3)]
-    product = Intervals(*(np.stack([getattr(each, end) for each in columns], axis=-1) for end in ("low", "high")))
+    product = Intervals.stacked([-_times(inverse, hessian[:, :, j]) for j in range(3)])
     return product + Intervals.of(np.eye(3))
 
 
@@ -232,7 +218,6 @@ def _times(matrices: Floats, vectors: Intervals) -> Intervals:
 
 
 PARTS = 6  # of each side of the square in which the field is differentiated
-CENTRED = 2.0**-30  # of twist and forces: Newton's step in the middle of a part after which no better one is needed
 CONE, CONE_PARTS = 16, 16  # the same for cones, of which few of them are asked: of at most so many sectors
 DISCS = tuple(Fraction(1, 8**k) for k in range(1, 6))  # of the accuracy: where the field is taken for nearly linear
 WIDTHS = (1.0, 0.5, 0.25)  # b of the cones that are tried
@@ -332,7 +317,7 @@ def _slopes_over(rest: EnclosedRest, shape: SectorFunction, reach: float, beside
     """
     near, count = unknowns_at_rest(rest.zero).mid(), PARTS if len(shape.sectors) > CONE else CONE_PARTS
     half, margin = reach / count, reach * 2.0**-20 + float(beside) * 2
-    known: dict[tuple[float, float], arb_mat | None] = {}
+    known: dict[tuple[float, float], tuple[arb_mat, arb_mat] | None] = {}
     middles = [half * (2 * k + 1 - count) for k in range(count)]
     hulls = []
     for sector in shape.sectors.tolist():
@@ -341,11 +326,12 @@ def _slopes_over(rest: EnclosedRest, shape: SectorFunction, reach: float, beside
             if _is_beyond(shape.rays(sector), place, half, margin):
                 continue
             if place not in known:
-                known[place] = _slope_over_part(rest.balance, near, place, half * (1 + 2.0**-40))
-            part = known[place]
-            if part is None:
+                part = [arb(entry) + arb(half * (1 + 2.0**-40)) * UNIT for entry in place]
+                known[place] = enclosed_motion(rest.balance, near, part)
+            motion = known[place]
+            if motion is None:
                 return None
-            hull = list(map(arb.union, hull, part.entries())) if hull else part.entries()
+            hull = list(map(arb.union, hull, motion[1].entries())) if hull else motion[1].entries()
         hulls.append(arb_mat(2, 2, hull))
     return hulls
 
@@ -357,24 +343,6 @@ def _is_beyond(rays: Floats, place: tuple[float, float], half: float, margin: fl
     inside_first = ax * y - ay * x + half * (abs(ax) + abs(ay))
     inside_second = by * x - bx * y + half * (abs(bx) + abs(by))
     return bool(min(inside_first, inside_second) < -margin)
-
-
-def _slope_over_part(balance: Balance, near: arb_mat, middle: tuple[float, float], half: float) -> arb_mat | None:
-    """The hull of A over a square about a point; Krawczyk's operator encloses twist and forces all over it."""
-    centre = arb(middle[0]), arb(middle[1])
-    place = [entry + arb(half) * UNIT for entry in centre]
-
-    def equations(unknowns: arb_mat, there: Sequence[arb]) -> tuple[arb_mat, arb_mat] | None:
-        found = balance.at(unknowns, there)
-        return None if found is None else found[:2]
-
-    start = newton(lambda unknowns: equations(unknowns, centre), near, NEWTON_STEPS, last=CENTRED)
-    unknowns = None if start is None else isolated_zero(lambda unknowns: equations(unknowns, place), start)
-    found = None if unknowns is None else balance.at(unknowns, place)
-    if unknowns is None or found is None:
-        return None
-    _, bend, by_place = found
-    return slope_of_pose_rate(bend, by_place, place, unknowns[2, 0])
 
 
 def _rises_around(forces: BalancedForces, shape: SectorFunction, level: float, accuracy: Fraction) -> bool:
@@ -424,7 +392,7 @@ class AttractingDisc:
         """After which bodies from within ``start`` of the point are within ``near`` of it; both beyond ``beside``."""
         share = (start + self.beside) * self.outside / (self.inside * (near - self.beside))
         with ctx.workprec(PRECISION):
-            logarithm = -rational_below(-(arb(share.numerator) / share.denominator).log())
+            logarithm = rational_above((arb(share.numerator) / share.denominator).log())
         return max(logarithm, Fraction(0)) / self.rate
 
 

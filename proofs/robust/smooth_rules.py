@@ -27,6 +27,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Jet,
@@ -37,12 +38,11 @@ from nonsmooth.proofs.boxes.enclosures import (
     linear_stability,
     newton,
     parameters,
-    pose_rate_slope,
+    slope_of_pose_rate,
     turned_by,
     unit_vector,
 )
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple, force_law, rollers
 from nonsmooth.proofs.robust.box import box_wheels, half_widths
@@ -51,7 +51,7 @@ from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 PRECISION = 64  # bits of the balls
@@ -210,17 +210,12 @@ def _inflated(centre: arb_mat, offset: arb_mat) -> arb_mat:
 def _attracting(balance: _Balance, box: arb_mat) -> EquilibriumBox | None:
     """Bounds of the box, where A is Hurwitz all over it."""
     x, y, omega = box.entries()
-    inverse = approximate_inverse(balance.by_twist)
-    if inverse is None or not is_positive_definite(balance.by_twist.tolist()):
+    motion = slope_of_pose_rate(balance.by_twist, balance.by_place, (x, y), omega)
+    if motion is None or not is_positive_definite(balance.by_twist.tolist()):
         return None
-    try:
-        response = -(inverse * balance.by_twist).solve(inverse * balance.by_place)  # (V; w)
-    except ZeroDivisionError:
-        return None
-    motion = pose_rate_slope(arb_mat([[x], [y]]), omega, response)
     if linear_stability(motion.tolist()) is not Translation.ASYMPTOTICALLY_STABLE:
         return None
-    return EquilibriumBox(-rational_below(-(x * x + y * y)), -rational_below(-abs(omega)))
+    return EquilibriumBox(rational_above(x * x + y * y), rational_above(abs(omega)))
 
 
 # ---- rules ``ellipse`` and ``roller`` over a box of parameters: where every body comes nearer ----

@@ -261,12 +261,17 @@ def least_rate(forces: BalancedForces, pieces: RingPieces) -> float:
     return rate
 
 
+def falls_about(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
+    """About ``-V'`` in the middle of each quadrangle, times its size, from the minimizers there."""
+    slopes, places = pieces.middle_slopes, pieces.middles
+    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
+    return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
+
+
 def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, Mask]:
     """In the middle of each quadrangle the minimizer, ``-V'`` in floats, and whether that is positive."""
     free = forces.minimizers(pieces.middles)
-    slopes, places = pieces.middle_slopes, pieces.middles
-    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
-    falls = -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
+    slopes, falls = pieces.middle_slopes, falls_about(forces, pieces, free)
     sizes = pieces.sizes.mean(axis=1)
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
     still = STILL if isinstance(forces.sets, Box) else SLOW
@@ -286,7 +291,6 @@ def piece_rates(
         more: whether pulls are tried too that slow the body by shares of that.
     """
     best = np.full(len(pieces.corners), -np.inf)
-    inverse = Intervals.of(1 / forces.length).widened
     strengths = _strengths(forces, pieces)
     if more and not isinstance(forces.sets, Box):
         strengths += _slowing(forces, pieces, free, seen)
@@ -297,7 +301,7 @@ def piece_rates(
         tell(f"{len(left)} pieces left")
         chosen, some = every[left], pieces.at(left)
         strength = Intervals.of(chosen[:, None])
-        pulls = strength * some.slopes[0], strength * some.slopes[1], strength * some.moments * inverse
+        pulls = forces.covector(strength * some.slopes[0], strength * some.slopes[1], strength * some.moments)
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
         against = forces.against(some.corners.reshape(-1, 2), middle, np.repeat(free[left], 4, axis=0))
         shown = forces.powers(some.corners, pulls, against.forces, free[left])

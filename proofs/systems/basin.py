@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cache, cached_property, partial
 
 import numpy as np
@@ -47,7 +48,6 @@ from nonsmooth.proofs.systems.outer_ring import (
     on_lattice,
     places_of_rest,
     ring_of,
-    unit_of,
 )
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
@@ -79,10 +79,10 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
         border: of the certified region: shape (corners, 2).
         pace: of rings.
     """
-    plane = Plane(system, "1", list(surfaces), Proofs({}))
-    if any(plane.waves):
+    field = FloatField.of(system, surfaces)
+    if any(field.plane.waves):
         return []
-    field, half, found = FloatField(plane), float(np.abs(border).max()), list[Beside]()
+    half, found = float(np.abs(border).max()), list[Beside]()
     rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.isfinite(slope).all()]
     saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < -CLEAR * np.sum(slope**2)]
     with np.errstate(all="ignore"):  # far out, and where velocities vanish
@@ -95,7 +95,7 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
 
 def left_of(hypotheses: Record, x: Floats) -> Mask:
     """Which places are to the left of a line, in floats: shape (places, 2)."""
-    unit = unit_of(hypotheses)
+    unit = float(Fraction(hypotheses["unit"]))
     half = 1 + int(np.abs(x).max() / unit)
     first, last = map(place_of, hypotheses["ends"])
     whole = closed([place_of(own) for own in hypotheses["corners"]], first, last, half)
@@ -318,10 +318,8 @@ def find_basin(
     def builder(rings: Sequence[Floats]) -> MeshBuilder:
         return MeshBuilder(field, cells, rings, effort.pace.move, effort.triangles)
 
-    plane = cells("1")
-    field, potential = FloatField(plane), _potential(plane, local)
-    level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
-    first = level_ring(field, potential, level, within)
+    field, home = FloatField(cells("1")), _Home(system, local)
+    first = level_ring(field, home.potential, home.level, home.within)
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())
@@ -336,9 +334,6 @@ def find_basin(
             break
     if best is None:
         return None
-
-    def is_home(x: Floats) -> Mask:
-        return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
     border = last_ring(best.corners)
@@ -357,7 +352,7 @@ def find_basin(
     if outside is not None:
         open_ones &= inside_ring(ring_of(outside), starts)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
-    came = _come(field, is_home, border, starts[~certified & open_ones])
+    came = _come(field, home, border, starts[~certified & open_ones])
     sampled = square[0], square[0] + came
     return CertifiedBasin(hypotheses, sampled, outside, tuple(traps), tuple(saddles), square, _ends(starts))
 
@@ -380,14 +375,8 @@ def find_basin_in_space(
         limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
         announce: told what is done, how much of it, and of how much.
     """
-    effort, plane = IN_SPACE[asked], Plane(system, "1", surfaces, Proofs({}))
-    field, potential = FloatField(plane), _potential(plane, local)
-    level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
-
-    def is_home(x: Floats) -> Mask:
-        return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
-
-    front = Front(field, is_home, within, limit, effort)
+    field, home, effort = FloatField.of(system, surfaces), _Home(system, local), IN_SPACE[asked]
+    front = Front(field, home, home.within, limit, effort)
     grown = front.grown(_step(announce, "polyhedra"))
     if len(grown) < 2:
         return None
@@ -395,9 +384,9 @@ def find_basin_in_space(
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": len(grown) - 1}
     found = CertifiedBasin(hypotheses, (0, 0))
     starts = _grid(found.border, effort.starts, None)
-    certified = found.holds(starts) | is_home(starts)
+    certified = found.holds(starts) | home(starts)
     count = int(np.sum(certified))
-    came = _come(field, is_home, found.border, starts[~certified])
+    came = _come(field, home, found.border, starts[~certified])
     return replace(found, sampled=(count, count + came), window=_ends(starts))
 
 
@@ -405,18 +394,31 @@ def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int
     return lambda done, total: announce(what, done, total)
 
 
-def _number(text: str) -> float:
-    numerator, _, denominator = text.partition("/")
-    return float(numerator) / float(denominator or 1)
+class _Home:
+    """Where a V that falls is below a level, on the square or cube on which that is shown, in floats.
+
+    Attributes:
+        potential: V.
+        level: a part of the certified one.
+        within: half the side of the cube.
+    """
+
+    def __init__(self, system: System, local: Record) -> None:
+        self.potential = _potential(system, local)
+        self.level, self.within = INSIDE * float(Fraction(local["level"])), float(Fraction(local["cells"]["within"]))
+
+    def __call__(self, x: Floats) -> Mask:
+        """Which places are there."""
+        return np.asarray((self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within))
 
 
-def _potential(plane: Plane, local: Record) -> Callable[[Floats], Floats]:
+def _potential(system: System, local: Record) -> Callable[[Floats], Floats]:
     """V in floats: one formula, or one for each of some patterns of signs; infinite where it is not known."""
-    function, place = local["function"], plane.domain.displacement
-    near = Plane(plane.domain.system, "1", local["cells"]["surfaces"], Proofs({}))
+    function, field = local["function"], FloatField.of(system, local["cells"]["surfaces"])
+    place, near = field.plane.domain.displacement, field.plane
 
     def sign_patterns(x: Floats) -> NDArray[np.int64]:
-        return np.where(FloatField(near).guards(x) >= 0, 1, -1)
+        return np.where(field.guards(x) >= 0, 1, -1)
 
     @cache
     def piece(signs: Pattern) -> Polynomial | None:

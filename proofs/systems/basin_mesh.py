@@ -219,8 +219,7 @@ class BuiltMesh:
 def mesh_corners(mesh: Record) -> Floats:
     """The corners of a mesh in floats."""
     found = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
-    numerator, _, denominator = mesh["unit"].partition("/")
-    found[:, :-1] *= float(numerator) / float(denominator or 1)
+    found[:, :-1] *= float(Fraction(mesh["unit"]))
     return found
 
 

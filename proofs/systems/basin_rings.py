@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache, cached_property
 from itertools import accumulate, product
 from math import factorial, prod
@@ -29,8 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.basin import Plane
-from nonsmooth.proofs.checker.cells import Pattern
+from nonsmooth.proofs.checker.cells import Pattern, System
 from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
 WAY, PAUSE, GROWTH = 30.0, 1.0, 1.0015  # of a ring's size at most; between looks at the area; by which this must grow
@@ -108,6 +110,11 @@ class FloatField:
     """
 
     plane: Plane
+
+    @classmethod
+    def of(cls, system: System, surfaces: Sequence[str]) -> FloatField:
+        """That of a system which switches on surfaces in the displacement."""
+        return cls(Plane(system, "1", list(surfaces), Proofs({})))
 
     @property
     def surfaces(self) -> Sequence[Polynomial]:
@@ -523,3 +530,19 @@ def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> Mask:
         crosses = (ay > x[:, 1]) != (by > x[:, 1])
         found ^= crosses & (x[:, 0] < ax + (x[:, 1] - ay) / (by - ay) * (bx - ax))
     return found
+
+
+def falling_form(linear: Floats, share: float) -> Floats:
+    """P such that ``x' P x`` falls along ``x' = A x``, at least about at a share s of the slowest rate r.
+
+    It has ``(A + s r I)' P + P (A + s r I) = -I``.
+    """
+    from scipy.linalg import solve_continuous_lyapunov
+
+    shift = -share * float(np.linalg.eigvals(linear).real.max())
+    return np.asarray(solve_continuous_lyapunov((linear + shift * np.eye(len(linear))).T, -np.eye(len(linear))))
+
+
+def lattice_unit(power: int) -> str:
+    """The unit ``2^-power`` of corners in whole numbers, as a certificate holds it."""
+    return str(1 / Fraction(2) ** power)

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import Pattern
-from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, bernstein
+from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, bernstein, falling_form, lattice_unit
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
@@ -479,8 +479,7 @@ class Front:
         for number in range(len(found) - 1):
             listed = (self.between + number * self.count).tolist()
             tetrahedra += [" ".join(map(str, own)) for own in listed]
-        unit = f"1/{2**power}" if power >= 0 else str(2**-power)
-        return {"unit": unit, "corners": corners, "tetrahedra": tetrahedra}
+        return {"unit": lattice_unit(power), "corners": corners, "tetrahedra": tetrahedra}
 
 
 def switching_planes(field: FloatField) -> dict[int, tuple[int, int, int]]:
@@ -535,17 +534,13 @@ def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]
 def unit_ball(linear: Floats) -> Floats:
     """Units U in which a ball shrinks at a good angle along ``x' = A x``, with ``x = U z``.
 
-    ``P = (U U')^-1`` has ``(A + s I)' P + P (A + s I) = -I``, where s is a part of the slowest rate.  Where a rate is
+    ``(U U')^-1`` is a :func:`form that falls <nonsmooth.proofs.systems.basin_rings.falling_form>`.  Where a rate is
     nearly zero, these are the units of the states.
     """
-    from scipy.linalg import solve_continuous_lyapunov
-
     slowest = -float(np.linalg.eigvals(linear).real.max())
     if not slowest > SLOW * float(np.abs(linear).max()):
         return np.eye(len(linear))
-    shifted = linear + SHIFT * slowest * np.eye(len(linear))
-    weights = solve_continuous_lyapunov(shifted.T, -np.eye(len(linear)))
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(weights).T))
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(falling_form(linear, SHIFT)).T))
 
 
 def _reach(ray: Floats, inside: Callable[[Floats], Mask], within: float) -> float:

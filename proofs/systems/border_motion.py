@@ -21,7 +21,7 @@ from typing import Any
 from flint import arb, arb_series, ctx, fmpq
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.region import Segment, common_edges
+from nonsmooth.analysis.cells.region import Segment, affine, common_edges, on_edge
 from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.analysis.fields.stated_field import PlaneWave, StatedField
 from nonsmooth.proofs.inequalities.real_roots import (
@@ -35,7 +35,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
 )
 from nonsmooth.symbolic.mechanics.constraints import cross_product
 from nonsmooth.symbolic.numbers.lazy import evaluated
-from nonsmooth.symbolic.numbers.plane import dot
+from nonsmooth.symbolic.numbers.plane import between, dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 
@@ -89,8 +89,8 @@ def _parts(first: FieldCell, second: FieldCell, edge: Segment) -> Iterator[Borde
     normal = [[trimmed(along_edge(f * a + g * b, edge)) for f, g in cell.velocities] for cell in (first, second)]
     curves = [curve for side in normal for curve in side if curve]
     roots = separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
-    ends: list[tuple[Point, bool]] = [(_end(edge[0]), True), *(_root_point(r, edge) for r in roots)]
-    ends.append((_end(edge[1]), True))
+    ends: list[tuple[Point, bool]] = [(affine(edge[0]), True), *(_root_point(r, edge) for r in roots)]
+    ends.append((affine(edge[1]), True))
     for t, ((start, known), (end, named)) in zip(samples_between(roots), pairwise(ends), strict=True):
         signs = [{value(curve, t).sign() if curve else 0 for curve in side} for side in normal]
         fields = StatedField(first.velocities[0]), StatedField(second.velocities[0])
@@ -126,16 +126,9 @@ def border_kind(first: set[int], second: set[int]) -> BorderKind:
     return BorderKind.CROSSING
 
 
-def _end(generator: tuple[object, ...]) -> Point:
-    x, y, w = generator
-    return (x / w, y / w)  # type: ignore[operator]
-
-
 def _root_point(root: RealRoot, edge: Segment) -> tuple[Point, bool]:
     exact = root.exact()
-    t = root.low if exact is None else exact
-    x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
-    return (x / w, y / w), exact is not None
+    return on_edge(edge, root.low if exact is None else exact), exact is not None
 
 
 SHORT = Fraction(1, 2**20)  # of a border: parts that are left out
@@ -263,7 +256,7 @@ def wave_border_parts(cells: Sequence[FieldCell], fields: Sequence[StatedField])
 
 def _wave_parts(first: StatedField, second: StatedField, edge: Segment) -> Iterator[BorderPart]:
     a, b, _ = cross_product(*edge)  # positive inside the first cell
-    start, end = ((x / w, y / w) for x, y, w in edge)
+    start, end = map(affine, edge)
     (f, g), (h, k) = first.rates, second.rates
     signs = [
         list(NormalPart(across, field.waves, start, end).stretches())
@@ -273,7 +266,7 @@ def _wave_parts(first: StatedField, second: StatedField, edge: Segment) -> Itera
         for other in signs[1]:
             low, high = max(one.low, other.low), min(one.high, other.high)
             if high - low > SHORT:
-                places = [_place(start, end, t) for t in (low, high)]
+                places = [between(start, end, t) for t in (low, high)]
                 exact = low == 0 and high == 1
                 kind = _kind(one.sign, other.sign)
                 yield BorderPart(places[0], places[1], kind, exact, (a, b), (first, second))
@@ -281,11 +274,6 @@ def _wave_parts(first: StatedField, second: StatedField, edge: Segment) -> Itera
 
 def _kind(first: int | None, second: int | None) -> BorderKind:
     return BorderKind.UNDECIDED if first is None or second is None else border_kind({first}, {second})
-
-
-def _place(start: Point, end: Point, t: Fraction) -> Point:
-    x, y = (a + (b - a) * t for a, b in zip(start, end, strict=True))
-    return x, y
 
 
 def _joined(stretches: Sequence[BorderStretch]) -> Iterator[BorderStretch]:

@@ -39,15 +39,15 @@ from itertools import combinations
 from operator import itemgetter
 from typing import Any
 
-from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.region import Region, common_edges
+from nonsmooth.analysis.cells.polygon import Point, clipped_by
+from nonsmooth.analysis.cells.region import Region, affine, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
-from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
+from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.symbolic.formulas.surfaces import divides
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
@@ -93,7 +93,7 @@ class CurvedKink:
             return True
         sides = tuple(_linear(side, self.curve) for side in other.region.sides)
         there = replace(self.around, guards=(*self.around.guards, *other.region.guards, *sides))
-        return is_seen_empty(there, self.curve, MEETING_WORK, except_origin=True)
+        return _is_seen_empty(there, self.curve, MEETING_WORK)
 
     def _slides_down(self) -> bool:
         (f,), (g,) = self.first.velocities, self.second.velocities
@@ -117,17 +117,16 @@ def _linear(side: tuple[object, object, object], like: Polynomial) -> Polynomial
     return x * a + y * b + Polynomial.constant(like.field, like.variables, 1) * c
 
 
-def is_seen_empty(region: Region, like: Polynomial, work: int, *, except_origin: bool) -> bool:
-    """Whether ``-1 > 0`` is found to hold where no guard of a region is negative: there is no such point.
+def _is_seen_empty(region: Region, like: Polynomial, work: int) -> bool:
+    """Whether ``-1 > 0`` is found to hold where no guard of a region is negative: only the origin may be such a point.
 
     Args:
         region: a cell.
         like: a polynomial in the same variables.
         work: coefficients that may be looked at.
-        except_origin: whether the origin may be such a point.
     """
     minus_one = Polynomial.constant(like.field, like.variables, -1)
-    parts = build_parts(Question(Sense.POSITIVE, minus_one, region, except_origin))
+    parts = build_parts(Question(Sense.POSITIVE, minus_one, region, except_origin=True))
     return all(part.subdivided(work) is None for part in parts)
 
 
@@ -248,7 +247,7 @@ def _bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
                 yield _jump_stratum(cells, kink)
             elif kink.bends:
                 yield _open_stratum(cells, kink.point(kink.samples()[0])) if parting else _kink_stratum(cells, kink)
-                corners += [(x / w, y / w) for x, y, w in edge if w and (x or y)]
+                corners += [affine(end) for end in edge if end[2] and any(end[:2])]
     for corner in distinct(corners):
         yield _corner_stratum(cells, corner)
 
@@ -319,9 +318,7 @@ def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:
 
 def _overlap(first: LyapunovCell, second: LyapunovCell) -> Region | None:
     """The common part of the convex regions of two cells, with the guards of both; None where it has no area."""
-    overlap: Region | None = first.region
-    for side in second.region.sides:
-        overlap = overlap.clipped(side) if overlap is not None else None
+    overlap = clipped_by(first.region, second.region.sides)
     more = tuple(guard for guard in second.region.guards if guard not in first.region.guards)
     return None if overlap is None else replace(overlap, guards=(*first.region.guards, *more))
 
@@ -425,7 +422,7 @@ def _is_empty(cell: LyapunovCell) -> bool:
     decided = is_empty(cell.region)
     if decided is not None:
         return decided
-    return is_seen_empty(cell.region, cell.potential, EMPTINESS_WORK, except_origin=True)
+    return _is_seen_empty(cell.region, cell.potential, EMPTINESS_WORK)
 
 
 def conclude(

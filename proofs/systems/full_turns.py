@@ -30,6 +30,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import reduce
 from itertools import combinations
 from typing import TypeAlias
 
@@ -107,8 +108,7 @@ def _sense(cone: TangentCone) -> int:
 
 
 def _integral(cone: TangentCone, sense: int) -> arb:
-    rate = growth_on_chord(cone, sense)
-    return arb(acb.integral(lambda t, _: rate(t), 0, 1).real)
+    return _integral_between(growth_on_chord(cone, sense), Fraction(0), Fraction(1))
 
 
 def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
@@ -116,7 +116,7 @@ def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
     across, radial = (_on_chord(form, cone) for form in turning(cone.leading))
     x, y = (Polynomial.variable(cone.leading[0].field, cone.leading[0].variables, name) for name in "xy")
     square = _on_chord(dot((x, y), (x, y)), cone)
-    area = acb(_ball(cross(cone.start, cone.end))) * sense
+    area = acb(cross(cone.start, cone.end).ball()) * sense
     return lambda t: radial(t) * area / (across(t) * square(t))
 
 
@@ -126,12 +126,8 @@ def _on_chord(form: Polynomial, cone: TangentCone) -> acb_poly:
     share, rest = acb_poly([0, 1]), acb_poly([1, -1])
     total = acb_poly([0])
     for (first, second), c in terms.items():
-        total += acb_poly([acb(_ball(form.field(c)))]) * rest ** int(first) * share ** int(second)
+        total += acb_poly([acb(form.field(c).ball())]) * rest ** int(first) * share ** int(second)
     return total
-
-
-def _ball(number: Number) -> arb:
-    return number.ball()
 
 
 Rate: TypeAlias = Callable[[acb], acb]
@@ -235,11 +231,7 @@ def _integral_of_largest(rates: Sequence[Rate], low: Fraction, high: Fraction) -
         return arb(0)
     values = [rate(acb(rational_ball((low + high) / 2))).real for rate in rates]
     largest = [k for k, value in enumerate(values) if not any(value < other for other in values)]
-    integrals = [_integral_between(rates[k], low, high) for k in largest]
-    hull = integrals[0]
-    for integral in integrals[1:]:
-        hull = hull.union(integral)
-    return hull
+    return reduce(arb.union, (_integral_between(rates[k], low, high) for k in largest))
 
 
 def _integral_between(rate: Rate, low: Fraction, high: Fraction) -> arb:
@@ -251,10 +243,7 @@ def _enclosed_on(rates: Sequence[Rate], low: Fraction, high: Fraction) -> arb:
     if low >= high:
         return arb(0)
     piece = rational_ball(low).union(rational_ball(high))
-    values = [rate(acb(piece)).real for rate in rates]
-    hull = values[0]
-    for value in values[1:]:
-        hull = hull.union(value)
+    hull = reduce(arb.union, (rate(acb(piece)).real for rate in rates))
     return hull * (rational_ball(high) - rational_ball(low))
 
 

@@ -19,11 +19,11 @@ from fractions import Fraction
 from itertools import combinations
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.region import common_edges
+from nonsmooth.analysis.cells.region import affine, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, velocities_at
-from nonsmooth.proofs.inequalities.effort import effort_of_its_own
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Proof, prove
+from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.derivatives import EFFORT
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
@@ -121,6 +121,6 @@ def _places(cells: Sequence[FieldCell]) -> Iterator[Point]:
     for first, second in combinations(cells, 2):
         for start, end in common_edges(first.region, second.region):
             for share in ALONG:
-                x, y, w = (a * (1 - share) + b * share for a, b in zip(start, end, strict=True))
-                if w:
-                    yield x / w, y / w
+                place = [a * (1 - share) + b * share for a, b in zip(start, end, strict=True)]
+                if place[2]:
+                    yield affine(place)

@@ -28,7 +28,9 @@ from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.real_roots import (
     RealRoot,
+    along_ray,
     between_rays,
+    germ_sign,
     positive_roots,
     samples_between,
     value,
@@ -304,9 +306,7 @@ def _keeps_out(field: PlaneField, ray: Point, *, inward: int, other: int) -> boo
         inward: the sign of ``c x f`` of velocities that point into the cone.
         other: the sign of ``c x f`` on the other side.
     """
-    across = _along_ray(field, ray)[0]
-    bend = sign(across.terms[min(across.terms)]) if across else 0
-    return bend * inward >= 0 or other == inward
+    return germ_sign(along_ray(turning(field)[0], ray)) * inward >= 0 or other == inward
 
 
 def _crosses_itself(before: TangentCone, after: TangentCone) -> bool:
@@ -328,13 +328,5 @@ def _turn_and_speed(field: PlaneField, ray: Point) -> tuple[Any, Any]:
 
 def _first_slide(before: PlaneField, after: PlaneField, ray: Point) -> int:
     """The sign of ``n_1 rho_2 - n_2 rho_1`` at points of a straight ray near the equilibrium."""
-    (a, b), (c, d) = (_along_ray(field, ray) for field in (before, after))
-    numerator = a * d - c * b
-    return sign(numerator.terms[min(numerator.terms)]) if numerator else 0
-
-
-def _along_ray(field: PlaneField, ray: Point) -> tuple[Polynomial, Polynomial]:
-    """``c x f`` and ``c . f`` at ``c = s ray``."""
-    s = Polynomial.variable(field[0].field, ("s",), "s")
-    across, radial = (form.composed([s * ray[0], s * ray[1]]) for form in turning(field))
-    return across, radial
+    (a, b), (c, d) = ([along_ray(form, ray) for form in turning(field)] for field in (before, after))
+    return germ_sign(a * d - c * b)

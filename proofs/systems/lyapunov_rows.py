@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, float_points
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_values
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
@@ -180,7 +180,7 @@ def rows_at(sides: Sequence[Sides], points: Sequence[Point]) -> Floats:
         near = np.array([[float(v) * SHRINKING**k for v in point] for k in range(DISTANCES)])
         for side in sides:
             if side.cell.region.contains(point):
-                blocks += _cell_rows(side, near[_inside(side.cell.region, near)])
+                blocks += _cell_rows(side, near[where_guards_hold(side.cell.region, near)])
     return normalized(np.vstack(blocks)) if blocks else np.zeros((0, len(sides[0].values)))
 
 
@@ -218,14 +218,14 @@ def _shared_points(first: Region, second: Region, field: NumberField) -> list[tu
 def _points_between(first: Region, second: Region) -> Iterator[tuple[Floats, Floats]]:
     for edge in common_edges(first, second):
         points = _edge_points(edge)
-        points = points[_inside(first, points) & _inside(second, points)]
+        points = points[where_guards_hold(first, points) & where_guards_hold(second, points)]
         (ax, ay, aw), (bx, by, bw) = ([float(v) for v in end] for end in edge)
         along = np.array([bx / bw - ax / aw, by / bw - ay / aw]) if aw and bw else np.array([bx, by])
         yield points, np.broadcast_to([-along[1], along[0]], points.shape)
     for curve in first.guards:
         if any(not curve + guard for guard in second.guards):
             points = _curve_points(curve, first)
-            held = _inside(second, points, curve)
+            held = where_guards_hold(second, points, curve)
             slopes = (curve.derivative(name) for name in curve.variables)
             yield points[held], np.column_stack([values_at(p, points[held]) for p in slopes])
 
@@ -246,9 +246,15 @@ def _slide_rows(first: Sides, second: Sides, points: Floats, normals: Floats) ->
 # ---- where to look -------------------------------------------------------------------------------
 
 
+def _corners(region: Region) -> Floats:
+    """The corners of a bounded region in floats, shape (corners, 2)."""
+    places = float_points(region.generators)
+    return np.asarray(places[:, :2] / places[:, 2:])
+
+
 def sample_points(region: Region) -> Floats:
     """Points of a closed bounded region, at distances from the equilibrium that fall by a constant factor."""
-    corners = np.array([[float(x) / float(w), float(y) / float(w)] for x, y, w in region.generators])
+    corners = _corners(region)
     zero: Any = region.generators[0][2] - region.generators[0][2]
     convex = Region(region.generators)
     if convex.contains((zero, zero)):
@@ -259,7 +265,7 @@ def sample_points(region: Region) -> Floats:
     points = np.unique(points, axis=0)
     points = points[np.any(points != 0, axis=1)]
     on_curves = [_curve_points(guard, region) for guard in region.guards]
-    return np.vstack([points[_inside(region, points)], *on_curves])
+    return np.vstack([points[where_guards_hold(region, points)], *on_curves])
 
 
 def _edge_points(edge: Segment) -> Floats:
@@ -278,7 +284,7 @@ def _curve_points(curve: Polynomial, region: Region) -> Floats:
 
     Where the curve changes its sign between neighbours on a scaled outline, halving finds it.
     """
-    corners = np.array([[float(x) / float(w), float(y) / float(w)] for x, y, w in region.generators])
+    corners = _corners(region)
     outline = np.vstack([_between(a, b, RIM) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
     rims = [outline * SHRINKING ** (k / 2) for k in range(2 * DISTANCES)]
     start, end = np.vstack([rim[:-1] for rim in rims]), np.vstack([rim[1:] for rim in rims])
@@ -289,7 +295,7 @@ def _curve_points(curve: Polynomial, region: Region) -> Floats:
         middle = (start + end) / 2
         before = (values_at(curve, middle) * side > 0)[:, None]
         start, end = np.where(before, middle, start), np.where(before, end, middle)
-    return np.asarray(start[_inside(region, start, curve)])
+    return np.asarray(start[where_guards_hold(region, start, curve)])
 
 
 def _between(start: Floats, end: Floats, divisions: int = DIVISIONS) -> Floats:
@@ -302,7 +308,7 @@ def _triangle(first: Floats, second: Floats, third: Floats) -> Floats:
     return np.array([first + a * (second - first) + b * (third - first) for a, b in weights])
 
 
-def _inside(region: Region, points: Floats, curve: Polynomial | None = None) -> Mask:
+def where_guards_hold(region: Region, points: Floats, curve: Polynomial | None = None) -> Mask:
     """Where no guard is negative, but that of a curve on which the points lie."""
     kept = np.ones(len(points), dtype=bool)
     for guard in region.guards:

@@ -23,13 +23,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, grow, next_ring
+from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, falling_form, grow, lattice_unit, next_ring
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
 Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
@@ -58,7 +57,7 @@ def find_outer_ring(system: System, surfaces: Sequence[str], border: Floats, pac
         pace: about by which angle velocities are turned inward, and how near neighbours on a ring are.
         steps: of all rings that are tried, at most.
     """
-    field = FloatField(Plane(system, "1", list(surfaces), Proofs({})))
+    field = FloatField.of(system, surfaces)
     best: Record | None = None
     rings = [wider * border for wider in WIDER]
     for own in (turn * pace.angle for turn in TURNS):
@@ -85,7 +84,7 @@ def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: Pa
         pace: of rings.
         steps: of the rings about one place, at most.
     """
-    field, found = FloatField(Plane(system, "1", list(surfaces), Proofs({}))), list[Beside]()
+    field, found = FloatField.of(system, surfaces), list[Beside]()
     for place, slope in other_rests(field, AROUND * float(np.abs(border).max()))[:MOST_TRAPS]:
         moved = (ring_of(known) + place - other for other, known in found)  # fields may repeat themselves
         own = next(filter(None, (shown_polygon(system, surfaces, field, ring) for ring in moved)), None)
@@ -137,8 +136,8 @@ def _grown_about(
     away = [Fraction(round(own * 2**BITS), 2**BITS) for own in place.tolist()]
     middle, distance = np.array(away, dtype=float), float(np.linalg.norm(place))
     moved = replace(system, at=tuple(map(add, system.at, away)))
-    field = FloatField(Plane(moved, "1", _moved(system, surfaces, away), Proofs({})))
-    whole = FloatField(Plane(system, "1", list(surfaces), Proofs({})))
+    field = FloatField.of(moved, _moved(system, surfaces, away))
+    whole = FloatField.of(system, surfaces)
 
     def shown(ring: Floats) -> Record | None:
         return shown_polygon(system, surfaces, whole, ring[::-1] + middle)
@@ -156,12 +155,8 @@ def _grown_about(
 
 def _small_ring(slope: Floats) -> Floats:
     """An ellipse of size 1, counterclockwise: a level set of a V that falls about as fast as the slowest solutions."""
-    from scipy.linalg import solve_continuous_lyapunov
-
-    slowest = -float(np.linalg.eigvals(slope).real.max())
-    shape = solve_continuous_lyapunov((slope + SLOWER * slowest * np.eye(2)).T, -np.eye(2))
-    angles = np.linspace(0, 2 * np.pi, FIRST, endpoint=False)
-    circle = unit_vectors(angles)
+    shape = falling_form(slope, SLOWER)
+    circle = unit_vectors(np.linspace(0, 2 * np.pi, FIRST, endpoint=False))
     ring = circle / np.sqrt(np.einsum("ki,ij,kj->k", circle, shape, circle))[:, None]
     return np.asarray(ring / np.abs(ring).max())
 
@@ -255,16 +250,14 @@ def on_lattice(ring: Floats, surfaces: Sequence[str]) -> Record:
     """A ring in whole numbers, as a certificate holds it."""
     power = BITS - int(np.ceil(np.log2(float(np.abs(ring).max()))))
     places = np.rint(ring * 2.0**power).astype(np.int64)
-    unit = f"1/{2**power}" if power >= 0 else str(2**-power)
-    return {"surfaces": list(surfaces), "unit": unit, "corners": [f"{x} {y}" for x, y in places.tolist()]}
+    return {
+        "surfaces": list(surfaces),
+        "unit": lattice_unit(power),
+        "corners": [f"{x} {y}" for x, y in places.tolist()],
+    }
 
 
 def ring_of(hypotheses: Record) -> Floats:
     """The corners of a polygon in floats: shape (corners, 2)."""
     places = np.array([own.split(" ") for own in hypotheses["corners"]], dtype=float)
-    return np.asarray(places * unit_of(hypotheses))
-
-
-def unit_of(hypotheses: Record) -> float:
-    """The unit of the corners."""
-    return float(Fraction(hypotheses["unit"]))
+    return np.asarray(places * float(Fraction(hypotheses["unit"])))

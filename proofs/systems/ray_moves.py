@@ -33,7 +33,9 @@ from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.inequalities.kinks import mixtures
 from nonsmooth.proofs.inequalities.real_roots import (
     RealRoot,
+    along_ray,
     between_rays,
+    germ_sign,
     positive_roots,
     samples_between,
     value,
@@ -168,14 +170,8 @@ def _all_oppose(beside: Sequence[FieldCell], ray: Point) -> bool:
 
 def _rests_along(first: PlaneField, second: PlaneField, ray: Point) -> bool:
     """Whether two fields are opposed, or one vanishes, at all points ``t ray`` with small t > 0."""
-    x, y = ray
-    t = Polynomial.variable(first[0].field, ("t",), "t")
-    (a, b), (c, d) = ([part.composed([t * x, t * y]) for part in field] for field in (first, second))
-    if not a and not b:
-        return True
-    turn, along = a * d - b * c, a * c + b * d
-    lowest = min((e[0] for e in along.terms), default=0)
-    return not turn and bool(along) and along.terms[(lowest,)].sign() < 0
+    (a, b), (c, d) = ([along_ray(part, ray) for part in field] for field in (first, second))
+    return (not a and not b) or (not a * d - b * c and germ_sign(a * c + b * d) < 0)
 
 
 def _boundary_moves(cells: Sequence[FieldCell], ray: Point) -> Iterator[RayMove]:
@@ -372,7 +368,7 @@ def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan |
             pieces.append(ConePiece(a, _field(system, states, inner, weights, frame, signs), surfaces))
     degree = min((sum(e) for piece in pieces for part in piece.field for e in part.terms), default=0)
     cones = tuple(
-        TangentCone(p.start, q.start, p.field, (_part(p.field[0], degree), _part(p.field[1], degree)))
+        TangentCone(p.start, q.start, p.field, (p.field[0].part(degree), p.field[1].part(degree)))
         for p, q in around(pieces)
     )
     touched = tuple(_touching(pieces, k) for k in range(len(pieces)))
@@ -420,10 +416,6 @@ def _rays(system: SwitchedSystem, surfaces: Sequence[Polynomial], signs: tuple[i
                 if inside and not any(not cross(ray, known) for known in found):
                     found.append(ray)
     return sorted(found, key=by_angle)
-
-
-def _part(polynomial: Polynomial, degree: int) -> Polynomial:
-    return replace(polynomial, terms={e: c for e, c in polynomial.terms.items() if sum(e) == degree})
 
 
 def _field(

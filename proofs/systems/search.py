@@ -23,8 +23,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.region import Region, cone_region
+from nonsmooth.analysis.cells.polygon import Point, clipped_by
+from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.proofs.inequalities.forms import directions
@@ -43,7 +43,7 @@ from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Proposal: TypeAlias = tuple[Floats, Floats]  # values on rays, and mixed ones
@@ -87,26 +87,15 @@ def linear_parts(cones: Sequence[FieldCell]) -> tuple[FieldCell, ...] | None:
     """The cones with the linear parts of their fields; None where a field does not vanish at the origin."""
     if any((0, 0) in part.terms for cell in cones for velocity in cell.velocities for part in velocity):
         return None
-    return tuple(
-        replace(cell, velocities=tuple((_linear(f), _linear(g)) for f, g in cell.velocities)) for cell in cones
-    )
-
-
-def _linear(polynomial: Polynomial) -> Polynomial:
-    return replace(polynomial, terms={e: c for e, c in polynomial.terms.items() if sum(e) == 1})
+    return tuple(replace(cell, velocities=tuple((f.part(1), g.part(1)) for f, g in cell.velocities)) for cell in cones)
 
 
 def restricted(pieces: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> tuple[LyapunovCell, ...]:
     """The cells of a domain cut along the cones of a V, with its pieces."""
-    found: list[LyapunovCell] = []
-    for cell in cells:
-        for piece in pieces:
-            region: Region | None = cell.region
-            for side in piece.region.sides:
-                region = region.clipped(side) if region is not None else None
-            if region is not None:
-                found.append(LyapunovCell(region, cell.velocities, piece.potential))
-    return tuple(found)
+    parts = ((cell, piece, clipped_by(cell.region, piece.region.sides)) for cell in cells for piece in pieces)
+    return tuple(
+        LyapunovCell(part, cell.velocities, piece.potential) for cell, piece, part in parts if part is not None
+    )
 
 
 def _proved_on_cones(cells: Sequence[FieldCell]) -> Iterator[tuple[tuple[LyapunovCell, ...], LyapunovResult]]:
@@ -212,9 +201,7 @@ def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> Floats:
 def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
     basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
-    zero = cone.velocity[0].field.zero
-    matrix = np.array([[float(p.terms.get(e, zero)) for e in ((1, 0), (0, 1))] for p in cone.velocity])
-    return np.asarray(np.linalg.solve(basis, matrix @ basis))
+    return np.asarray(np.linalg.solve(basis, float_slopes(cone.velocity) @ basis))
 
 
 def build_potential(

@@ -11,9 +11,8 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.contact_rule import rule_notes, rule_of
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.answers.answer import Answer, Position, at_least, has_dynamics
+from nonsmooth.proofs.answers.answer import Answer, Position, at_least, contact_facts, has_dynamics
 from nonsmooth.proofs.answers.answers import Answers, OtherRule, answers_of
-from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction

@@ -12,7 +12,7 @@ from nonsmooth.proofs.findings.verdicts import Quantity
 from nonsmooth.reports.output.document import Block, Table, sentences, table
 from nonsmooth.reports.output.facts import Record, as_record
 from nonsmooth.symbolic.mechanics.units import Units
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, numbers_text, place_text, upper_text
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def _heading(theta: float, units: Units) -> str:
 
 
 def _above(ball: arb, units: Units) -> str:
-    return upper_text(-rational_below(-_in_unit(ball, units)), DIGITS)
+    return upper_text(rational_above(_in_unit(ball, units)), DIGITS)
 
 
 def _below(ball: arb, units: Units) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.clauses.every_load.possible_twists import PossibleTwist
+from nonsmooth.proofs.clauses.at_point.possible_twists import PossibleTwist
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import Record, with_exact
 from nonsmooth.reports.output.files import PICTURES
@@ -100,7 +100,7 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
         return WheelsResult(scene)
     if _leaves_motions_open(scene):
         with steps("motions that unknown loads leave possible"):
-            from nonsmooth.proofs.clauses.every_load.possible_twists import possible_twists
+            from nonsmooth.proofs.clauses.at_point.possible_twists import possible_twists
 
             return PossibleMotions(scene, possible_twists(scene))
     if isinstance(rule_of(scene), SmoothRule):

@@ -18,7 +18,7 @@ from pprint import pformat
 from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar
 
-from nonsmooth.proofs.answers.contact_wheels import how_far
+from nonsmooth.proofs.answers.answer import how_far
 from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable, law_table
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.study_options import LawName

@@ -20,7 +20,7 @@ from nonsmooth.symbolic.mechanics.body import Body, Disc, chosen, default_radius
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel, default_length
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_below
+from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus
@@ -362,7 +362,7 @@ def free_angle(body: Body, places: Sequence[Vector], margin: Fraction) -> Fracti
 def _turn_below(body: Body, place: Vector) -> Fraction:
     """A lower bound of ``d/|q|``."""
     if isinstance(body.outline, Disc):
-        return _short(distance_below(body, place) / -rational_below(-_length(place)))
+        return _short(distance_below(body, place) / rational_above(_length(place)))
     return _root_below(_squared_gap(body, place) / dot(place, place))
 
 

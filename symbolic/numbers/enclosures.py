@@ -53,6 +53,11 @@ def rational_below(ball: arb) -> Fraction:
     return exactly(ball.lower())
 
 
+def rational_above(ball: arb) -> Fraction:
+    """The upper end of a ball."""
+    return exactly(ball.upper())
+
+
 def short_below(value: Fraction) -> Fraction:
     """A short fraction that is no larger than a positive one, and nearly as large."""
     unit = Fraction(2) ** (math.frexp(float(value))[1] - DIGITS)

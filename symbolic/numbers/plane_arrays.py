@@ -17,9 +17,9 @@ Mask: TypeAlias = NDArray[np.bool_]
 Indices: TypeAlias = NDArray[np.int_]
 
 
-def float_points(points: Iterable[tuple[Any, Any]]) -> Floats:
-    """Points of exact numbers as floats of shape (m, 2)."""
-    return np.array([plane.in_floats(point) for point in points])
+def float_points(points: Iterable[Iterable[Any]]) -> Floats:
+    """Points of exact numbers as floats of shape (m, 2); so are vectors of any other length, a row for each."""
+    return np.array([list(map(float, point)) for point in points])
 
 
 def places_of(wheels: Iterable[Any]) -> Floats:

@@ -9,7 +9,7 @@ generators may hold lazy quotients (:mod:`nonsmooth.symbolic.numbers.lazy`); coe
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import comb
@@ -101,6 +101,12 @@ def float_values(terms: Mapping[Exponents, Any], points: Floats) -> Floats:
 
 
 @BEYOND_FLOATS
+def float_slopes(parts: Sequence[Polynomial]) -> Floats:
+    """The gradients of polynomials at the origin, in floats: a row for each."""
+    units = np.eye(len(parts[0].variables), dtype=int).tolist()
+    return np.array([[float(part.terms.get(tuple(unit), 0)) for unit in units] for part in parts])
+
+
 def float_values_and_sizes(terms: Mapping[Exponents, Any], points: Floats) -> tuple[Floats, Floats]:
     """The same, and the sums of the absolute values of the terms, by which rounding is told."""
     listed = list(_float_terms(terms, points))
@@ -194,6 +200,10 @@ class Polynomial(ExactRing):
     def is_homogeneous(self) -> bool:
         """Whether all terms have the same total degree."""
         return len({sum(e) for e in self.terms}) <= 1
+
+    def part(self, degree: int) -> Polynomial:
+        """The terms of one total degree."""
+        return replace(self, terms={e: c for e, c in self.terms.items() if sum(e) == degree})
 
     @property
     def constant_value(self) -> Number | None:

@@ -15,11 +15,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
-from math import floor, frexp
+from math import ceil, floor, frexp
 
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -112,7 +112,7 @@ def bounds_of(number: Number) -> tuple[Fraction, Fraction]:
     """Rational numbers of few digits below and above an irrational one."""
     ball, (_, exponent) = number.accurate_ball(PRECISION), frexp(float(number))
     scale = Fraction(2) ** (BITS - exponent)
-    return floor(rational_below(ball) * scale) / scale, -floor(rational_below(-ball) * scale) / scale
+    return floor(rational_below(ball) * scale) / scale, ceil(rational_above(ball) * scale) / scale
 
 
 def _replaced(text: str, chosen: list[tuple[Place, int]]) -> str:

@@ -45,7 +45,7 @@ from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.sampling import SampledLaw, greedy_twist, sample_smooth_derivative
 from nonsmooth.analysis.motion.frames import wheel_slips
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
+from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
 from nonsmooth.proofs.theorem4 import check_smooth, check_theorem4
 from nonsmooth.proofs.theorem4_result import SmoothCheck
 from nonsmooth.symbolic.files.documents import builtin_scenes

@@ -18,7 +18,9 @@ from nonsmooth.analysis.cells.fan import CellCone, by_angle, is_plane
 from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.proofs.boxes.linearization import inward_pull
 from nonsmooth.proofs.checker import fan as checker
+from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, motion_with, rest_balance
+from nonsmooth.proofs.clauses.at_point.every_load import float_loads, is_admissible
 from nonsmooth.proofs.clauses.at_point.mass import (
     PRECISION,
     MassLimit,
@@ -28,8 +30,6 @@ from nonsmooth.proofs.clauses.at_point.mass import (
 )
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult
-from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.every_load.point import float_loads, is_admissible
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, between, gains, in_scene
 from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheel_forms

@@ -24,8 +24,8 @@ from nonsmooth.proofs.checker.tower import Field
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
-from nonsmooth.proofs.clauses.translation.certified_disc import certified_disc
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
+from nonsmooth.proofs.clauses.translation.on_cells import certified_disc
 from nonsmooth.proofs.findings.exact_json import encode, homogeneous
 from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError

@@ -362,7 +362,7 @@ def test_inward_rims_have_no_torque_about_the_equilibrium(arrays: Arrays) -> Non
 def test_samples_are_taken_where_nothing_is_left_out_and_decide_nothing(
     arrays: Arrays, rule: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("nonsmooth.proofs.clauses.feedback.sampled_laws.STATES", dict.fromkeys(("box", "ellipse"), 2))
+    monkeypatch.setattr("nonsmooth.proofs.clauses.feedback.by_friction.STATES", dict.fromkeys(("box", "ellipse"), 2))
     scene = ruled(arrays.four_wheel(), rule)
     pruned, full = check_theorem4(scene), check_theorem4(scene, prune=False)
     assert "samples of the closed loop" in [skipped.what for skipped in pruned.skipped]

@@ -19,8 +19,8 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, FloatLoads, build_slopes
 from nonsmooth.proofs.clauses.equilibrium.clause import EveryLoadEquilibrium
-from nonsmooth.proofs.clauses.every_load.point import EveryLoad, FloatLoads, build_slopes
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, WheelForms

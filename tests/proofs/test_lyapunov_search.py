@@ -12,9 +12,9 @@ import scipy.linalg
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.proofs.inequalities.effort import effort_left, effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
+from nonsmooth.proofs.inequalities.subdivision import effort_left, effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel_strategies import linear_matrix, rate_of, short_forms
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of

@@ -22,8 +22,8 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.certificate import build_certificate
+from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array, failed_hypotheses
 from nonsmooth.proofs.clauses.equilibrium.clause import decide_equilibrium
-from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array, failed_hypotheses
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Theorem4, Translation

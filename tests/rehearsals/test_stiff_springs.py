@@ -25,7 +25,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.failures import failures_of
-from nonsmooth.proofs.boxes.load_box import load_box
+from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_theorem4

@@ -1,1 +1,1 @@
-"""Rules without cells: the exact motion at the checked point and to first order near it."""
+"""The motion at the checked point: exact and to first order without cells, or under every load of a set."""

@@ -53,6 +53,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane_arrays import float_points
 
 PRECISION = 256  # bits of balls
 BITS = 50  # of proposed values
@@ -261,8 +262,8 @@ def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTw
     wheels = wheel_forces(scene, region, twist)
     if sum(1 if wheel.side else 2 for wheel in wheels) < 3:
         return BalancedTwist(twist, wheels)  # too few forces to fix a motion
-    along = np.array([[float(x) for x in wheel.along] for wheel in wheels])
-    across = np.array([[float(x) for x in wheel.across] for wheel in wheels])
+    along = float_points(wheel.along for wheel in wheels)
+    across = float_points(wheel.across for wheel in wheels)
     cuts = np.array([float(wheel.limits.cut) for wheel in wheels])
     forces = search_forces(
         along, across, np.array([wheel.side for wheel in wheels]), cuts, _demand(scene, wheels, twist)
@@ -290,7 +291,7 @@ def _best_pivots(slopes: Sequence[Sequence[arb]]) -> list[int]:
 
     They are the pivots of a QR factorization; SciPy's would take a third of a whole check to import.
     """
-    left = np.array([[float(x) for x in column] for column in slopes])
+    left = float_points(slopes)
     chosen: list[int] = []
     for _ in range(3):
         lengths = np.hypot.reduce(left, axis=1)

@@ -30,6 +30,7 @@ under rules without cells twists that are neither proved nor excluded.  Two laws
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -43,8 +44,8 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.boxes.enclosures import UNIT
-from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.balanced_twists import PRECISION, BalancedTwist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.control_fields import (
@@ -422,3 +423,38 @@ def _points_into(region: LoadRegion, direction: Point) -> bool:
     """Whether a direction leads from the equilibrium into a load region that holds it."""
     through = (side for side in region.polygon.sides if not sign(side.offset))
     return all(sign(dot(side.normal, direction)) < 0 for side in through)
+
+
+# ---- two laws of the field in closed loop, sampled beside an undecided clause: they decide nothing ---------------
+
+
+# Random states per law, each one minimization (a linear program of a millisecond under rule box); the search adds
+# a few hundred.
+STATES = {"box": 100, "ellipse": 1_000}
+
+
+def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
+    """The feedback with two laws of the field sampled in the checked square of the centred scene."""
+    from nonsmooth.analysis.fields.contact_model import contacts_under
+    from nonsmooth.analysis.minimizers.dissipation import functional_of
+    from nonsmooth.analysis.minimizers.minimum import free_motions
+    from nonsmooth.analysis.minimizers.sampling import LoopSample, SampledLaw, sample_closed_loop
+
+    rule = rule_of(scene)
+    functional = functional_of(rule)
+    if functional is None:
+        raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
+    own = in_own_length(scene)
+    model = contacts_under(rule, own)
+    radius, states = float(own.check.radius), STATES[functional]
+    free = free_motions(scene)
+    if free:
+        return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))
+    length = float(scene.check.length)
+    samples = [sample_closed_loop(model, functional, law, radius, states).in_unit(length) for law in SampledLaw]
+    return replace(feedback, samples=tuple(sorted(samples, key=_worst_rate)))
+
+
+def _worst_rate(sample: LoopSample) -> float:
+    """The rate by which laws are ordered; one without any comes last."""
+    return math.inf if sample.worst_rate is None else sample.worst_rate

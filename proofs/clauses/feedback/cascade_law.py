@@ -62,11 +62,11 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.scene import Wheel
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.enclosures import rational_above
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, turned
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
 
 LAW = (
     "u_w = d_w . (v + omega J p_w) for w = i, j with omega = -k theta, v = k |c| e - (n_i . J p_i) omega n_i, "
@@ -312,7 +312,7 @@ class TurnRegion:
     @cached_property
     def _tops(self) -> Floats:
         """Unit vectors to the wheels."""
-        tops = np.array([[float(x) for x in wheel.position] for wheel in self.cascade.wheels])
+        tops = places_of(self.cascade.wheels)
         units: Floats = tops / np.hypot(*tops.T)[:, None]
         return units
 
@@ -327,7 +327,7 @@ def build_turn_region(cascade: CascadeLaw, inputs: RowInputs) -> TurnRegion | No
         level = Fraction(turn.level(top).str(DIGITS, radius=False)) * BELOW
         reach = ball_of(length * length) * ball_of(top) ** 2 * (1 + turn.largest**2)
         below = level > 0 and ball_of(level) <= turn.level(top)
-        if below and are_above(sides, SQUARES, -rational_below(-reach)):
+        if below and are_above(sides, SQUARES, rational_above(reach)):
             mean, *constants = (float(ball.mid()) for ball in (turn.mean, *turn.constants))
             return TurnRegion(cascade, length, top, weight, level, mean, tuple(constants))
     return None

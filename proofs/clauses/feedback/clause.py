@@ -288,7 +288,12 @@ class FeedbackClause(Clause[AnyFeedback]):
 
 def _driven(work: Workspace) -> DrivenFeedback:
     """About the checked point, and about a place of rest that only rounding tells from it."""
-    from nonsmooth.proofs.clauses.feedback.by_friction import BESIDE_OPEN, decide_driven_feedback, decided_around
+    from nonsmooth.proofs.clauses.feedback.by_friction import (
+        BESIDE_OPEN,
+        decide_driven_feedback,
+        decided_around,
+        with_samples,
+    )
 
     at_point = decide_driven_feedback(work.scene)
     distance = getattr(work.earlier["equilibrium"], "rounding_distance", None)
@@ -298,8 +303,6 @@ def _driven(work: Workspace) -> DrivenFeedback:
     if found.verdict is Feedback.NOT_APPLICABLE or work.leaves_loads_open:
         return found
     if found.verdict is Feedback.UNDECIDED or not work.prune:
-        from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
-
         return with_samples(found, work.scene)
     work.skip("samples of the closed loop", 2, "the feedback clause is decided exactly")
     return found

@@ -21,7 +21,7 @@ from fractions import Fraction
 from math import isqrt
 from typing import Any, SupportsFloat, TypeAlias
 
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, clipped_by, square
 from nonsmooth.proofs.clauses.feedback.rational_bounds import late
 from nonsmooth.proofs.clauses.translation.on_cells import squared_distance
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, root_above, shaped
@@ -161,7 +161,7 @@ def shape_regions(demands: Sequence[Demand]) -> list[tuple[tuple[int, ...], Poly
         before, found = found, []
         for signs, polygon in before:
             for side in (1, -1):
-                part = _clipped(polygon, demand, side)
+                part = clipped_by(polygon, demand.half_planes(side))
                 if part is not None and _meets_disc(part):
                     found.append(((*signs, side), part))
     return found
@@ -184,13 +184,6 @@ def find_shapes(demands: Sequence[Demand]) -> Iterator[Shape]:
             if trial.is_positive and all(demand.sign(trial) for demand in demands):
                 yield e, f
                 break
-
-
-def _clipped(polygon: Polygon, demand: Demand, side: int) -> Polygon | None:
-    part: Polygon | None = polygon
-    for half_plane in demand.half_planes(side):
-        part = None if part is None else part.clipped(half_plane)
-    return part
 
 
 def _meets_disc(polygon: Polygon) -> bool:

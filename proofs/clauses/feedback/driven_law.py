@@ -28,7 +28,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 CHOICES = 64  # unique minimizers among which the best three are sought
 DIGITS = 8  # binary, of the lengths of twists
@@ -90,7 +90,7 @@ def best_three(scene: Scene, unique: Sequence[ImposedTwist]) -> tuple[ImposedTwi
     basis = independent([imposed.twist for imposed in unique])
     few = [*(unique[k] for k in basis), *(imposed for k, imposed in enumerate(unique) if k not in basis)][:CHOICES]
     factors = np.array([effort(scene, imposed) ** -0.5 for imposed in few])
-    vectors = factors[:, None] * np.array([[float(x) for x in imposed.twist] for imposed in few])
+    vectors = factors[:, None] * float_points(imposed.twist for imposed in few)
     choices = np.array(list(combinations(range(len(few)), 3)))
     best = choices[np.argmax(least_products(vectors[choices]))]
     if rank_of([few[k] for k in best]) < 3:

@@ -44,13 +44,13 @@ from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.proofs.clauses.every_load.point import FloatLoads, float_loads
+from nonsmooth.proofs.clauses.at_point.every_load import FloatLoads, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
 from nonsmooth.symbolic.mechanics.constraints import roll_row, side_row
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 # Directions of force and moment in which loads are sampled that push the body most: of a cube's faces, edges, corners.
 SIDES = np.array([side for side in product((-1.0, 0.0, 1.0), repeat=3) if any(side)])
@@ -226,8 +226,8 @@ class WheelForms:
 
 def wheel_forms(scene: Scene) -> WheelForms:
     """The wheels of a centred scene of a rule that minimizes the dissipation, each number rounded once."""
-    along = np.array([[float(x) for x in roll_row(wheel).unit_normal] for wheel in scene.wheels])
-    across = np.array([[float(x) for x in side_row(wheel).unit_normal] for wheel in scene.wheels])
+    along = float_points(roll_row(wheel).unit_normal for wheel in scene.wheels)
+    across = float_points(side_row(wheel).unit_normal for wheel in scene.wheels)
     return WheelForms(along, across, float_sets(friction_sets(scene)))
 
 
@@ -304,4 +304,4 @@ def _halved(triangles: Floats) -> Floats:
 
 
 def _floats(imposed: Iterable[ImposedTwist]) -> Floats:
-    return np.array([[float(x) for x in entry.twist] for entry in imposed])
+    return float_points(entry.twist for entry in imposed)

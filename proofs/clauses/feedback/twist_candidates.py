@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 from nonsmooth.symbolic.mechanics.friction_set import Box, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
 
 # ---- realizable twists: the motions that some speeds of the wheels impose under rule ``box`` -----
 #
@@ -299,7 +299,7 @@ class PromisingTwists:
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         self._planes = side_planes(scene)
-        planes = _floats(self._planes)
+        planes = float_points(self._planes)
         self._pairs = _some_pairs(len(planes))
         edges = np.cross(planes[self._pairs[:, 0]], planes[self._pairs[:, 1]])
         lengths = np.linalg.norm(edges, axis=1, keepdims=True)
@@ -323,7 +323,7 @@ class PromisingTwists:
 
     def _off(self, span: Sequence[Triple]) -> Floats:
         """Sine of the angle of each candidate with the span."""
-        basis = np.linalg.qr(_floats(span).T)[0] if span else np.zeros((3, 0))
+        basis = np.linalg.qr(float_points(span).T)[0] if span else np.zeros((3, 0))
         return np.asarray(np.linalg.norm(self._edges - self._edges @ basis @ basis.T, axis=1))
 
     def _take(self, merit: Floats, usable: Mask) -> Triple | None:
@@ -342,8 +342,8 @@ class _Grip:
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         loads = np.array([float(form[0]) for form in region.forces])
         sets = float_sets(friction_sets(scene))
-        rolls = _floats([roll_row(wheel).unit_normal for wheel in scene.wheels])
-        self.sides = _floats([side_row(wheel).unit_normal for wheel in scene.wheels])
+        rolls = float_points([roll_row(wheel).unit_normal for wheel in scene.wheels])
+        self.sides = float_points([side_row(wheel).unit_normal for wheel in scene.wheels])
         along, across = (loads * sets.along)[:, None] * rolls, (loads * sets.across)[:, None] * self.sides
         m = _least_grip(along, across)
         a, b = np.abs(along @ m.T), across @ m.T
@@ -386,7 +386,3 @@ def _some_pairs(count: int) -> Indices:
     """All pairs, or of many wheels as many from all over the list."""
     pairs = np.stack(np.triu_indices(count, 1), axis=1)
     return pairs[:: -(-len(pairs) // PAIRS)]
-
-
-def _floats(rows: Sequence[Triple]) -> Floats:
-    return np.array([[float(x) for x in row] for row in rows])

@@ -11,8 +11,8 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
+from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, load_text
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
-from nonsmooth.proofs.clauses.every_load.point import EveryLoad, load_text
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decays_everywhere, soft_load_of
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult

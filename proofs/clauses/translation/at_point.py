@@ -14,9 +14,9 @@ from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
+from nonsmooth.proofs.clauses.at_point.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
-from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
+from nonsmooth.proofs.clauses.at_point.every_load import witness_load
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause, witness_record
-from nonsmooth.proofs.clauses.every_load.point import witness_load
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decide_for_every_load
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation

@@ -10,8 +10,14 @@ from itertools import combinations
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, hessian, inward_pull
-from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint, is_admissible, load_text, wheel_slips
+from nonsmooth.proofs.clauses.at_point.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.at_point.every_load import (
+    EveryLoad,
+    EveryLoadPoint,
+    is_admissible,
+    load_text,
+    wheel_slips,
+)
 from nonsmooth.proofs.clauses.translation.at_point import WithoutCells
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.mechanics.constraints import cross_product, inner
@@ -21,7 +27,7 @@ from nonsmooth.symbolic.numbers.plane import dot
 # ---- whether (x, y) decays under every load ------------------------------------------------------
 #
 # One spin minimizes D smoothly at the point under all of them.  With B, ``pull_i``, ``bend_i`` and ``w_i`` of module
-# ``every_load.point``, ``xi_0 = (0, 0, omega)``:
+# ``at_point.every_load``, ``xi_0 = (0, 0, omega)``:
 #
 # *Forces to the middle*, ``B c = (beta c, 0)`` with ``beta > 0``.  D is convex, so at every centre of mass c, under
 # every admissible load and for every minimizer ``xi = (v, omega')`` ::

@@ -29,7 +29,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
-from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
+from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, dot, minus
@@ -130,7 +130,7 @@ class QuadraticCertificate:
         """A distance that no body from the disc exceeds: ``|c|^2 <= (1 + rho)/(1 - rho) |c_0|^2``."""
         rho = self.descent.eccentricity
         squared = self.disc_radius * self.disc_radius * ((1 + rho) / (1 - rho))
-        return squared.field(Fraction(upper_text(-rational_below(-enclosure(squared).sqrt()), DIGITS)))
+        return squared.field(Fraction(upper_text(rational_above(enclosure(squared).sqrt()), DIGITS)))
 
     def value(self, c: Point) -> Number:
         """``c^T P c``."""

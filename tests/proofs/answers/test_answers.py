@@ -470,3 +470,13 @@ def test_times_from_half_of_the_stated_radius_stand_beside_those_from_the_checke
     alone = settled_from(scene, tuple(stated["from"][0]["start"]))
     assert alone is not None
     assert alone.settles_after == pytest.approx(stated["from"][0]["settles_after"], rel=0.02)
+
+
+def test_a_body_with_inertia_on_wheels_that_all_stand_still_rests_where_it_starts(table: Scene) -> None:
+    scene = standing(table)
+    stopped = replace(scene, wheels=tuple(replace(w, given_speed=scene.field.zero) for w in scene.wheels))
+    found = inertia_answer(stopped)
+    assert found is not None
+    assert len(found.numbers["from"]) == 4
+    assert all(row["end"] == row["start"] for row in found.numbers["from"])
+    assert found.numbers["settles_after"] == 0

@@ -133,7 +133,7 @@ def test_a_disc_from_which_bodies_are_said_to_come_near() -> None:
 
 def test_a_disc_in_which_bodies_are_said_to_stay(monkeypatch: pytest.MonkeyPatch) -> None:
     """By this pair alone: another one sees the same fault."""
-    monkeypatch.setattr(net, "PAIRS", (net.stays_and_ends,))
+    monkeypatch.setattr(net, "PAIRS", (net.discs_and_ends,))
     check = checked("saddle")
     planted = with_translation(check, Translation.STABLE, region_radius=check.scene.check.radius, fan=None)
     assert noticed(planted) == {"position and destinations"}
@@ -319,9 +319,7 @@ def test_every_pair_has_a_planted_fault() -> None:
     planted: dict[str, Callable[..., Any]] = {
         "position_and_ends": test_a_rest_point_of_cells_that_is_said_to_be_none,
         "leaves_and_ends": test_an_attracting_point_that_is_said_to_be_unstable,
-        "home_and_ends": test_a_disc_from_which_bodies_are_said_to_come_home,
-        "near_and_ends": test_a_disc_from_which_bodies_are_said_to_come_near,
-        "stays_and_ends": test_a_disc_in_which_bodies_are_said_to_stay,
+        "discs_and_ends": test_a_disc_in_which_bodies_are_said_to_stay,  # and two more, for those who come home or near
         "heading_and_ends": test_a_body_that_turns_for_ever_where_it_is_said_to_rest_without_turning,
         "answers_and_rows": test_the_row_of_the_checked_point_says_the_opposite,
         "answers_and_headings": test_the_list_of_headings_says_the_opposite_at_the_checked_one,

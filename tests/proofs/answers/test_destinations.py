@@ -38,8 +38,7 @@ from nonsmooth.proofs.robust.drift import (
     largest_spin,
 )
 from nonsmooth.proofs.robust.ends import decide_ends
-from nonsmooth.proofs.robust.followed_body import is_carried_out
-from nonsmooth.proofs.robust.funnel import leaves_by_funnel
+from nonsmooth.proofs.robust.followed_body import is_carried_out, leaves_by_funnel
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 import pytest
-from flint import arb, arb_mat, ctx
+from flint import arb, ctx
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.set_motion import SetGuesses
@@ -265,7 +265,8 @@ def test_balls_hold_the_motion_on_wheels_with_friction_axes(tmp_path: Path) -> N
     part = replace(scene, wheels=tuple(scene.wheels[k] for k in wheels), body=None)
     centre = (float(part.wheels[1].position[0]) + 0.03, 0.04)
     with ctx.workprec(256):
-        found = set_motion(scene, rule, SetGuesses(scene, rule), wheels, arb_mat([[arb(centre[0])], [arb(centre[1])]]))
+        found = set_motion(scene, SetGuesses(scene, rule), wheels, (arb(centre[0]), arb(centre[1])))
+    assert found is not None
     expected = minima_under(rule, part, np.array([centre])).twists[0]
-    np.testing.assert_allclose([float(entry) for entry in found.twist.entries()], expected, atol=1e-8)
-    assert max(float(entry.rad()) for entry in found.twist.entries()) < 1e-30
+    np.testing.assert_allclose([float(entry) for entry in found.twist], expected, atol=1e-8)
+    assert max(float(entry.rad()) for entry in found.twist) < 1e-30

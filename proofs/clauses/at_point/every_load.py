@@ -23,8 +23,8 @@ from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, Spr
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
+from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried, rest_balance
-from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -46,7 +46,7 @@ from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import cross, separating_direction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 # ---- sets of loads in floats ---------------------------------------------------------------------
 #
@@ -97,11 +97,7 @@ def float_loads(loads: LoadPolytope) -> FloatLoads:
     count = len(loads.middle)
     generators = loads.generators if isinstance(loads, SpringLoads) else ()
     corners = (loads.centre,) if isinstance(loads, SpringLoads) else loads.corners or ()
-    return FloatLoads(_array(corners, count), _array(generators, count))
-
-
-def _array(rows: tuple[tuple[object, ...], ...], count: int) -> Floats:
-    return np.array([[float(x) for x in row] for row in rows]).reshape(-1, count)  # type: ignore[arg-type]
+    return FloatLoads(float_points(corners).reshape(-1, count), float_points(generators).reshape(-1, count))
 
 
 # ---- what every wheel adds to the slope and to the curvature of D --------------------------------
@@ -393,9 +389,9 @@ class BoxSlopes:
     @cached_property
     def float_prices(self) -> tuple[Floats, Floats]:
         """Rounded prices of all rays, shape (rays, wheels), and bounds of their errors."""
-        normals = np.array([[float(x) for x in row.normal] for row in self.rows])
+        normals = float_points(row.normal for row in self.rows)
         weights = np.array([float(row.friction) / float(row.wheel.length) for row in self.rows])
-        rays = np.array([[float(x) for x in ray] for ray in self.rays])
+        rays = float_points(self.rays)
         signs, rates = np.array(self.signs), rays @ normals.T
         parts = np.where(signs == 0, np.abs(rates), rates * signs) * weights
         sizes = np.abs(rays) @ np.abs(normals).T * weights
