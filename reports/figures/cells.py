@@ -25,8 +25,6 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
 from nonsmooth.analysis.minimizers.sampling import SampledField
-from nonsmooth.proofs.checker.outside import place_of
-from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.reports.figures.style import (
     INK,
     LABEL,
@@ -436,6 +434,9 @@ def _closed(ring: Floats) -> Floats:
 
 def _passed(hypotheses: dict[str, Any]) -> Floats:
     """Coordinates (2, corners) of a closed polygon, or of a line with a part of both of its half-lines."""
+    from nonsmooth.proofs.checker.outside import place_of
+    from nonsmooth.proofs.systems.outer_ring import ring_of
+
     ring = ring_of(hypotheses)
     if "ends" not in hypotheses:
         return _closed(ring)
