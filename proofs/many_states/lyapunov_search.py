@@ -331,7 +331,11 @@ class GrowthEvidence:
 
 
 def find_growth(system: SwitchedSystem, entries: range = SMALL) -> GrowthEvidence | None:
-    """A V that shows instability, of a program with so many entries; None where none is found.
+    """A V that shows instability; None where none is found.
+
+    Args:
+        system: in two states or more.
+        entries: the sizes of the programs that are solved.
 
     Raises:
         BeyondReachError: for a system that is not decided here.
