@@ -128,7 +128,9 @@ class BalancedForces:
 
     @classmethod
     def of(cls, scene: Scene) -> BalancedForces | None:
-        """Those of a scene; None where it is refused."""
+        """Those of a scene; None where it is refused, or its loads are not known."""
+        if scene.contact.loads_are_unknown:
+            return None
         try:
             return cls(scene)
         except ArithmeticError:
