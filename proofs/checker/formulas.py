@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -164,11 +164,12 @@ def parsed(data: Any) -> ast.expr:
     return ast.parse(formula, mode="eval").body
 
 
-def parts_without_calls(tree: ast.expr) -> set[ast.AST]:
-    """The parts of a formula that hold no sine or cosine, and nothing that switches."""
+def parts_without_calls(tree: ast.expr, switching: Collection[str] = ()) -> set[ast.AST]:
+    """The parts of a formula that hold no sine or cosine, and nothing that switches, as some names may do."""
     found: set[ast.AST] = set()
     for node in reversed(list(ast.walk(tree))):  # what a part consists of comes before it
-        if not isinstance(node, ast.Call) and found.issuperset(ast.iter_child_nodes(node)):
+        switches = isinstance(node, ast.Call) or (isinstance(node, ast.Name) and node.id in switching)
+        if not switches and found.issuperset(ast.iter_child_nodes(node)):
             found.add(node)
     return found
 

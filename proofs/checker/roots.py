@@ -27,7 +27,7 @@ from math import isqrt
 from typing import Any
 
 from .cells import Face, Inclusion, System, read_system
-from .formulas import Formula, SignOf, WaveAt
+from .formulas import Formula, SignOf, WaveAt, parts_without_calls
 from .polynomials import Polynomial, solve
 from .positivity import Claim, Inequality
 from .work import items, require, take
@@ -107,6 +107,7 @@ class RootedFormula(Formula):
         super().__init__(data, place)
         self.states = {name: own for name, own in place.items() if own not in roots.values()}
         self.roots, self.factors = roots, factors
+        self.smooth = parts_without_calls(self.tree, roots)  # such a state is another polynomial on each side of zero
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell."""

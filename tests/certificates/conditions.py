@@ -214,6 +214,13 @@ def of_roots() -> Iterator[Forgery]:
     ]
     yield Forgery("one condition", "root-plain", tuple(changes), because="rates in the time of the states")
 
+    # x' = -2 x, unstable by V = root_x, if 2 x = 2 w Abs(w) had the same terms on both sides of zero
+    subject = {"states": ["x"], "rhs": [["-2*x"]], "at": ["0"], "roots": ["x"]}
+    own = {"cells": {**cube("1/2"), "surfaces": ["root_x"]}, "function": "root_x", "direction": ["-1"]}
+    proofs = {f"cell {sign} field 0": ON_PARTS for sign in "+-"}
+    words = "coefficients that are not negative, for cell - field 0"
+    yield of_one_state(words, "", [UNSTABLE], proofs, own, theorem="instability", subject=subject)
+
 
 def of_other_roots() -> Iterator[Forgery]:
     """A state that stays where its root is zero, so that the other one grows: ``x' = -sign(x), y' = y``."""
