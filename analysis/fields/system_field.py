@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from math import cos, inf, isfinite, sin, sqrt
+from math import cos, inf, isfinite, sin
 from operator import mul
 from typing import TypeAlias
 
@@ -224,10 +224,10 @@ def wave_weight(wave: Wave, v: float) -> float:
 # ---- signed roots --------------------------------------------------------------------------------
 #
 # The field is followed in its own states and time.  Where x vanishes its slope is unbounded, so ``x = 0`` is a surface
-# even where nothing switches there: a stretch ends at it, and the steps of the next one grow out of it.
+# even where nothing switches there: a stretch ends at it, and the steps of the next one grow out of it.  Nearer to it
+# than the slack of surfaces slopes are those at this distance.
 
 
-LEAST_ROOT = float(np.sqrt(SURFACE_SLACK))  # of slopes of roots: nearer than the slack of surfaces a state is on x = 0
 # Of the size of the states, which slacks and tolerances are relative to: while all roots shrink by a factor their
 # states shrink by its square, so the last turns around a corner are this much smaller than those of other systems.
 SMALL_SCALE = 1e-3
@@ -237,14 +237,15 @@ def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surfac
     """The field of the stated states.
 
     Args:
-        roots: which states stand under square roots.
-        extended: the field with each root as a further state, behind the others.
+        roots: which states stand under roots.
+        extended: the field with the size of each root as a further state, behind the others.
         turns: where speeds across zeros of roots vanish: further surfaces, on which nothing switches, so that a path
             that switches ever faster there has a corner to end in.
     """
-    own, places = len(roots.states), [roots.states.index(name) for name in roots.rooted]
-    known = tuple(_rooted_surface(roots, surface, places) for surface in extended.surfaces)
-    units = [tuple(float(k == place) for k in range(own)) for place in places]
+    own, places = len(roots.states), _places(roots)
+    powers = [(place, 1 / order) for place, order in places]
+    known = tuple(_rooted_surface(roots, surface) for surface in extended.surfaces)
+    units = [tuple(float(k == place) for k in range(own)) for place, _ in places]
     missing = [
         (name, unit)
         for name, unit in zip(roots.rooted, units, strict=True)
@@ -255,35 +256,40 @@ def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surfac
     def flow(signs: Signs) -> Velocity:
         velocity = extended.flow(signs[: len(known)])
         if not isinstance(velocity, ScalarVelocity):
-            return lambda t, x: velocity(t, _with_roots(x, places))[:own]
+            return lambda t, x: velocity(t, _with_roots(x, roots))[:own]
         rates = velocity.rates
-        return ScalarVelocity(lambda *x: rates(*x, *[sqrt(abs(x[place])) for place in places])[:own])
+        return ScalarVelocity(lambda *x: rates(*x, *[abs(x[place]) ** power for place, power in powers])[:own])
 
     return SignField(roots.states, surfaces, flow, extended.size * SMALL_SCALE)
 
 
 def with_roots(roots: SignedRoots, start: Sequence[float]) -> tuple[float, ...]:
-    """A state with its roots behind it."""
-    places = [roots.states.index(name) for name in roots.rooted]
-    return tuple(_with_roots(np.array(start, dtype=float), places).tolist()) if len(start) else ()
+    """A state with the sizes of its roots behind it."""
+    return tuple(_with_roots(np.array(start, dtype=float), roots).tolist()) if len(start) else ()
 
 
-def _with_roots(x: Floats, places: Sequence[int]) -> Floats:
-    return np.concatenate([x, np.sqrt(np.abs(x[list(places)]))])
+def _with_roots(x: Floats, roots: SignedRoots) -> Floats:
+    return np.concatenate([x, [abs(x[place]) ** (1 / order) for place, order in _places(roots)]])
 
 
-def _rooted_surface(roots: SignedRoots, surface: Surface, places: Sequence[int]) -> Surface:
+def _places(roots: SignedRoots) -> list[tuple[int, int]]:
+    """Which states stand under a root, and its order."""
+    return [(roots.states.index(name), order) for name, order in roots.order.items()]
+
+
+def _rooted_surface(roots: SignedRoots, surface: Surface) -> Surface:
     """A switching function of states and roots as one of the states, by the chain rule."""
     own = len(roots.states)
 
     def value(x: Floats) -> float:
-        return surface.value(_with_roots(x, places))
+        return surface.value(_with_roots(x, roots))
 
     def gradient(x: Floats) -> Floats:
-        inner = surface.gradient(_with_roots(x, places))
+        inner = surface.gradient(_with_roots(x, roots))
         slopes = np.array(inner[:own], dtype=float)
-        for place, along in zip(places, inner[own:], strict=True):
-            slopes[place] += along * np.copysign(0.5, x[place]) / max(float(np.sqrt(abs(x[place]))), LEAST_ROOT)
+        for (place, order), along in zip(_places(roots), inner[own:], strict=True):
+            size = max(abs(float(x[place])), SURFACE_SLACK)
+            slopes[place] += along * np.copysign(1 / order, x[place]) * size ** (1 / order - 1)
         return slopes
 
     depends = any(root in surface.name for root in roots.names.values())

@@ -9,7 +9,7 @@ from typing import Any
 from .basin import NAMES
 from .cells import System
 from .outside import is_counterclockwise, place_of
-from .roots import read_subject
+from .roots import RootedSystem, read_subject
 from .statements import is_of_array
 from .theorem4 import CLAUSES
 from .tower import Field, Number
@@ -105,8 +105,7 @@ def _of_system(statement: Any) -> list[str]:
     """The system with its first claim, and every further claim on a line."""
     system = read_subject(statement["subject"])
     point = ", ".join(map(_coordinate, system.at))
-    pairs = zip(system.coordinates, system.states, strict=True)
-    roots = "".join(f", {own} = sign({name})*sqrt(Abs({name}))" for own, name in pairs if own != name)
+    roots = f", {', '.join(system.meanings)}" if isinstance(system, RootedSystem) else ""
     said = [OF_SYSTEMS[kind](about, system) for claim in statement["claims"] for kind, about in claim.items()]
     numbers = [_generator(entry) for entry in statement["subject"].get("numbers", [])]
     return [f"system in {', '.join(system.states)} at ({point}){roots}: {said[0]}", *said[1:], *numbers]

@@ -1,13 +1,16 @@
-"""Systems with ``sqrt(Abs(x))``, judged in the signed roots ``w = sign(x) sqrt(Abs(x))`` of some states x.
+"""Systems with ``Abs(x)**(p/q)``, judged in the signed roots ``w = sign(x) Abs(x)**(1/q)`` of some states x.
 
-With ``x = w Abs(w)`` and ``sqrt(Abs(x)) = Abs(w)`` formulas are polynomials in w on each cell, and ``x' = f`` is
-``2 Abs(w) w' = f``.  In the time s with ``dt = prod_j 2 Abs(w_j) ds`` over all roots the root of a state moves by f
-times the factors of the other roots, and any other state by its f times all factors: polynomials again.
+Each of these states has its order ``q >= 2``; ``sqrt(Abs(x))`` is ``Abs(x)**(1/2)``.  With ``x = w Abs(w)**(q - 1)``
+and ``Abs(x)**(p/q) = Abs(w)**p`` formulas are polynomials in w on each cell, and ``x' = f`` is
+``q Abs(w)**(q - 1) w' = f``.  In the time s with ``dt = prod_j q_j Abs(w_j)**(q_j - 1) ds`` over all roots the root of
+a state moves by f times the factors of the other roots, and any other state by its f times all factors: polynomials
+again.
 
 *Why this says something of the states.*  The roots are a homeomorphism, and off their zeros a diffeomorphism; there the
 factors are positive, so solutions in t and in s are the same curves.  Where a root is zero, but at the point, all
 velocities are shown to cross that zero in one sense (:func:`show_crossed`): x' is bounded away from zero near there, so
-the times at which a solution has such a root are isolated until it meets the point.  A function of the roots is
+the times at which a solution has such a root are isolated until it meets the point; about one ``Abs(x)`` grows like t,
+and the time s, like ``t**(1/q)``, goes on.  A function of the roots is
 continuous along the solution, and what falls between these times falls over them.  A solution cannot leave the point
 while a function that is zero there alone does not rise.  So stability, instability and starts that reach the point are
 the same for states and roots, and limit sets are those of the states' inclusion.  Rates are not: they are in another
@@ -18,19 +21,21 @@ every root, so it is that of a surface, and on a subspace where it is zero they 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from itertools import combinations_with_replacement
-from math import isqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 from .cells import Face, Inclusion, System, read_system
 from .formulas import Formula, SignOf, WaveAt, parts_without_calls
 from .polynomials import Polynomial, solve
 from .positivity import Claim, Inequality
-from .work import items, require, take
+from .work import BUDGET, RejectedError, items, require, take, whole
+
+MAX_ORDER = 8  # of a root
 
 
 @dataclass(frozen=True)
@@ -38,11 +43,12 @@ class RootedSystem(System):
     """A system in the signed roots of some states.
 
     Attributes:
-        roots: the states of which V and the domain are about the roots; that of x has the name ``root_x``.
+        roots: the states of which V and the domain are about the roots, each with the order of its root; that of x has
+            the name ``root_x``.
         scaled: whether the velocities are those of the roots, in the time s, not those of the states.
     """
 
-    roots: tuple[str, ...] = ()
+    roots: Mapping[str, int] = field(default_factory=dict)
     scaled: bool = True
 
     @property
@@ -51,10 +57,17 @@ class RootedSystem(System):
         return tuple(f"root_{name}" if name in self.roots else name for name in self.states)
 
     @property
+    def meanings(self) -> list[str]:
+        """What each root is, as a formula."""
+        powers = {2: "sqrt(Abs({0}))"}
+        sizes = {name: powers.get(order, f"Abs({{0}})**(1/{order})").format(name) for name, order in self.roots.items()}
+        return [f"root_{name} = sign({name})*{sizes[name]}" for name in self.states if name in sizes]
+
+    @property
     def origin(self) -> tuple[Fraction, ...]:
         """The point in these."""
         pairs = zip(self.states, self.at, strict=True)
-        return tuple(signed_root(value) if name in self.roots else value for name, value in pairs)
+        return tuple(signed_root(value, self.roots[name]) if name in self.roots else value for name, value in pairs)
 
     @property
     def stated(self) -> RootedSystem:
@@ -64,7 +77,7 @@ class RootedSystem(System):
     def fields(self, place: Mapping[str, Polynomial], wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities, without sines and cosines."""
         require(wave is None, "no roots where sines and cosines are bounded")
-        own = {name: place[f"root_{name}"] for name in self.roots}
+        own = {name: Root(place[f"root_{name}"], order) for name, order in self.roots.items()}
         found = []
         for side in self.rhs:
             factors = ([name for name in self.roots if name != state] if self.scaled else [] for state in self.states)
@@ -81,31 +94,60 @@ def read_subject(data: Any) -> System:
     """The system that a certificate is about, with roots or without."""
     if type(data) is not dict or "roots" not in data:
         return read_system(data)
-    states, rhs, at, listed = take(data, "states rhs at roots")
+    states, rhs, at, listed, given = take(data, "states rhs at roots", "orders")
     own = read_system({"states": states, "rhs": rhs, "at": at})
     roots = tuple(items(listed, most=len(own.states)))
     known = all(type(name) is str and name in own.states for name in roots)
     require(roots and known and len(set(roots)) == len(roots), "roots of different states")
-    system = RootedSystem(own.states, own.rhs, own.at, roots=roots)
+    squares = [2] * len(roots)
+    orders = [whole(order, MAX_ORDER) for order in items(squares if given is None else given, len(roots))]
+    require(min(orders) >= 2, "roots of an order of two at least")
+    system = RootedSystem(own.states, own.rhs, own.at, roots=dict(zip(roots, orders, strict=True)))
     require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
     return system
 
 
-def signed_root(value: Fraction) -> Fraction:
-    """``sign(x) sqrt(Abs(x))``, which must be rational."""
-    root = Fraction(isqrt(abs(value.numerator)), isqrt(value.denominator))
-    require(root * root == abs(value), "a point whose roots are rational")
+def signed_root(value: Fraction, order: int) -> Fraction:
+    """``sign(x) Abs(x)**(1/q)``, which must be rational."""
+    root = Fraction(whole_root(abs(value.numerator), order), whole_root(value.denominator, order))
+    require(root**order == abs(value), "a point whose roots are rational")
     return root if value > 0 else -root
 
 
+def whole_root(value: int, order: int) -> int:
+    """The largest whole number of which the power is not above the value, by halving."""
+    low, high = 0, 1 << (value.bit_length() // order + 1)
+    while high - low > 1:
+        BUDGET.spend(1 + value.bit_length() ** 2 // 4096)
+        middle = (low + high) // 2
+        low, high = (middle, high) if middle**order <= value else (low, middle)
+    return low
+
+
+class Root(NamedTuple):
+    """A signed root w as a polynomial, and its order."""
+
+    value: Polynomial
+    order: int
+
+    def size(self, sign_of: SignOf) -> Polynomial:
+        """``Abs(w)``, on a cell."""
+        return self.value.times(sign_of(self.value))
+
+    def speed(self, sign_of: SignOf) -> Polynomial:
+        """``q Abs(w)**(q - 1)``."""
+        return self.size(sign_of).power(self.order - 1).times(self.order)
+
+
 class RootedFormula(Formula):
-    """A right-hand side in the signed roots, times the factors ``2 Abs(w)`` of some of them."""
+    """A right-hand side in the signed roots, times the factors ``q Abs(w)**(q - 1)`` of some of them."""
 
     def __init__(
-        self, data: Any, place: Mapping[str, Polynomial], roots: Mapping[str, Polynomial], factors: Sequence[str]
+        self, data: Any, place: Mapping[str, Polynomial], roots: Mapping[str, Root], factors: Sequence[str]
     ) -> None:
         super().__init__(data, place)
-        self.states = {name: own for name, own in place.items() if own not in roots.values()}
+        known = [root.value for root in roots.values()]
+        self.states = {name: own for name, own in place.items() if own not in known}
         self.roots, self.factors = roots, factors
         self.smooth = parts_without_calls(self.tree, roots)  # such a state is another polynomial on each side of zero
 
@@ -113,22 +155,36 @@ class RootedFormula(Formula):
         """The polynomial on a cell."""
         value = super().on(sign_of)
         for name in self.factors:
-            value *= self._size(name, sign_of).times(2)
+            value *= self.roots[name].speed(sign_of)
         return value
 
-    def _size(self, name: str, sign_of: SignOf) -> Polynomial:
-        """``sqrt(Abs(x)) = Abs(w)``."""
-        return self.roots[name].times(sign_of(self.roots[name]))
-
     def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
+        """The polynomial of a part, of which some are known of the roots."""
         match node:
             case ast.Name(id=name) if name in self.roots:
-                return self.roots[name] * self._size(name, sign_of)
-            case ast.Call(func=ast.Name(id="sqrt"), args=[ast.Call() as inner], keywords=[]):
-                match inner:
-                    case ast.Call(func=ast.Name(id="Abs"), args=[ast.Name(id=name)], keywords=[]) if name in self.roots:
-                        return self._size(name, sign_of)
+                root = self.roots[name]
+                return root.value * root.size(sign_of).power(root.order - 1)
+            case ast.Call(func=ast.Name(id="sqrt"), args=[inner], keywords=[]):
+                return self._root_of(inner, Fraction(1, 2), sign_of)
+            case ast.BinOp(left=inner, op=ast.Pow(), right=ast.BinOp(left=top, op=ast.Div(), right=bottom)):
+                return self._root_of(inner, Fraction(self._whole(top), self._whole(bottom)), sign_of)
         return super()._value(node, sign_of, depth)
+
+    def _whole(self, node: ast.expr) -> int:
+        """A number in an exponent ``p/q``."""
+        written = self.text[node.col_offset : node.end_col_offset]
+        require(re.fullmatch("[1-9][0-9]?", written), "whole numbers in exponents p/q")
+        return int(written)
+
+    def _root_of(self, node: ast.expr, power: Fraction, sign_of: SignOf) -> Polynomial:
+        """``Abs(x)**(p/q)``."""
+        match node:
+            case ast.Call(func=ast.Name(id="Abs"), args=[ast.Name(id=name)], keywords=[]) if name in self.roots:
+                root = self.roots[name]
+                whole_power = power * root.order
+                require(whole_power.denominator == 1, "powers of the roots that are listed")
+                return root.size(sign_of).power(int(whole_power))
+        raise RejectedError("roots of Abs of states that are listed")
 
 
 def show_crossed(inclusion: Inclusion, k: int, root: Polynomial) -> None:

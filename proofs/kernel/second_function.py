@@ -46,6 +46,7 @@ BENT_DEGREES = {1: 4, 2: 5}  # where W bends on surfaces
 WEIGHTS = {2: ((1, 1), (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))}  # of the states; ones for other numbers of them
 MOST_HELPFUL = 3  # functions that make the places fewer, tried at each step
 MOST_BENDING = 4  # surfaces
+SLOWEST = 2.0**-80  # velocities below that are called zero
 LEAST_MARGIN = 2.0**-20  # of rates along the velocities that are left, each in units of its largest term
 DENOMINATORS = (1, 2, 3, 4, 6, 8, 16, 64)
 MOST_TRIES = 24  # lists of functions
@@ -191,7 +192,7 @@ class Survey(Chain):
         if np.any(values < -SMALL * sizes):
             raise NotShownError(f"a rate is negative in {name}")
         is_positive = bool(np.all(values > SMALL * sizes))
-        bounds = Bounds(place, signs, self.system.states, self.stated["surfaces"], samples.coordinates)
+        bounds = Bounds(place, signs, self.system.coordinates, self.stated["surfaces"], samples.coordinates)
         terms = None
         if not place.zero:
             ((_, field),) = cells[0].fields
@@ -323,7 +324,7 @@ def next_functions(survey: Survey) -> Iterator[str]:
     if rests(left):
         return
     if not left:
-        yield survey.system.states[0]  # at no point that was looked at something is left
+        yield survey.system.coordinates[0]  # at no point that was looked at something is left
         return
     known = [(basis, basis.rows(left)) for basis in forms(survey)]
     for basis, rows in [*known, *((basis, basis.rows(left)) for basis in sums(survey))]:
@@ -370,7 +371,7 @@ class Basis:
 
     def text(self, coefficients: Sequence[Fraction]) -> str:
         """W as a formula in the displacement."""
-        states, radius = self.survey.system.states, self.survey.inclusion.domain.radius
+        states, radius = self.survey.system.coordinates, self.survey.inclusion.domain.radius
         by_surface: dict[int | None, dict[Exponents, Fraction]] = {}
         for (exponents, j), value in zip(self.functions, coefficients, strict=True):
             if value:
@@ -392,7 +393,8 @@ def rests(left: Sequence[Left]) -> bool:
         for point, velocity in zip(np.round(own.points, 9) + 0.0, own.velocities, strict=True):
             at.setdefault(point.tobytes(), []).append(velocity)
     for velocities in at.values():
-        matrix = np.vstack([np.array(velocities).T, np.ones(len(velocities))])
+        size = np.abs(velocities).max()  # near the point solutions may be as slow as a high power of the distance
+        matrix = np.vstack([np.array(velocities).T / max(size, SLOWEST), np.ones(len(velocities))])
         if nnls(matrix, np.r_[np.zeros(len(matrix) - 1), 1.0])[1] < NEAR:
             return True
     return False

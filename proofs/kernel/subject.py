@@ -46,9 +46,11 @@ def about(system: SwitchedSystem) -> Record:
     """
     at = system.stated_point
     if system.by_roots is not None:
-        states, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
+        roots = system.by_roots.roots
         rhs = [[one_line(formula) for formula in member] for member in _without_fractions(system) or system.written]
-        return {"states": list(states), "rhs": rhs, "at": list(map(exact_text, at)), "roots": list(rooted)}
+        orders = {"orders": list(roots.orders)} if set(roots.orders) != {2} else {}
+        known = {"states": list(roots.states), "rhs": rhs, "at": list(map(exact_text, at))}
+        return {**known, "roots": list(roots.rooted), **orders}
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
     own: Record = {"states": list(system.states), "rhs": rhs}
@@ -85,7 +87,7 @@ def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
 
 
 def _without_fractions(system: SwitchedSystem) -> list[list[str]]:
-    """The right-hand sides with square roots of states times the denominators; none without either."""
+    """The right-hand sides with roots of states times the denominators; none without either."""
     if system.by_roots is None or not system.denominators or system.waves:
         return []
     roots, extended = system.by_roots.roots, system.by_roots.extended

@@ -32,7 +32,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1, 4), Fraction(1, 16))  # of the cross term, tried in turn
 NEAR = fmpq(1, 1 << 20)  # of the least distance between ends: where pieces are read off
-MOST_DEGREE = 5  # of h
+MOST_DEGREE = 11  # of h
 
 Term: TypeAlias = tuple[fmpq, BasisFunction]
 

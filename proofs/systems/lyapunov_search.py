@@ -38,7 +38,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.energies import falling_energies
+from nonsmooth.proofs.systems.energies import energy_near, falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
@@ -400,16 +400,19 @@ def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> P
         left = max(left, 1)  # on each square: the first proposal may be exact
         radius = system.check.radius * scale
         cells = square_cells(system, radius)
-        for basis in _weak_families(system) if len(cells) <= MAX_CELLS else ():
-            for formula in chain(_kept_forms(system, cells, basis), _weak_proposals(system, cells, basis)):
-                left -= 1
-                result = _audited(system, cells, formula) if left >= 0 else None
-                if result is None:
-                    continue
-                found = PlaneFunction(result, Domain(radius), formula, system.states)
-                if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
-                    return found
-                first = first or found
+        families = _weak_families(system) if len(cells) <= MAX_CELLS else ()
+        proposed = (chain(_kept_forms(system, cells, own), _weak_proposals(system, cells, own)) for own in families)
+        energy = energy_near(system, radius)
+        last = [] if energy is None else [energy]
+        for formula in chain(chain.from_iterable(proposed), last):
+            left -= 1
+            result = _audited(system, cells, formula) if left >= 0 or formula is energy else None
+            if result is None:
+                continue
+            found = PlaneFunction(result, Domain(radius), formula, system.states)
+            if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
+                return found
+            first = first or found
         if first is not None:
             break
     return first

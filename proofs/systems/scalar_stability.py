@@ -202,7 +202,7 @@ def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
         return Fact("region")
     (state,), (at,) = scene.stated_states, scene.check.equilibrium
     ends = at - left, at + right
-    low, high = ends if scene.by_roots is None else (end * end * end.sign() for end in ends)
+    low, high = ends if scene.by_roots is None else (scene.by_roots.roots.stated(state, end) for end in ends)
     words = f"every start with {brief_text(low)} < {state} < {brief_text(high)} reaches the equilibrium"
     record = {"from": Quantity(ends[0]), "to": Quantity(ends[1]), "text": words}
     return Fact("region", record, words, row="region")

@@ -41,7 +41,7 @@ class Target:
         number: of a rational number.
         pi: the number.
         functions: sgn, Abs, Max and Min of two, sqrt, sin, cos.
-        operators: of the classes of Python's grammar: Add, Sub, Mult, Div, USub, and Pow with a whole exponent.
+        operators: of the classes of Python's grammar: Add, Sub, Mult, Div, USub and Pow.
     """
 
     number: Callable[[Fraction], Any]
@@ -67,7 +67,9 @@ class Target:
             case ast.UnaryOp():
                 return self.written(node.operand, text, names)
             case ast.BinOp(op=ast.Pow()):
-                return self.operators[ast.Pow](self.written(node.left, text, names), ast.literal_eval(node.right))
+                is_whole = isinstance(node.right, ast.Constant)
+                exponent = ast.literal_eval(node.right) if is_whole else self.written(node.right, text, names)
+                return self.operators[ast.Pow](self.written(node.left, text, names), exponent)
             case ast.BinOp():
                 sides = (self.written(side, text, names) for side in (node.left, node.right))
                 return self.operators[type(node.op)](*sides)

@@ -146,14 +146,17 @@ class SympyFormulas:
         return name
 
     def _power(self, node: sympy.Pow) -> str:
-        """Whole powers, their quotients, and powers of square roots."""
+        """Whole powers, their quotients, powers of square roots, and other powers that are rational."""
         exponent = node.exp
-        if exponent.is_Rational and int(exponent.q) in (1, 2):
-            base = self._text(node.base)
-            root = base if int(exponent.q) == 1 else f"sqrt({base})"
-            power = root if abs(int(exponent.p)) == 1 else f"({root}**{abs(int(exponent.p))})"
-            return power if exponent.p > 0 else f"(1/{power})"
-        raise self.reading.refused(self.key, "whole exponents, or half of whole ones", f"{exponent!s}")
+        if not exponent.is_Rational:
+            raise self.reading.refused(self.key, "rational exponents", f"{exponent!s}")
+        base, size, order = self._text(node.base), abs(int(exponent.p)), int(exponent.q)
+        if order > 2:
+            power = f"({base}**({size}/{order}))"
+        else:
+            root = base if order == 1 else f"sqrt({base})"
+            power = root if size == 1 else f"({root}**{size})"
+        return power if exponent.p > 0 else f"(1/{power})"
 
     # ---- conditions ------------------------------------------------------------------------------
 

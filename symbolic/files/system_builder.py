@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import chain
+from math import lcm
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ from nonsmooth.symbolic.files.system_document import (
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, refuse_waves_of_rooted, rooted_in
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, refuse_waves_of_rooted, signed_root
 from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
@@ -43,10 +44,11 @@ TWO_MEANINGS = (
     "abs(V) the state"
 )
 LARGEST_RADIUS = 10**150  # squares of such numbers are floats
+SQUARE = 2  # the order of a square root
 
 
 # What right-hand sides take beside what V takes.
-IN_RIGHT_HAND_SIDES = "sin and cos of polynomials in the states", "sqrt of Abs of a state"
+IN_RIGHT_HAND_SIDES = "sin and cos of polynomials in the states", "sqrt and rational powers of Abs of a state"
 
 
 def parse_lyapunov(
@@ -221,15 +223,18 @@ def _radius(value: Exact, numbers: Numbers) -> Number:
 
 
 def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
-    """The states that stand under square roots; None without any.
+    """The states that stand under roots; None without any.
 
     Raises:
-        SceneError: for square roots of anything else, and where the name of a root means something else.
+        SceneError: for roots of anything else, and where the name of a root means something else.
     """
-    states, found = document.system.states, set[str]()
+    states, found = document.system.states, dict[str, int]()
+    single, _ = split_intervals(document.system.parameters, file)
+    texts = parameter_texts(single, {*states, *RESERVED}, file)
     for key, formula in _keyed_formulas(document):
         try:
-            found |= rooted_in(formula, states)
+            for name, order in orders_in(formula, states, texts).items():
+                found[name] = lcm(found.get(name, 1), order)
         except ExpressionError as error:
             raise SceneError(file, key, requirement(error), formula) from None
     rooted = tuple(name for name in states if name in found)
@@ -238,7 +243,7 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
             refuse_waves_of_rooted(formula, rooted)
         except ExpressionError as error:
             raise SceneError(file, key, requirement(error), formula) from None
-    roots = SignedRoots(states, rooted)
+    roots = SignedRoots(states, rooted, tuple(found[name] for name in rooted), tuple(texts.items()))
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
         raise SceneError(file, "system.states", "a name that is not that of a square root", name)
     return roots if rooted else None
@@ -421,7 +426,8 @@ def _extended(document: SystemDocument, roots: SignedRoots, file: str) -> System
     changed: dict[str, Any] = {"lyapunov": None}
     point = check.equilibrium
     if point is not None:
-        sizes = tuple(_root(value, file, signed=False) for value in _of_rooted(point, roots))
+        named = dict(zip(roots.states, point, strict=False))
+        sizes = tuple(_root(named[name], q, file, signed=False) for name, q in roots.order.items() if name in named)
         changed["equilibrium"] = (*point, *sizes)
     return _rewritten(document, names, rewrite, roots.extended).model_copy(
         update={"check": check.model_copy(update=changed)}
@@ -449,29 +455,31 @@ def _rewritten(
     return document.model_copy(update={"system": system, "region": regions})
 
 
-def _of_rooted(point: tuple[Exact, ...], roots: SignedRoots) -> list[Exact]:
-    return [value for name, value in zip(roots.states, point, strict=False) if name in roots.rooted]
-
-
 def _rooted_point(document: SystemDocument, roots: SignedRoots, file: str) -> tuple[Exact, ...] | None:
     """The checked point in the roots."""
     point = document.check.equilibrium
     if point is None:
         return None
-    named = zip(roots.states, point, strict=False)
-    known = tuple(_root(value, file, signed=True) if name in roots.rooted else value for name, value in named)
+    named, order = zip(roots.states, point, strict=False), roots.order
+    known = tuple(_root(value, order[name], file, signed=True) if name in order else value for name, value in named)
     return (*known, *point[len(known) :])
 
 
-def _root(value: Exact, file: str, *, signed: bool) -> Exact:
-    """``sgn(a) sqrt(abs(a))``, or without the sign, as a formula."""
+def _root(value: Exact, order: int, file: str, *, signed: bool) -> Exact:
+    """``sgn(a) abs(a)**(1/q)``, or without the sign, as a formula; of another order than two it must be rational."""
     text = str(value) if isinstance(value, Fraction) else value.text
     try:
+        if order != SQUARE:
+            rational = signed_root(Fraction(text), order)
+            return rational if signed else abs(rational)
         negative = float_point(("a",), (value,))["a"] < 0
         root = f"sqrt(-({text}))" if negative else f"sqrt({text})"
         return parse(f"-{root}" if negative and signed else root)
     except ExpressionError as error:
         raise SceneError(file, "check.equilibrium", requirement(error), text) from None
+    except ValueError:
+        expected = f"a fraction with a rational root of order {order}, as this state stands under one"
+        raise SceneError(file, "check.equilibrium", expected, text) from None
 
 
 def _rooted_radius(document: SystemDocument, roots: SignedRoots) -> Exact:
@@ -481,6 +489,6 @@ def _rooted_radius(document: SystemDocument, roots: SignedRoots) -> Exact:
     """
     radius = document.check.radius
     point = float_point(roots.states, document.check.equilibrium)
-    sizes = [abs(point[name]) ** 0.5 for name in roots.rooted]
+    sizes = [abs(point[name]) ** (1 / order) for name, order in roots.order.items()]
     most = min([1.0, *(size / 2 for size in sizes if size)])
     return radius if float_point(("r",), (radius,))["r"] <= most else Fraction(most).limit_denominator(64)

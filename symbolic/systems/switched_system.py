@@ -17,7 +17,7 @@ from typing import ClassVar, Literal
 
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
-from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
+from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
 from nonsmooth.symbolic.messages.notebook import ShortRepr
@@ -72,7 +72,7 @@ class SeenByRoots:
 
     Attributes:
         roots: which states they are.
-        extended: the stated system with each ``sqrt(Abs(x))`` as a further state, whose right-hand side is no field.
+        extended: the stated system with the size of each root as a further state, whose right-hand side is no field.
         unscaled: the stated right-hand sides in the roots, in the stated time: rates of x, not of its root.
     """
 
@@ -154,9 +154,10 @@ class SwitchedSystem(ShortRepr):
     @property
     def stated_point(self) -> tuple[Number, ...]:
         """The checked point in the states as they were stated."""
-        rooted = () if self.by_roots is None else self.by_roots.roots.rooted
-        pairs = zip(self.stated_states, self.check.equilibrium, strict=True)
-        return tuple(z * abs(z) if name in rooted else z for name, z in pairs)
+        point = self.check.equilibrium
+        if self.by_roots is None:
+            return point
+        return tuple(map(self.by_roots.roots.stated, self.stated_states, point))
 
     @property
     def origin(self) -> str:
@@ -277,15 +278,16 @@ def require_stated(system: SwitchedSystem) -> None:
     """
     if system.by_roots is None:
         return
-    roots = tuple(f"sqrt(Abs({name}))" for name in system.by_roots.roots.rooted)
+    roots = system.by_roots.roots
+    example = roots.root_text(roots.rooted[0])
     may = "with it stability is decided in one or two states, and paths are followed"
-    expected = f"formulas without {roots[0]} ({may})"
+    expected = f"formulas without {example} ({may})"
     for k, side in enumerate(system.written, 1):
         for j, formula in enumerate(side, 1):
-            if any(root in formula for root in roots):
+            if orders_in(formula, roots.states, {}):
                 key = f"system.rhs[{k}][{j}]" if len(system.written) > 1 else f"system.rhs[{j}]"
                 raise SceneError(system.origin, key, expected, formula)
-    raise SceneError(system.origin, "check.lyapunov", expected, StatedFact(roots[0]))
+    raise SceneError(system.origin, "check.lyapunov", expected, StatedFact(example))
 
 
 def require_one_field(system: SwitchedSystem) -> None:

@@ -407,6 +407,8 @@ def systems_with_roots() -> Iterator[Case]:
         yield Case(f"root-{name}", own, "lyapunov", hypotheses)
     grows = {**subject([root]), "roots": ["x"]}
     yield Case("root-grows", grows, "instability", instability("-root_x**2", cells("root_x"), ["1"]))
+    third = {**subject(["-sign(x)*Abs(x)**(2/3) + 2*x"]), "roots": ["x"], "orders": [3]}
+    yield Case("root-third", third, "lyapunov", lyapunov("root_x**2", cells("root_x", within="1/4")))
     drift = {**subject([f"1 + {root}"]), "roots": ["x"]}
     yield Case("root-drift", drift, "departure", {"cells": cells("root_x"), "direction": ["1"]})
 

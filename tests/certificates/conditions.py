@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import permutations, product
 from typing import Any
 
@@ -761,6 +762,10 @@ def of_names_of_roots() -> Iterator[Forgery]:
     ahead = {"cells": cube(None), "direction": ["1", "0"]}
     subject: Record = {"states": ["x", "root_x"], "rhs": [["1", "1"]], "at": ["0", "0"], "roots": ["x"]}
     yield of_subject("names of roots that are no states", subject, [UNSTABLE], "departure", ahead, {})
+    first = Forgery("one condition", "root-third", ((["statement", "subject", "orders"], [1]),))
+    yield replace(first, because="roots of an order of two at least")
+    other = (["statement", "subject", "rhs", 0, 0], "-sign(x)*Abs(x)**(1/2) + 2*x")
+    yield replace(first, changes=(other,), because="powers of the roots that are listed")
     subject = {"states": ["x"], "rhs": [["1 - sqrt(Abs(x))"]], "at": ["2"], "roots": ["x"]}
     cells = {"within": "1/2", "surfaces": ["root_x + 1"], "empty": ["-"]}
     proofs = {"V .": ON_PARTS, "cell + field 0": ON_PARTS, "empty -": PLAIN}

@@ -179,7 +179,7 @@ def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
         (
             ["x"],
             ["tan(x)"],
-            "sqrt, sin, cos of numbers, sin and cos of polynomials in the states, sqrt of Abs of a state",
+            "numbers, sin and cos of polynomials in the states, sqrt and rational powers of Abs of a state",
         ),
         (["x"], ["Max()"], "system.rhs[1]: required Max(a, b, ...)"),
         (["x"], ["Max(x, key=1)"], "system.rhs[1]: required Max(a, b, ...)"),
