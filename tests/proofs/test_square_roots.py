@@ -235,7 +235,7 @@ def test_a_certificate_beside_a_quotient(rhs: list[str]) -> None:
 
 
 def test_instability_beside_multiples_of_a_state_under_a_root_is_certified() -> None:
-    """The search for a function once took its subject for one without roots, the checker ``3*x`` for ``3*x`` of x > 0."""
+    """The search for a function once took its subject for one without roots, the checker 3 x for that of x > 0."""
     result = decide_system(built([f"3/4*{ROOT} + 3*x + 3/2*y", "-3/2*sgn(x) + 11/4*y"]))
     assert result.verdict is LEAVES
     record = certificate_of(result)
