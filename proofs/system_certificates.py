@@ -24,6 +24,7 @@ from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
+from nonsmooth.proofs.kernel.homogeneity import Homogeneity
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import (
@@ -137,6 +138,8 @@ def _certificate_about(result: DecidedSystem) -> Record:
             for further in _further(result):
                 draft.add(system, further)
             draft.add_global(system, result.reach.global_entry)
+            if result.reach.homogeneous is not None:
+                draft.add_homogeneous(system, result.scene, result.reach.homogeneous)
             if result.reach.basin is not None and system.numbers:
                 raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
@@ -246,6 +249,11 @@ class Draft:
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
 
+    def add_homogeneous(self, system: System, scene: SwitchedSystem, found: Homogeneity) -> None:
+        """That every start reaches the point, or arrives, as the field is homogeneous, where that is shown."""
+        with suppress(NotShownError, BeyondReachError):
+            self.add_entry(system, "homogeneous", found.hypotheses(scene, self.evidence[0]))
+
     def add_entry(
         self, system: System, theorem: str, hypotheses: Record, known: Mapping[str, Any] | None = None
     ) -> None:
@@ -343,8 +351,8 @@ def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate
         own, proofs = known["hypotheses"], known["proofs"]
         hypotheses = stability_hypotheses(own["cells"], own["function"], verdict)
     options = []
-    homogeneous = reach.everywhere and reach.global_entry is None
-    if homogeneous and (known is None or function.domain.radius is None):
+    forms = reach.everywhere and reach.global_entry is None and reach.homogeneous is None
+    if forms and (known is None or function.domain.radius is None):
         options.append(Option({"everywhere": True}, f"all starts in {_whole(system)} reach the equilibrium"))
     options += _options_on(function.stated_on, reach, system)
     weak = result.deciding.theorem is Method.INVARIANCE
@@ -522,7 +530,7 @@ def _beyond_words(result: DecidedSystem, draft: Draft) -> Iterator[str]:
         yield f"all starts in {_whole(result.scene)} reach the equilibrium: {where}"
     if result.deciding.refutes:
         yield f"the equilibrium does not attract: {result.deciding.refutes}: certificates show stability alone"
-    if reach.in_finite_time:
+    if reach.in_finite_time and "arrives" not in kinds:
         yield "solutions near the equilibrium arrive in finite time: certificates hold no times of roots"
 
 

@@ -328,10 +328,23 @@ MOST_DEGREE = 6  # of V' whose sign is asked for below a level of a searched V: 
 
 
 def reach_of(point: CheckedPoint, found: Finding) -> Reach:
-    """How far and how fast a finding carries: what the point knows of it, with the reach of the V that decides."""
-    known, system, function = point.reach(found), point.system, found.function
-    if found.verdict is not Translation.ASYMPTOTICALLY_STABLE or len(system.states) == 1:
+    """How far and how fast a finding carries: by the V that decides, and as far as the field is homogeneous."""
+    known = point.reach(found)
+    if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
         return known
+    from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
+
+    reach = known if len(point.system.states) == 1 else _reach_by_function(point, found, known)
+    own = homogeneity_of(point.system)
+    in_time = reach.rate is not None and reach.rate.decay is DecayKind.FINITE
+    if own is None or (reach.everywhere and (in_time or not own.arrives)):
+        return reach
+    return replace(reach, everywhere=True, in_finite_time=reach.in_finite_time or own.arrives, homogeneous=own)
+
+
+def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Reach:
+    """What the point knows of a finding, with the reach of the V that decides."""
+    system, function = point.system, found.function
     reach = Reach()
     if function is not None and (function.decrease is Decrease.STRICT or found.entry is None):
         reach = _reach_of_function(system, function)

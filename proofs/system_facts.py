@@ -61,6 +61,10 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     reach = result.reach
     if reach.global_entry is not None:
         yield row_fact("from everywhere", global_words(reach.global_entry))
+    if reach.homogeneous is not None:
+        own = reach.homogeneous
+        record = {"weights": Quantity(own.weights), "degree": Quantity(own.degree)}
+        yield Fact("homogeneous", record, own.words(states), row="homogeneous")
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
     if reach.reshaped is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from math import cos, inf, isfinite, sin
+from math import cos, inf, isfinite, sin, sqrt
 from operator import mul
 from typing import TypeAlias
 
@@ -243,7 +243,7 @@ def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surfac
             that switches ever faster there has a corner to end in.
     """
     own, places = len(roots.states), _places(roots)
-    powers = [(place, 1 / order) for place, order in places]
+    roots_at = [(place, _root_of(order)) for place, order in places]
     known = tuple(_rooted_surface(roots, surface) for surface in extended.surfaces)
     units = [tuple(float(k == place) for k in range(own)) for place, _ in places]
     missing = [
@@ -258,7 +258,7 @@ def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surfac
         if not isinstance(velocity, ScalarVelocity):
             return lambda t, x: velocity(t, _with_roots(x, roots))[:own]
         rates = velocity.rates
-        return ScalarVelocity(lambda *x: rates(*x, *[abs(x[place]) ** power for place, power in powers])[:own])
+        return ScalarVelocity(lambda *x: rates(*x, *[root(abs(x[place])) for place, root in roots_at])[:own])
 
     return SignField(roots.states, surfaces, flow, extended.size * SMALL_SCALE)
 
@@ -269,7 +269,12 @@ def with_roots(roots: SignedRoots, start: Sequence[float]) -> tuple[float, ...]:
 
 
 def _with_roots(x: Floats, roots: SignedRoots) -> Floats:
-    return np.concatenate([x, [abs(x[place]) ** (1 / order) for place, order in _places(roots)]])
+    return np.concatenate([x, [_root_of(order)(abs(float(x[place]))) for place, order in _places(roots)]])
+
+
+def _root_of(order: int) -> Callable[[float], float]:
+    """``x**(1/q)`` of a size."""
+    return sqrt if order == 2 else lambda x: x ** (1 / order)
 
 
 def _places(roots: SignedRoots) -> list[tuple[int, int]]:
@@ -288,8 +293,8 @@ def _rooted_surface(roots: SignedRoots, surface: Surface) -> Surface:
         inner = surface.gradient(_with_roots(x, roots))
         slopes = np.array(inner[:own], dtype=float)
         for (place, order), along in zip(_places(roots), inner[own:], strict=True):
-            size = max(abs(float(x[place])), SURFACE_SLACK)
-            slopes[place] += along * np.copysign(1 / order, x[place]) * size ** (1 / order - 1)
+            size = _root_of(order)(max(abs(float(x[place])), SURFACE_SLACK))
+            slopes[place] += along * np.copysign(1 / order, x[place]) / size ** (order - 1)
         return slopes
 
     depends = any(root in surface.name for root in roots.names.values())

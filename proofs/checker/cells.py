@@ -64,6 +64,11 @@ class System:
         return self.at
 
     @property
+    def orders(self) -> tuple[int, ...]:
+        """Of the root that stands for each state; 1 where the state is a coordinate itself."""
+        return (1,) * self.count
+
+    @property
     def stated(self) -> System:
         """The system with the velocities of its states."""
         return self

@@ -37,6 +37,7 @@ from .centres import show_integral, show_reversible
 from .choice import show_choice
 from .escape import show_escape
 from .formulas import Formula, WaveAt, parsed
+from .homogeneous import show_homogeneous
 from .polynomials import Coefficient, Polynomial, constant, lie_derivative
 from .positivity import Proofs
 from .theorems import (
@@ -227,6 +228,15 @@ def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     return [{"stability": verdict_of(part, entry, proofs)}]
 
 
+def show_scaled(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
+    """What follows for a homogeneous inclusion (:mod:`.homogeneous`) from the verdict of another theorem.
+
+    Hypotheses: ``cells`` (of the whole space), ``weights`` of the coordinates, and the ``entry`` of the theorem.
+    """
+    cells, weights, entry = take(hypotheses, "cells weights entry")
+    return show_homogeneous(system, cells, weights, proofs, verdict_of(system, entry, proofs))
+
+
 ABOUT_PARTS: dict[str, Callable[[Any, Any, Proofs], list[Statement]]] = {
     "lyapunov": show_stability,
     "instability": show_instability,
@@ -240,8 +250,8 @@ ABOUT_PARTS: dict[str, Callable[[Any, Any, Proofs], list[Statement]]] = {
 }
 
 
-def verdict_of(part: Part, entry: Any, beside: Proofs) -> str:
-    """What a theorem shows of the stability of a part."""
+def verdict_of(part: System, entry: Any, beside: Proofs) -> str:
+    """What a theorem shows of the stability of a part, or of all."""
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
     require(type(theorem) is str and theorem in ABOUT_PARTS, "a theorem about parts")
     proofs = beside.of_part(data)

@@ -70,6 +70,11 @@ class RootedSystem(System):
         return tuple(signed_root(value, self.roots[name]) if name in self.roots else value for name, value in pairs)
 
     @property
+    def orders(self) -> tuple[int, ...]:
+        """Of the root that stands for each state."""
+        return tuple(self.roots.get(name, 1) for name in self.states)
+
+    @property
     def stated(self) -> RootedSystem:
         """The same with the velocities of the states."""
         return replace(self, scaled=False)

@@ -18,7 +18,7 @@ from .basin import show_basin
 from .cells import System
 from .circles import show_on_circles
 from .outside import show_outside
-from .parts import ABOUT_PARTS
+from .parts import ABOUT_PARTS, show_scaled
 from .positivity import Proofs
 from .roots import read_subject
 from .theorem4 import show_theorem4
@@ -34,6 +34,7 @@ Theorem: TypeAlias = Callable[[Any, Any, Proofs], list[Statement]]  # of a subje
 
 THEOREMS: dict[str, Theorem] = {  # of systems
     **ABOUT_PARTS,
+    "homogeneous": show_scaled,
     "basin": show_basin,
     "circles": show_on_circles,
     "outside": show_outside,

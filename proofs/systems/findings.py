@@ -31,6 +31,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.kernel.homogeneity import Homogeneity
     from nonsmooth.proofs.systems.basin import CertifiedBasin
 
 DERIVATIVES = {
@@ -244,7 +245,9 @@ class Reach(ShortRepr):
             on the plane the checked one.
         basin: triangles around the region of which every start reaches the point, where they were asked for.
         reshaped: a larger region of another V, in three states and more, where it was asked for.
-        in_finite_time: of a system in roots of states, whether solutions near the point are known to arrive in time.
+        homogeneous: weights with which the field is homogeneous, where that shows that every start reaches the point,
+            or arrives.
+        in_finite_time: whether solutions near the point are known to arrive in finite time.
     """
 
     everywhere: bool = False
@@ -256,6 +259,7 @@ class Reach(ShortRepr):
     gain: DisturbanceGain | None = None
     gain_domain: Domain | None = None
     in_finite_time: bool = False
+    homogeneous: Homogeneity | None = None
     reshaped: ReshapedRegion | None = field(default=None, hash=False)
     global_entry: Record | None = field(default=None, hash=False)
     basin: CertifiedBasin | None = field(default=None, hash=False)

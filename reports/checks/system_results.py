@@ -369,6 +369,8 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     question, reach, states = "from where", result.reach, result.scene.states
     if reach.everywhere:
         why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
+        if reach.global_entry is None and reach.homogeneous is not None:
+            why = f": the field is {reach.homogeneous.words(states)}"
         return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
     if reach.basin is not None:
         about = reshaped_words(reach.reshaped, states) if reach.reshaped else ""
@@ -387,6 +389,9 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
 def _how_fast(result: StabilityResult) -> SystemAnswer:
     """The rate at which solutions come to an asymptotically stable point."""
     question, reach, states = "how fast", result.reach, result.scene.states
+    if reach.homogeneous is not None and reach.homogeneous.arrives:
+        words = f"every solution arrives, as the field is {reach.homogeneous.words(states)}; no bound is proved"
+        return SystemAnswer(question, "in finite time", words)
     if reach.rate is not None:
         kind = KINDS_OF_RATES[reach.rate.decay]
         farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""

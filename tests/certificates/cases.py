@@ -413,6 +413,22 @@ def systems_with_roots() -> Iterator[Case]:
     yield Case("root-drift", drift, "departure", {"cells": cells("root_x"), "direction": ["1"]})
 
 
+def homogeneous_systems() -> Iterator[Case]:
+    """What holds near the point holds everywhere; of negative degree solutions arrive."""
+    third = {"roots": ["x"], "orders": [3]}
+    for name, side, surfaces, weights, more in (
+        ("linear", ["-x + y**3", "-y"], [], ["3", "1"], {}),
+        ("relays", ["-2*sign(x) + sign(y)", "-sign(y)"], ["x", "y"], ["1", "1"], {}),
+        ("root", ["-sign(x)*Abs(x)**(2/3)"], ["root_x"], ["1/2"], third),
+    ):
+        about = {**subject(side), **more}
+        function = "root_x**2" if more else "x**2 + y**2"
+        local = Case("", about, "lyapunov", lyapunov(function, cells(*surfaces, within="1/2")))
+        (entry,) = local.certificate()["evidence"]
+        hypotheses = {"cells": cells(*surfaces, within=None), "weights": weights, "entry": entry}
+        yield Case(f"homogeneous-{name}", about, "homogeneous", hypotheses)
+
+
 def gains() -> Iterator[Case]:
     """What disturbances add to a rate."""
     for count, gamma in product((1, 2, 3), ("3", "4")):
@@ -663,6 +679,7 @@ GROUPS = (
     points_without_rest,
     solutions_that_leave,
     systems_with_roots,
+    homogeneous_systems,
     gains,
     basins,
     energies_on_circles,

@@ -755,6 +755,26 @@ def of_a_relay_in_space() -> Iterator[Forgery]:
     yield of_subject(because, own, [*claims, {"attracts": mesh}], "basin", good, entry["proofs"])
 
 
+def of_homogeneous_systems() -> Iterator[Forgery]:
+    """Points that do not attract everywhere, and weights of another degree."""
+    good: Path = ["evidence", 0, "hypotheses"]
+    first = Forgery("one condition", "homogeneous-root", (([*good, "weights"], ["-1"]),), because="positive weights")
+    yield first
+    yield replace(first, changes=(([*good, "cells", "within"], "1"),), because="the whole space")
+
+    def scaled(because: str, rhs: str, surfaces: list[str], verdict: str = "asymptotically stable") -> Forgery:
+        about = {"states": ["x"], "rhs": [[rhs]], "at": ["0"]}
+        bare = {"second": None, "everywhere": False, "level": None, "below": False, "rate": None}
+        own = {"cells": {**cube("1/2"), "surfaces": surfaces}, "function": "x**2", "verdict": verdict, **bare}
+        entry, _ = Search().entry(read_subject(about), "lyapunov", own)
+        whole = {"cells": {**cube(None), "surfaces": surfaces}, "weights": ["1"], "entry": entry}
+        return of_subject(because, about, [EVERYWHERE], "homogeneous", whole, {})
+
+    yield scaled("a point that attracts", "-relu(x)", ["x"], "stable")
+    yield scaled("surfaces whose terms have one weight", "-x*sign(1 - x)", ["x - 1"])
+    yield scaled("velocities whose terms have the weights of one degree", "-x + x**3", [])
+
+
 def of_names_of_roots() -> Iterator[Forgery]:
     """Roots that are none, or not rational at the point."""
     roots: Path = ["statement", "subject", "roots"]
@@ -780,6 +800,6 @@ def conditions() -> Iterator[Forgery]:
         *(of_evidence, of_squares, of_pairs, of_further_functions, of_formulas, of_documents),
         *(of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_centres, of_polygons, of_meshes, of_names_of_roots, of_parts),
-        *(of_resting_places, of_a_relay_in_space),
+        *(of_resting_places, of_a_relay_in_space, of_homogeneous_systems),
     ):
         yield from kind()

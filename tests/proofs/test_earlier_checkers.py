@@ -39,6 +39,7 @@ NO_WORDS = {
     "theorem circles",
     "theorem escape",
     "theorem outside",
+    "theorem homogeneous",
     "departure in two states",
     "instability by two functions",
     "claims below a level alone",

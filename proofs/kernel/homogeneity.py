@@ -1,0 +1,99 @@
+"""Homogeneous systems, with weights of the states: what holds near the point holds everywhere, and who arrives in time.
+
+F is homogeneous of degree d with weights ``r_k > 0`` if ``F(D x) = l^d D F(x)``, ``D = diag(l^r_1, ..., l^r_n)``,
+for every l > 0 (x from the point): with x(t) also ``D x(l^d t)`` is a solution.  So a point that attracts attracts
+everywhere; for d < 0 every solution arrives in finite time (Levant 2005; Bernuau, Efimov, Perruquetti and Polyakov
+2014).  On each cell this asks of every term of the velocity of x_k that its weight is ``d + r_k``, and of all terms of
+a surface that they have one weight: linear equations for weights and degree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+
+from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.kernel.cells import BeyondReachError, build_cells, stated_cells
+from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+LARGEST = 64  # denominators of weights, of which the least is one
+
+Row = tuple[int, ...]  # coefficients of the weights of the coordinates, and of the degree
+
+
+@dataclass(frozen=True)
+class Homogeneity:
+    """Weights and degree of a homogeneous system.
+
+    Attributes:
+        weights: of the coordinates; where the root of a state stands for it, q times its weight is that of the state.
+        degree: d.
+    """
+
+    weights: tuple[Fraction, ...]
+    degree: Fraction
+
+    @property
+    def arrives(self) -> bool:
+        """Whether solutions of a point that attracts arrive in finite time."""
+        return self.degree < 0
+
+    def hypotheses(self, system: SwitchedSystem, entry: Record) -> Record:
+        """Of theorem ``homogeneous``, with the entry of the theorem that shows that the point attracts.
+
+        Raises:
+            BeyondReachError: for too many cells.
+        """
+        return {"cells": stated_cells(system, None).record, "weights": list(map(str, self.weights)), "entry": entry}
+
+    def words(self, states: tuple[str, ...]) -> str:
+        """Degree and weights in words."""
+        weights = ", ".join(f"{name}: {weight}" for name, weight in zip(states, self.weights, strict=True))
+        return f"homogeneous of degree {self.degree} with the weights {weights}"
+
+
+def homogeneity_of(system: SwitchedSystem) -> Homogeneity | None:
+    """Weights with which the stated field is homogeneous about the point; None where there are none.
+
+    Args:
+        system: in any number of states; of roots of states the field in the time of the states counts.
+    """
+    roots = () if system.by_roots is None else system.by_roots.roots.names.values()
+    at = dict(zip(system.states, system.check.equilibrium, strict=True))
+    if system.waves or system.denominators or any(at[name] for name in roots):
+        return None
+    try:
+        rows = sorted(set(_rows(system)))
+    except (BeyondReachError, SceneError):
+        return None
+    count = len(system.states)
+    costs, bounds = [*[1.0] * count, 0.0], [*[(1.0, None)] * count, (None, None)]
+    equations = np.array(rows, dtype=float).reshape(-1, count + 1)
+    found = solve_program(costs, A_eq=equations, b_eq=np.zeros(len(rows)), bounds=bounds)
+    if found.status != 0:
+        return None
+    *weights, degree = (Fraction(float(own)).limit_denominator(LARGEST) for own in found.x)
+    holds = all(sum(c * own for c, own in zip(row, (*weights, degree), strict=True)) == 0 for row in rows)
+    return Homogeneity(tuple(weights), degree) if holds and min(weights) > 0 else None
+
+
+def _rows(system: SwitchedSystem) -> Iterator[Row]:
+    """What weights and degree must solve."""
+    orders = {} if system.by_roots is None else system.by_roots.roots.order
+    stated = system if system.by_roots is None else system.by_roots.unscaled
+    cells = build_cells(stated, None, irrational=True)
+    for surface in cells.surfaces:
+        for first, second in pairwise(surface.terms):
+            yield (*map(int.__sub__, first, second), 0)
+    for cell in cells.cells:
+        for velocity in cell.velocities:
+            for k, (name, part) in enumerate(zip(system.stated_states, velocity, strict=True)):
+                for exponents in part:
+                    own = [e - orders.get(name, 1) * (k == j) for j, e in enumerate(exponents)]
+                    yield (*own, -1)
