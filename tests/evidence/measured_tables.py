@@ -241,8 +241,8 @@ def study(asked: Iterator[Question], folder: Path, most: float = MOST) -> int:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", default="0,40")
-    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--seeds", default="0,40", help="the first one, and the one behind the last")
+    parser.add_argument("--kinds", default=",".join(KINDS), help="of tables, divided by commas")
     parser.add_argument("--in-turn", action="store_true", help="each table under one rule, in turn")
     parser.add_argument("--into", type=Path, default=Path("build/measured_tables"))
     parser.add_argument("--most", type=float, default=MOST, help="seconds for the bodies on one table")
