@@ -33,7 +33,7 @@ from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock
@@ -179,7 +179,6 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
         return PlanePoint(system)
     from nonsmooth.proofs.many_states.decision import SpacePoint
 
-    require_stated(system)
     return SpacePoint(system)
 
 
@@ -211,9 +210,19 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
     return Equilibrium.HOLDS if stays else point.equilibrium
 
 
+UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
+
+
+def leave_uncovered(point: CheckedPoint, known: Known) -> Finding | None:
+    """What is proved of roots of states says nothing about the states."""
+    return None if point.is_covered else Finding(Method.NONE, Translation.UNDECIDED, UNCOVERED)
+
+
 def decide_rooted_cascade(point: CheckedPoint, known: Known) -> Finding | None:
-    """The parts of a system with square roots of states."""
-    return None if point.system.by_roots is None else decide_by_cascade(point, known)
+    """The parts of a system with roots of states; in more than two states where these show nothing of the whole."""
+    in_plane = len(point.system.states) == len(PLANE)
+    is_asked = point.system.by_roots is not None and (in_plane or not point.is_covered)
+    return decide_by_cascade(point, known) if is_asked else None
 
 
 def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
@@ -458,8 +467,8 @@ STRATEGIES = [
     Strategy("signs on either side", ONE, LINE, "decide_by_signs"),
     Strategy("no equilibrium", TWO, IN_PLANE, "decide_no_equilibrium"),
     Strategy("no equilibrium", MORE, IN_SPACE, "decide_no_equilibrium"),
-    Strategy("cascade, of roots", TWO, __name__, "decide_rooted_cascade"),
-    Strategy("uncovered axes of roots", TWO, IN_PLANE, "leave_uncovered"),
+    Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade"),
+    Strategy("uncovered axes of roots", SEVERAL, __name__, "leave_uncovered"),
     Strategy("solution that leaves", MORE, IN_SPACE, "decide_by_escape"),
     Strategy("relative degree of a relay", MORE, IN_SPACE, "decide_by_relay"),
     Strategy("linearization", MORE, IN_SPACE, "decide_by_linearization"),

@@ -402,6 +402,12 @@ class SpacePoint(CheckedPoint):
         """
         return first_cells(self.system)
 
+    @property
+    def is_covered(self) -> bool:
+        """Whether no root of a state is zero at the point: then none is on the cube, where time passes slower alone."""
+        at = dict(zip(self.system.stated_states, self.system.check.equilibrium, strict=True))
+        return self.system.by_roots is None or all(at[name] for name in self.system.by_roots.roots.rooted)
+
     @cached_property
     def linear(self) -> LinearPart | None:
         """The linearization, or an unstable one under arbitrary switching."""
@@ -414,8 +420,10 @@ class SpacePoint(CheckedPoint):
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """Whether 0 is in F."""
+        """Whether 0 is in F: of the stated fields, where roots of states scale them."""
         try:
+            if self.system.by_roots is not None:
+                return decide_equilibrium(self.system.by_roots.unscaled, first_cells(self.system.by_roots.unscaled))
             return decide_equilibrium(self.system, self.cells)
         except BeyondReachError:
             return Equilibrium.UNDECIDED
@@ -444,7 +452,8 @@ class SpacePoint(CheckedPoint):
             linear = self.linear is not None and self.linear.is_whole
         except BeyondReachError:  # states that were decided by themselves
             linear = False
-        return Reach(linear or (found.function is not None and found.function.is_homogeneous))
+        forms = found.function is not None and found.function.is_homogeneous and self.system.by_roots is None
+        return Reach(linear or forms)
 
 
 def first_cells(scene: SwitchedSystem) -> SignCells:

@@ -346,6 +346,11 @@ class CheckedPoint(ABC):
         """What is said where nothing decides."""
 
     @property
+    def is_covered(self) -> bool:
+        """Of a system in roots of states, whether what is proved of the roots holds for the states; else true."""
+        return True
+
+    @property
     def speaks_of_states(self) -> bool:
         """Whether what a V shows on the checked cube is said of the stated states."""
         return True

@@ -72,7 +72,6 @@ def holds_everywhere(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:
 
 
 SEARCH_EFFORT = 2 * EFFORT  # for all candidates of a search together
-UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
 
 
 class PlanePoint(CheckedPoint):
@@ -112,7 +111,7 @@ class PlanePoint(CheckedPoint):
 
     @cached_property
     def is_covered(self) -> bool:
-        """Of a system in roots of states, whether what is proved of the roots holds for the states; else true."""
+        """Whether solutions cross the axes of roots near the point."""
         return axes_are_crossed(self.system)
 
     @cached_property
@@ -205,11 +204,6 @@ def decide_no_equilibrium(point: PlanePoint, known: Known) -> Finding | None:
     more = f"; {fan.reason}" if fan is not None and fan.verdict is Translation.UNSTABLE else ""
     reason = f"0 is not in F there, so every solution leaves it{more}"
     return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, reason)
-
-
-def leave_uncovered(point: PlanePoint, known: Known) -> Finding | None:
-    """What is proved of roots of states says nothing about the states."""
-    return None if point.is_covered else Finding(Method.NONE, Translation.UNDECIDED, UNCOVERED)
 
 
 def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:

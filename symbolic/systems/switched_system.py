@@ -280,7 +280,7 @@ def require_stated(system: SwitchedSystem) -> None:
         return
     roots = system.by_roots.roots
     example = roots.root_text(roots.rooted[0])
-    may = "with it stability is decided in one or two states, and paths are followed"
+    may = "with it stability is decided, and paths are followed"
     expected = f"formulas without {example} ({may})"
     for k, side in enumerate(system.written, 1):
         for j, formula in enumerate(side, 1):

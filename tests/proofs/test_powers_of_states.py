@@ -17,6 +17,7 @@ from nonsmooth.proofs.checker.cells import Domain
 from nonsmooth.proofs.checker.roots import read_subject, whole_root
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.exchange.formulas import formulas_of
@@ -147,6 +148,36 @@ def test_other_powers_are_refused_in_one_line(formula: str, words: str) -> None:
         built([formula, "-y"])
     assert words in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+# In three states: right-hand sides, the point, the verdict, and whether it has a certificate.
+SPACE: list[tuple[list[str], list[str], Translation, bool]] = [
+    (["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))", "sqrt(Abs(y)) - sqrt(Abs(z))"], ["1/4"] * 3, ATTRACTS, True),
+    (["2 - Abs(x)**(1/3)", "Abs(x)**(1/3) - y - z", "y - z"], ["8", "1", "1"], ATTRACTS, True),
+    (["1/2 - sqrt(Abs(x)) + y", "sqrt(Abs(x)) - 1/2 + z", "y - z"], ["1/4", "0", "0"], LEAVES, True),
+    (["-2*sqrt(Abs(x))*sgn(x) + y", "-sgn(x) + z", "-z"], ["0"] * 3, ATTRACTS, False),  # by parts
+    (["-2*sqrt(Abs(x))*sgn(x) + y", "-sgn(x) + z", "z"], ["0"] * 3, LEAVES, False),
+    (["y", "z", "-6*sqrt(Abs(x))*sgn(x) - 3*y - z"], ["0"] * 3, Translation.UNDECIDED, False),
+    (["1 + sqrt(Abs(x))", "-y", "-z"], ["0"] * 3, LEAVES, True),  # no equilibrium
+]
+
+
+@pytest.mark.parametrize(("rhs", "at", "truth", "has_certificate"), SPACE)
+def test_three_states(rhs: list[str], at: list[str], truth: Translation, has_certificate: bool) -> None:
+    result = decide_system(built(rhs, equilibrium=at))
+    assert (result.verdict, result.check()) == (truth, True)
+    centre = np.array(list(map(float, map(Fraction, at))))
+    x = centre[:, None] + 1e-2 * np.random.default_rng(0).uniform(-1, 1, (3, 20))
+    start = np.abs(x - centre[:, None]).max()
+    for _ in range(5_000):
+        x = np.clip(x + 4e-3 * np.array([value(own, x=x[0], y=x[1], z=x[2]) for own in rhs]), -9, 9)
+    last = np.abs(x - centre[:, None]).max()
+    assert last > 2 * start if truth is LEAVES else truth is Translation.UNDECIDED or last < start / 2
+    if has_certificate:
+        assert refused(certificate_of(result)) == ""
+    else:
+        with pytest.raises(NoCertificateError):
+            certificate_of(result)
 
 
 # ---- certificates --------------------------------------------------------------------------------
