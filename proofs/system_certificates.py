@@ -296,7 +296,8 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
         raise NoCertificateError("a certificate does not state right-hand sides without sines beside enclosed ones")
     if isinstance(result.deciding.proofs, Parts):
         yield partial(_by_parts, result.deciding.proofs, system)
-    for candidate in _candidates(result):
+    whole = result.reach.global_entry
+    for candidate in (*_candidates(result), *([] if whole is None else [_of_entry(whole)])):
         yield partial(_shown, system, candidate)
     yield partial(_by_searches, result)
 
@@ -332,12 +333,17 @@ def _candidates(result: DecidedSystem) -> Iterator[Candidate]:
     """The theorem that decided, with the V that did."""
     entry, function = result.deciding.entry, result.function
     if entry is not None:
-        yield Candidate(entry["theorem"], entry["hypotheses"], known=entry["proofs"])
+        yield _of_entry(entry)
     elif function is not None and function.grows:
         yield Candidate("instability", growth_hypotheses(result.scene, function))
     elif function is not None:
         yield _by_function(result, function)
         yield from _by_stated_function(result)
+
+
+def _of_entry(entry: Record) -> Candidate:
+    """A theorem with evidence that is known."""
+    return Candidate(entry["theorem"], entry["hypotheses"], known=entry["proofs"])
 
 
 def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate:

@@ -389,13 +389,13 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
 def _how_fast(result: StabilityResult) -> SystemAnswer:
     """The rate at which solutions come to an asymptotically stable point."""
     question, reach, states = "how fast", result.reach, result.scene.states
+    farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""
+    rate = "" if reach.rate is None else f"{rate_words(reach, states)}{farther}"
     if reach.homogeneous is not None and reach.homogeneous.arrives:
-        words = f"every solution arrives, as the field is {reach.homogeneous.words(states)}; no bound is proved"
-        return SystemAnswer(question, "in finite time", words)
+        words = f"every solution arrives, as the field is {reach.homogeneous.words(states)}"
+        return SystemAnswer(question, "in finite time", f"{words}; {rate or 'no bound is proved'}")
     if reach.rate is not None:
-        kind = KINDS_OF_RATES[reach.rate.decay]
-        farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""
-        return SystemAnswer(question, kind, f"{rate_words(reach, states)}{farther}")
+        return SystemAnswer(question, KINDS_OF_RATES[reach.rate.decay], rate)
     if reach.in_finite_time:
         return SystemAnswer(
             question, "in finite time", "solutions near the equilibrium arrive; no bound on the time is proved"
