@@ -18,6 +18,7 @@ def literature() -> Iterator[Known]:
     """All of them."""
     yield from with_regions()
     yield from that_attract_everywhere()
+    yield from with_powers()
     yield from in_more_states()
 
 
@@ -75,6 +76,29 @@ def that_attract_everywhere() -> Iterator[Known]:
     yield known("no polynomial V at all", rational, "(x^4 + y^4)/(x^2 + y^2): Ahmadi and El Khadir 2018")
     yield known("cascade", ("-x + y**2", "-y"), "input-to-state stable: Sontag 1989")
     yield known("focus", ("y", "-x - y"), "linear")
+
+
+def with_powers() -> Iterator[Known]:
+    """In two states, with rational powers of these, from everywhere."""
+
+    def known(name: str, rhs: tuple[str, str], source: str) -> Known:
+        return Known(f"powers: {name}", rhs, ATTRACTS, source, everywhere=EVERYWHERE)
+
+    root, third = "sqrt(Abs(x))*sign(x)", "Abs(x)**(1/3)*sign(x)"
+    damping = "sqrt(Abs(y))*sign(y)"
+    yield known("super-twisting", (f"-3/2*{root} + y", "-11/10*sign(x)"), "Levant 1993")
+    linear = (f"-3/2*{root} + y - x", "-11/10*sign(x) - x")
+    yield known("super-twisting, linear terms", linear, "Moreno 2009")
+    general = (f"y - {root} - Abs(x)**(3/2)*sign(x)", "-sign(x)/2 - 2*x - 3*x*Abs(x)/2")
+    yield known("super-twisting, generalized", general, "Moreno 2009 (m)")
+    yield known("double integrator", ("y", f"-{third} - {damping}"), "Bhat and Bernstein 1998")
+    fifth = ("y", "-Abs(x)**(1/5)*sign(x) - Abs(y)**(1/3)*sign(y)")
+    yield known("double integrator, 1/5", fifth, "Bhat and Bernstein 1998")
+    observer = ("y - 2*Abs(x)**(2/3)*sign(x)", f"-2*{third}")
+    yield known("observer", observer, "energy: Perruquetti, Floquet and Moulay 2008 (m)")
+    yield known("a law of convergence", ("y", f"-2*sign(y + {root})"), "Levant 1993")
+    fixed = ("y", f"-{third} - x**3 - {damping} - y**3")
+    yield known("in a time without bound by the start", fixed, "energy; Polyakov 2012 (m)")
 
 
 def in_more_states() -> Iterator[Known]:
