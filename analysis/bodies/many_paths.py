@@ -18,11 +18,11 @@ from typing import Protocol
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.motions_on_sets import NOBODY, LeastTwists, nearest_wheels, widest_gaps
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
+from nonsmooth.analysis.minimizers.many_twists import NOBODY, LeastTwists, nearest_wheels, widest_gaps
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose

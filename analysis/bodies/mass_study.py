@@ -29,12 +29,12 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
 from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
+from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE, smooth_path
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, all_rules, contact_rule, massless_rule
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics

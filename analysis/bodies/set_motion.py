@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
+from nonsmooth.analysis.bodies.newton_euler import MovingLoads
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
+from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
 from nonsmooth.analysis.minimizers.minimum import resists_every_motion
 from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, CutNewton, SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError

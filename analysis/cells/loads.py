@@ -26,10 +26,9 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.mechanics.constraints import Triple
-from nonsmooth.symbolic.mechanics.load_model import LoadModel, carried_loads
+from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads, carried_loads
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import EXACT, EqualSprings, exact_moments, load_model
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import float_text, short_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus

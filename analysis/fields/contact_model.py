@@ -24,10 +24,9 @@ from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import Rule, SmoothRule
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet, float_sets
-from nonsmooth.symbolic.mechanics.load_model import LoadModel
+from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, turned
 

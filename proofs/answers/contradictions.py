@@ -484,7 +484,7 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
     """A level set from which V falls, at a proved rate where there is one, and a start in it whose V does not."""
     import numpy as np
 
-    from nonsmooth.analysis.fields.cell_values import potential_values
+    from nonsmooth.analysis.fields.stated_field import potential_values
 
     function, region, rate = result.function, result.reach.region, result.reach.rate
     if function is None or region is None or not region.falls:

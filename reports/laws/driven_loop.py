@@ -15,13 +15,19 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.newton_euler import MovingLoads
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
-from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import proved
-from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
+from nonsmooth.analysis.trajectories.imposed_twists import (
+    HeldLaw,
+    ImposedMotions,
+    Motion,
+    PoseErrors,
+    driven_field,
+    follow_held,
+)
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware

@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple, TypeAlias
 from pydantic import PlainValidator
 
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, read_exact, read_pair
-from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, carried_table, centre_of, largest_correction
+from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable
-from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.mechanics.springs import NoSpringsError, carried_table, centre_of, largest_correction
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import short_text
@@ -159,7 +159,7 @@ def _share(value: Exact, numbers: Numbers, key: str) -> Number:
 
 
 def _carried(stated: MeasuredLoads, numbers: Numbers, positions: Sequence[Vector]) -> LoadTable:
-    """Measured loads at every pose: see :mod:`nonsmooth.symbolic.mechanics.measured_loads`."""
+    """Measured loads at every pose: see :mod:`nonsmooth.symbolic.mechanics.springs`."""
     if len(stated.values) != len(positions):
         expected = f"{len(positions)} values, one for each wheel"
         raise SceneError(numbers.file, "contact.loads.values", expected, StatedFact(f"{len(stated.values)}"))

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.outline import Form
 from nonsmooth.analysis.cells.partition import AREA_ROOTS, Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, intersection, square
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.analysis.minimizers.point_location import PointLocator
+from nonsmooth.analysis.minimizers.agreement import PointLocator
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import Twist, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import regular_states

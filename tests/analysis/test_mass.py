@@ -26,9 +26,9 @@ from nonsmooth.analysis.bodies.mass_study import (
     rule_path,
     rules_by_limit,
 )
+from nonsmooth.analysis.bodies.newton_euler import CREEP, DynamicPath, MovingLoads, NewtonEuler, RigidBody, disc
 from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, DynamicPath, MovingLoads, NewtonEuler, RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
