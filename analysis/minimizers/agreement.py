@@ -17,18 +17,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules, contact_rule
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon
-from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.minimizers.box_minimizers import forces_at
+from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import (
-    Functional,
-    Minima,
-    balance_forces,
-    functional_of,
     minima_without_proof,
     proved,
 )
@@ -187,7 +181,7 @@ def _difference(scene: Scene, points: Floats, first: Floats, second: Floats, mis
 OUTSIDE = -1
 # Length relative to the square's half-width: absorbs the rounding of a point that lies on a side.
 SIDE_SLACK = 1e-12
-_BLOCK = 4096  # points per block: keeps the slack matrix within the processor's cache
+_BLOCK = 256  # points per block: keeps the depths in all cells within the processor's cache
 _BUCKETS = 128  # along each axis
 _MANY = _BUCKETS**2  # points for which the table of buckets is worth building
 _MIXED = -2  # of a bucket that a side crosses
@@ -199,13 +193,7 @@ class PointLocator:
     def __init__(self, partition: Partition) -> None:
         self.partition = partition
         self.scale = float(partition.scene.check.radius) * SIDE_SLACK
-        self._normals: list[Floats] = []
-        self._offsets: list[Floats] = []
-        for cell in partition.cells:
-            normals = float_points(side.normal for side in cell.polygon.sides)
-            lengths = np.hypot(*normals.T)
-            self._normals.append(normals / lengths[:, None])
-            self._offsets.append(np.array([float(side.offset) for side in cell.polygon.sides]) / lengths)
+        self._sides = CellSides([(side.normal, side.offset) for side in cell.polygon.sides] for cell in partition.cells)
         # the last row belongs to OUTSIDE
         self._twists = np.array([*(cell.twists[0] for cell in partition.cells), [np.nan] * 3], float)
 
@@ -228,38 +216,13 @@ class PointLocator:
         found = np.full(len(points), OUTSIDE)
         for start in range(0, len(points), _BLOCK):
             block = slice(start, start + _BLOCK)
-            found[block] = self._search_block(points[block])
-        return found
-
-    def _search_block(self, points: Floats) -> Indices:
-        found = np.full(len(points), OUTSIDE)
-        waiting = np.arange(len(points))
-        for k, (normals, offsets) in enumerate(zip(self._normals, self._offsets, strict=True)):
-            slack = offsets - points[waiting] @ normals.T
-            inside = (slack >= -self.scale).all(axis=1)
-            found[waiting[inside]] = k
-            waiting = waiting[~inside]
-            if not len(waiting):
-                break
+            inside = self._sides.depths(points[block]) >= -self.scale
+            found[block] = np.where(inside.any(axis=1), inside.argmax(axis=1), OUTSIDE)
         return found
 
     def twists(self, points: Floats) -> Floats:
         """Twist (vx, vy, omega) of each point's cell, NaN outside the square."""
         return self._twists[self.locate(points)]
-
-    def minima(self, points: Floats) -> Minima:
-        """The explicit minimizer of rule ``box`` at points (m, 2), with the forces that prove it.
-
-        Raises:
-            ValueError: for a point outside the square, or a partition of another rule.
-        """
-        twists = self.twists(points)
-        if functional_of(contact_rule(self.partition.rule)) is not Functional.BOX or np.isnan(twists).any():
-            raise ValueError("required points inside the checked square of a partition of rule box")
-        model = contact_model(self.partition.scene)
-        loads = loads_at(model, points)
-        forces = np.array([forces_at(model, load, twist) for load, twist in zip(loads, twists, strict=True)])
-        return Minima(Functional.BOX, model, loads, twists, balance_forces(Functional.BOX, model, loads, forces))
 
 
 class _Buckets:

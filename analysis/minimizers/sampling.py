@@ -31,7 +31,7 @@ from nonsmooth.analysis.minimizers.minimum import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, point_velocities, turned
 
 if TYPE_CHECKING:
     pass
@@ -220,8 +220,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
     x, y = np.meshgrid(*[np.linspace(-radius, radius, count)] * 2)
     places = np.column_stack([x.ravel(), y.ravel()])
     minima = minima_under(rule, centred, places)
-    vx, vy, omega = minima.twists.T
-    velocities = np.column_stack([vx - omega * places[:, 1], vy + omega * places[:, 0]])
+    velocities, omega = point_velocities(minima.twists, places), minima.twists[:, 2]
     unknown = ~proved(minima)
     unknown[list(minima.faces)] = True
     velocities[unknown], omega = np.nan, np.where(unknown, np.nan, omega)

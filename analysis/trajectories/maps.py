@@ -227,12 +227,10 @@ class BatchPaths:
         self.place, self.entry = np.full(count, DONE), np.full(count, DONE)
         self.anchors, self.anchored = np.full((count, 2), np.nan), np.full((count, 2), DONE)
         self.corners: dict[int, tuple[Junction, list[Choice]]] = {}
-        near = np.ones(count, dtype=bool)
-        for k, polygon in enumerate(self.cells.polygons):
-            gaps = [side.offset - points @ np.array(side.normal) for side in polygon.sides]
-            inside = np.min(gaps, axis=0) > self.cells.slack
-            self.place[inside], near[inside] = k, False
-        self._one_by_one(np.flatnonzero(near))
+        inside = field.depths(points) > self.cells.slack
+        held = inside.any(axis=1)
+        self.place[held] = inside[held].argmax(axis=1)
+        self._one_by_one(np.flatnonzero(~held))
 
     def run(self, report: OnRow | None = None) -> None:
         """Leg after leg; ``report`` is told how many of all starts have ended."""

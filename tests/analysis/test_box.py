@@ -23,7 +23,11 @@ from nonsmooth.analysis.cells.outline import Form
 from nonsmooth.analysis.cells.partition import AREA_ROOTS, Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, intersection, square
 from nonsmooth.analysis.cells.slopes import Slopes
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.agreement import PointLocator
+from nonsmooth.analysis.minimizers.box_minimizers import forces_at
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.minimum import Functional, Minima, balance_forces
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import Twist, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import regular_states
@@ -295,7 +299,11 @@ def test_the_explicit_minimizer_proves_itself_at_random_points(name: str) -> Non
     """Forces at the located twist: inside the box, in balance, and without a duality gap."""
     scene = load_scene(name, rule="box", radius="1/4")
     points = np.random.default_rng(0).uniform(-0.25, 0.25, (60, 2))
-    assert PointLocator(build_box_partition(scene)).minima(points).check().all()
+    model, twists = contact_model(scene), PointLocator(build_box_partition(scene)).twists(points)
+    loads = loads_at(model, points)
+    forces = np.array([forces_at(model, load, twist) for load, twist in zip(loads, twists, strict=True)])
+    balanced = balance_forces(Functional.BOX, model, loads, forces)
+    assert Minima(Functional.BOX, model, loads, twists, balanced).check().all()
 
 
 # ---- Convex polygons and their clipping: one test body over floats, fractions and exact field numbers.
