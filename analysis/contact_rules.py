@@ -52,9 +52,9 @@ class NearestRule(CellRule):
 
     def wheels_that_matter(self, scene: Scene) -> tuple[Wheel, ...]:
         """Those that are among the nearest somewhere in the square."""
-        from nonsmooth.analysis.cells.nearest import float_positions, relevant_wheels
+        from nonsmooth.analysis.cells.nearest import relevant_wheels
 
-        return relevant_wheels(scene, float_positions(scene))
+        return relevant_wheels(scene)
 
 
 # ---- rule ``box`` --------------------------------------------------------------------------------

@@ -21,8 +21,10 @@ import numpy as np
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule
+from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.fields.polygon_field import CellSides
+from nonsmooth.analysis.fields.switched_field import Surface
 from nonsmooth.analysis.minimizers.many_twists import NOBODY, LeastTwists, nearest_wheels, widest_gaps
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -254,16 +256,19 @@ class _Table:
     """The cells on one set of wheels."""
 
     def __init__(self, cells: SetCells) -> None:
-        origin = np.zeros(3)
-        self._sides = CellSides(
-            [(-sign * line.gradient(origin)[:2], sign * line.value(origin)) for line, sign in cell.sides]
-            for cell in cells.cells
-        )
+        self._sides = CellSides([[_half_plane(*side) for side in cell.sides] for cell in cells.cells])
         self._twists = np.array([cell.twist for cell in cells.cells])
 
     def twists(self, centres: Floats) -> Floats:
         """The twist of the cell that holds each centre (m, 2), or is nearest to it; shape (m, 3)."""
         return np.asarray(self._twists[self._sides.depths(centres).argmax(axis=1)])
+
+
+def _half_plane(line: Surface, sign: int) -> HalfPlane:
+    """The places on one side of a line."""
+    origin = np.zeros(3)
+    a, b, _ = (-sign * line.gradient(origin)).tolist()
+    return HalfPlane((a, b), sign * line.value(origin))
 
 
 class CellMotions:

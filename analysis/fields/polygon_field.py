@@ -7,34 +7,31 @@ cells.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from nonsmooth.analysis.cells.cell_complex import CellComplex
+from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Member, Surface, Velocity, affine_surface
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import cross, dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 
 class CellSides:
-    """The sides ``normal . c <= offset`` of convex cells in floats, all in a row, with unit normals."""
+    """The sides of convex cells in floats, all in a row; their normals are of unit length."""
 
-    def __init__(self, cells: Iterable[Iterable[tuple[Iterable[Any], Any]]]) -> None:
-        """For the normals, of any length, and the offsets of the sides of each cell."""
-        sides = [list(own) for own in cells]
-        normals = float_points(normal for own in sides for normal, _ in own)
-        sizes = np.hypot(*normals.T)
-        self._normals = normals / sizes[:, None]
-        self._offsets = np.array([float(offset) for own in sides for _, offset in own]) / sizes
-        self._starts = np.cumsum([0, *map(len, sides[:-1])])
+    def __init__(self, cells: Sequence[Sequence[HalfPlane]]) -> None:
+        self._normals = np.array([side.normal for own in cells for side in own])
+        self._offsets = np.array([side.offset for own in cells for side in own])
+        self._starts = np.cumsum([0, *map(len, cells[:-1])])
 
     def depths(self, points: Floats) -> Floats:
         """How far points (..., 2) lie from the nearest side of every cell, negative outside; shape (..., cells)."""
-        gaps = self._offsets - points @ self._normals.T
+        gaps = self._offsets - (self._normals @ points.T).T
         return np.asarray(np.minimum.reduceat(gaps, self._starts, axis=-1))
 
 
@@ -187,5 +184,4 @@ class PolygonField(ABC):
 
     @cached_property
     def _sides(self) -> CellSides:
-        polygons = self._floats.polygons
-        return CellSides([[(side.normal, side.offset) for side in polygon.sides] for polygon in polygons])
+        return CellSides([polygon.sides for polygon in self._floats.polygons])

@@ -17,6 +17,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.cells.cell_complex import float_polygon
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, all_rules, cell_rules
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Polygon
@@ -193,7 +194,7 @@ class PointLocator:
     def __init__(self, partition: Partition) -> None:
         self.partition = partition
         self.scale = float(partition.scene.check.radius) * SIDE_SLACK
-        self._sides = CellSides([(side.normal, side.offset) for side in cell.polygon.sides] for cell in partition.cells)
+        self._sides = CellSides([float_polygon(cell.polygon).sides for cell in partition.cells])
         # the last row belongs to OUTSIDE
         self._twists = np.array([*(cell.twists[0] for cell in partition.cells), [np.nan] * 3], float)
 

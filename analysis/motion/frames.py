@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.cells.cell_complex import float_polygon
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
@@ -241,7 +242,7 @@ class _CellsAt:
         """For a scene that has the wheels of the partition, perhaps among others."""
         self.cells, self.places = partition.cells, scene.places
         self.slack = ON_EDGE * partition.size
-        self.sides = CellSides([(side.normal, side.offset) for side in cell.polygon.sides] for cell in partition.cells)
+        self.sides = CellSides([float_polygon(cell.polygon).sides for cell in partition.cells])
 
     def holding(self, pose: Floats) -> list[int]:
         """Positions of the cells that hold the pose's point, or are nearest to it."""

@@ -220,16 +220,14 @@ class ImposedMotions:
     speeds: Floats
 
 
-def driven_field(cones: Sequence[ImposedMotions], centre: Sequence[float], size: float, gain: float) -> SignField:
-    """The closed loop under exact kinematics, in lengths l.
+def driven_field(cones: Sequence[ImposedMotions], size: float, gain: float) -> SignField:
+    """The closed loop under exact kinematics, in lengths l from the checked point.
 
     Args:
         cones: the law; they go around.
-        centre: the checked point.
         size: of the states, which sets the slack of the surfaces.
         gain: k.
     """
-    home = np.array([*centre, 0.0])
     lines = _distinct([np.array([-ray[1], ray[0], 0.0]) for cone in cones for ray in cone.rays or ()])
     planes = _distinct([normal for cone in cones for normal in _ties(cone.twists)])
     normals = [*lines, *planes]
@@ -238,15 +236,15 @@ def driven_field(cones: Sequence[ImposedMotions], centre: Sequence[float], size:
     def flow(signs: Signs) -> Velocity:
         cone = _cone(cones, lines, signs)
         chosen = _largest(cone, normals, signs)
-        return lambda t, x: _rate(cone, chosen, x - home, gain)
+        return lambda t, x: _rate(cone, chosen, x, gain)
 
-    surfaces = [_surface(normal, home, k, len(lines)) for k, normal in enumerate(normals)]
+    surfaces = [_surface(normal, k, len(lines)) for k, normal in enumerate(normals)]
     return SignField(STATES, tuple(surfaces), flow, size, kinematics="exact")
 
 
-def _surface(normal: Floats, home: Floats, index: int, lines: int) -> Surface:
+def _surface(normal: Floats, index: int, lines: int) -> Surface:
     name = f"direction {index + 1}" if index < lines else f"tie {index - lines + 1}"
-    return affine_surface(name, normal.tolist(), float(normal @ home))
+    return affine_surface(name, normal.tolist())
 
 
 def _rate(cone: ImposedMotions, chosen: int, g: Floats, gain: float) -> Floats:

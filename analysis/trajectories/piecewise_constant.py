@@ -35,8 +35,14 @@ from nonsmooth.analysis.trajectories.closed_forms import (
     slide_along,
 )
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stretch, follow
-from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import (
+    EndReason,
+    EventKind,
+    LyapunovWatch,
+    Piece,
+    Trajectory,
+    TrajectoryError,
+)
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import cross, dot, minus
 

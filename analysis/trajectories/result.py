@@ -291,3 +291,52 @@ def _float(value: Any) -> float | None:
 
 def _floats(values: Iterable[Any]) -> list[float | None]:
     return [_float(value) for value in values]
+
+
+# ---- a watch on every piece ----------------------------------------------------------------------
+#
+# V may not rise faster than the certified bound on V'.  The watch compares what the integrator did, states and times,
+# with that bound; it does not know how that was computed.
+
+
+class LyapunovViolationError(RuntimeError):
+    """V rose faster than its certified bound: the path or the bound is wrong, which is a fault of this program."""
+
+    def __init__(self, place: str, rise: float, allowed: float, duration: float) -> None:
+        super().__init__(
+            f"required V to rise by at most {allowed:.6g} within {duration:.6g} on {place}, received {rise:.6g}: "
+            "the path contradicts the certified bound on V'; please report this"
+        )
+        self.place, self.rise, self.allowed, self.duration = place, rise, allowed, duration
+
+
+@dataclass(frozen=True)
+class LyapunovWatch:
+    """Certified bounds on V' by cell.
+
+    Attributes:
+        value: V of a state.
+        bounds: largest V' by cell name (V/time).
+        slack: rise that is rounding (zero for exact numbers).
+    """
+
+    value: Callable[[Sequence[Any]], Any]
+    bounds: dict[str, Any]
+    slack: float = 0
+
+    def check(self, piece: Piece) -> None:
+        """Compare every stretch between two samples of a piece with the bound of its cells.
+
+        Raises:
+            LyapunovViolationError: where V rises faster than any of the cells allows.
+        """
+        known = [self.bounds[name] for name in piece.cells if name in self.bounds]
+        if not known or len(piece.times) < 2:
+            return
+        bound = max(known)
+        values = [self.value(piece.state(time - piece.start)) for time in piece.times]
+        for k in range(1, len(values)):
+            lasted = piece.times[k] - piece.times[k - 1]
+            rise, allowed = values[k] - values[k - 1], bound * lasted
+            if rise > allowed + self.slack:
+                raise LyapunovViolationError(piece.place, float(rise), float(allowed), float(lasted))

@@ -194,7 +194,7 @@ class DrivenLoop:
         """The path, with l for the unit of length."""
         if self.is_sampled:
             return follow_held(self.held, own, until, self.errors)
-        field = driven_field(self.cones, (0.0, 0.0), max(map(abs, own)), self.gain)
+        field = driven_field(self.cones, max(map(abs, own)), self.gain)
         if self.is_smooth:
             stepper = StiffAware(TOLERANCE, TOLERANCE * field.size, field.size)
             return follow_smooth(field, own, until, stepper=stepper)
