@@ -24,7 +24,7 @@ from flint import fmpq, fmpz
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
-from nonsmooth.symbolic.mechanics.body import support_polygon
+from nonsmooth.symbolic.mechanics.body import square_rooms, support_polygon
 from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads, carried_loads
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -154,11 +154,7 @@ def require_support(scene: Scene, domain: Polygon) -> None:
 
 def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str:
     """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
-    (x, y), reach = scene.check.equilibrium, []
-    for corner, following in around(hull):
-        along = minus(following, corner)
-        reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
-    largest = min(reach)
+    largest = min(square_rooms(hull, scene.check.equilibrium))
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
     exact = "" if str(largest) == float_text(largest) else f"{short_text(largest)} ~ "
     advice = f"at most {exact}{float_text(largest)}" if largest.sign() > 0 else "an equilibrium inside it"

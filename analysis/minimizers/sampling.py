@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,9 +31,6 @@ from nonsmooth.analysis.minimizers.minimum import (
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, point_velocities, turned
-
-if TYPE_CHECKING:
-    pass
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -136,9 +132,6 @@ def sample_smooth_derivative(scene: Scene, samples: int) -> SampledDerivative:
     Where the minimizer is not unique V* is the largest rate over all of them.  Points at which the motion is not
     proved do not count.
     """
-    from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-    from nonsmooth.analysis.minimizers.minimum import free_motions, minima_without_proof, proved
-
     free = free_motions(scene)
     if free:
         return SampledDerivative(0, None, None, None, free)

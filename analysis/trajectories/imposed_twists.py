@@ -19,8 +19,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.fields.constant_field import flow_of
+from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Surface, Velocity, affine_surface
+from nonsmooth.analysis.trajectories.closed_forms import Free
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajectory
 from nonsmooth.symbolic.numbers.number import sign
@@ -155,8 +158,9 @@ class _Held:
 
     def steps(self, rate: Floats, t: float, x: Floats, until: None) -> Iterator[DenseStep]:
         """One step."""
-        after = t + self._step, _moved(x, rate, self._step)
-        yield DenseStep((t, x), after, lambda: lambda time: _moved(x, rate, time - t))
+        motion = Free((x[0], x[1]), x[2], flow_of(rate.tolist(), Kinematics.EXACT))
+        after = t + self._step, np.array(motion.state(self._step))
+        yield DenseStep((t, x), after, lambda: lambda time: np.array(motion.state(time - t)))
 
 
 def _holds(cone: ImposedMotions, pose: Floats) -> bool:
@@ -166,22 +170,6 @@ def _holds(cone: ImposedMotions, pose: Floats) -> bool:
     (ax, ay), (bx, by) = (ray[:2] for ray in cone.rays)
     x, y = pose[:2]
     return bool(ax * y - ay * x >= 0 >= bx * y - by * x)
-
-
-def _moved(pose: Floats, twist: Floats, time: float) -> Floats:
-    """A rigid motion of constant spatial twist ``c' = v + omega J c``, exactly."""
-    x, y, theta = pose
-    vx, vy, omega = twist
-    turn = omega * time
-    cosine, sine = np.cos(turn), np.sin(turn)
-    along = np.sinc(turn / np.pi) * time  # sin(turn)/omega
-    across = time * np.sinc(turn / (2 * np.pi)) * np.sin(turn / 2)  # (1 - cos(turn))/omega
-    moved = (
-        cosine * x - sine * y + along * vx - across * vy,
-        sine * x + cosine * y + across * vx + along * vy,
-        theta + turn,
-    )
-    return np.array(moved)
 
 
 # ---- the closed loop as a switched field ---------------------------------------------------------

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
@@ -139,9 +139,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
         TypeError: for a rule with cells.
         UndeterminedError: where the motion is not determined.
     """
-    rule = rule_of(scene)
-    if not isinstance(rule, SmoothRule):
-        raise TypeError(f"required a rule without cells, received {rule.name}")
+    rule = smooth_rule_of(scene)
     if free_motions(scene):
         raise UndeterminedError("required friction against every motion, received a free one")
     radius, field = float(scene.check.radius), _Field(scene, rule, len(starts))

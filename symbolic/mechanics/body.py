@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, cmp_to_key
-from itertools import pairwise
 from typing import TypeAlias
 
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import lower_text, short_text
-from nonsmooth.symbolic.numbers.plane import Vector, cross, minus
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus
 
 # ---- the continuous idealization of an array -----------------------------------------------------
 #
@@ -229,13 +228,20 @@ def widest_square(positions: Sequence[Vector], point: Vector) -> Number | None:
 
     None where the point is not strictly inside the polygon.
     """
-    corners, widths = support_polygon(positions), list[Number]()
-    for corner, following in pairwise([*corners, *corners[:1]]):
-        e = minus(following, corner)
-        widths.append(cross(e, minus(point, corner)) / (abs(e[0]) + abs(e[1])))
+    corners = support_polygon(positions)
+    widths = square_rooms(corners, point)
     if len(corners) < 3 or min(width.sign() for width in widths) <= 0:
         return None
     return widths[0].field.rational(min(Fraction(lower_text(width, DIGITS + 1)) for width in widths))
+
+
+def square_rooms(corners: Sequence[Vector], point: Vector) -> list[Number]:
+    """Half-widths to which a square about a point reaches each side of a convex polygon; negative outside a side."""
+    rooms = []
+    for corner, following in around(corners):
+        x, y = minus(following, corner)
+        rooms.append(cross((x, y), minus(point, corner)) / (abs(x) + abs(y)))
+    return rooms
 
 
 def chosen(radius: Number, units: Units) -> Number:
@@ -250,7 +256,7 @@ def _parts_of_size(corners: Sequence[Vector], size: Number, point: Vector) -> in
     ``r (|e_x| + |e_y|) <= cross(e, p - a)``.  Nothing is divided: inverses are slow in large number fields.
     """
     parts = 1
-    for corner, following in pairwise([*corners, corners[0]]):
+    for corner, following in around(corners):
         e = minus(following, corner)
         room = cross(e, minus(point, corner))
         if room.sign() <= 0:
