@@ -19,6 +19,7 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.trajectories.closed_forms import (
+    CornerSpiral,
     Free,
     Junction,
     Turns,
@@ -361,10 +362,11 @@ class BatchPaths:
             if turn is None:
                 continue
             near = (distance <= self.turns.small) & np.array([turn.fits(s) for s in distance])
-            time, rotation = turn.per_unit()
-            self.time[own[near]] += distance[near] * time / (1 - turn.gain)
-            self.theta[own[near]] += distance[near] * rotation / (1 - turn.gain)
-            self._reach(corner, own[near])
+            inward = own[near]
+            spirals = CornerSpiral(turn, self.cells.points[corner], self.theta[inward], distance[near])
+            time, self.theta[inward] = spirals.limit()
+            self.time[inward] += time
+            self._reach(corner, inward)
 
     def _slide(self, number: int, direction: int, own: Indices) -> None:
         """Along an edge to its corner, to where sliding ends, or towards an equilibrium.

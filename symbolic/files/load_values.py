@@ -45,11 +45,7 @@ class MeasuredLoads(NamedTuple):
     within: Exact
 
 
-class AnyLoads(NamedTuple):
-    """Every admissible load."""
-
-
-StatedLoads: TypeAlias = LoadRows | ScatteredSprings | MeasuredLoads | AnyLoads
+StatedLoads: TypeAlias = LoadRows | ScatteredSprings | MeasuredLoads | UnknownLoads
 
 
 def read_loads(value: object) -> StatedLoads | None:
@@ -61,7 +57,7 @@ def read_loads(value: object) -> StatedLoads | None:
     if value == "elastic":
         return None
     if value == "any":
-        return AnyLoads()
+        return UnknownLoads()
     if isinstance(value, dict) and "kind" in value:
         return _of_kind(value)
     rows = value["table"] if isinstance(value, dict) and set(value) == {"table"} else value
@@ -76,7 +72,7 @@ def _of_kind(table: Mapping[str, object]) -> StatedLoads | None:
     match table["kind"]:
         case "any":
             _require_keys(table, ())
-            return AnyLoads()
+            return UnknownLoads()
         case "elastic":
             _require_keys(table, ("height", "stiffness"))
             if len(table) == 1:
@@ -119,8 +115,8 @@ def build_loads(
     match stated:
         case LoadRows():
             return _table(stated, numbers, len(positions))
-        case AnyLoads():
-            return UnknownLoads()
+        case UnknownLoads():
+            return stated
         case ScatteredSprings():
             return _scattered(stated, numbers)
         case MeasuredLoads():
