@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces, Rule
 from nonsmooth.analysis.fields.contact_model import ContactRows
+from nonsmooth.analysis.minimizers.sum_of_supports import quadratic_parts
 from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
 from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -143,8 +144,7 @@ def conditions(functional: Functional, model: ContactRows, loads: Floats, forces
 def undetermined(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> Mask:
     """Points (m,) at which the equations may leave more than one twist: the Gram matrix of unit rows is singular."""
     mix, equation, _ = conditions(functional, model, loads, forces)
-    roll, side = row_frame(model.rows)[0].reshape(-1, 2, 3).transpose(1, 0, 2)
-    products = np.stack([_symmetric(roll, roll), _symmetric(side, side), 2 * _symmetric(roll, side)])  # (3, n, 6)
+    products = quadratic_parts(row_frame(model.rows)[0].reshape(-1, 2, 3))  # (3, n, 6)
     shares = np.stack([mix[..., 0] ** 2, mix[..., 1] ** 2, mix[..., 0] * mix[..., 1]])  # (3, m, n, 2)
     squares = np.einsum("kmni,kn->mni", shares, products[..., [0, 3, 5]].sum(axis=-1))
     shares *= np.divide(equation, squares, out=np.zeros_like(squares), where=squares > 0)
@@ -152,13 +152,6 @@ def undetermined(functional: Functional, model: ContactRows, loads: Floats, forc
     xx, xy, xz, yy, yz, zz = (coefficients @ products.reshape(-1, 6)).T
     determinant = xx * (yy * zz - yz**2) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
     return np.asarray(determinant <= SUSPECT * ((xx + yy + zz) / 3) ** 3)
-
-
-def _symmetric(first: Floats, second: Floats) -> Floats:
-    """Upper triangles of the symmetric parts of ``first_i second_i^T``, shape (n, 6)."""
-    outer = first[:, :, None] * second[:, None, :]
-    rows, columns = np.triu_indices(3)
-    return np.asarray(((outer + outer.transpose(0, 2, 1)) / 2)[:, rows, columns])
 
 
 def optimal_face(

@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.cell_complex import float_polygon
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import Speeds
+from nonsmooth.analysis.fields.cellwise_field import Speeds, control_columns
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.fields.convex_weights import nearest_weights
 from nonsmooth.analysis.fields.polygon_field import CellSides
@@ -282,6 +282,6 @@ class _CellsAt:
     def _motion(self, k: int, speeds: Floats) -> Floats:
         """``sum_w g_w u_w`` with the control vector fields of a cell."""
         motion = np.zeros(3)
-        for wheel, column in self.cells[k].states[0].control_fields.items():
-            motion += speeds[self.places[wheel]] * np.array(column, float)
+        for wheel, *column in control_columns(self.cells[k].states[0]):
+            motion += speeds[self.places[wheel]] * np.array(column)
         return motion
