@@ -25,7 +25,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.fields.switched_field import Surface
-from nonsmooth.analysis.minimizers.many_twists import NOBODY, LeastTwists, nearest_wheels, widest_gaps
+from nonsmooth.analysis.minimizers.many_twists import NOBODY, LeastTwists, carrying_first, nearest_wheels, widest_gaps
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
@@ -376,9 +376,8 @@ class ManyRates:
         levers = self._outline.places[near] - poses[:, None, :2]
         depths = self._outline.depths_at(self._outline.places[near], poses)
         carrying = (depths > 0) & (near != NOBODY)
-        order = np.argsort(~carrying, axis=1, kind="stable")[:, : max(int(carrying.sum(axis=1).max()), 1)]
-        near, carrying = np.take_along_axis(near, order, axis=1), np.take_along_axis(carrying, order, axis=1)
-        levers = np.take_along_axis(levers, order[..., None], axis=1)
+        order, carrying, levers = carrying_first(carrying, levers)
+        near = np.take_along_axis(near, order, axis=1)
         gaps, first, second = widest_gaps(levers, carrying)
         tips = np.asarray(~(gaps < np.pi))
         over = np.stack([np.take_along_axis(near, k[:, None], axis=1)[:, 0] for k in (first, second)], axis=1)

@@ -152,7 +152,7 @@ class SetMotion:
         columns = []
         for step in np.eye(3):
             twist = self.slope(pose, step, unknowns)[:3]
-            columns.append(with_kinematics(twist, pose) + unknowns[2] * np.array([-step[1], step[0], 0.0]))
+            columns.append(with_kinematics(twist, pose) + unknowns[2] * turning(step))
         found = np.column_stack(columns)
         return found if np.isfinite(found).all() else None
 
@@ -168,7 +168,12 @@ class SetMotion:
 
 def with_kinematics(twist: Floats, pose: Floats) -> Floats:
     """``(c', theta')`` of a spatial twist."""
-    return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
+    return twist + twist[2] * turning(pose)
+
+
+def turning(pose: Floats) -> Floats:
+    """``(J c, 0)``: how a pose moves as the body turns about the origin, apart from its heading."""
+    return np.array([-pose[1], pose[0], 0.0])
 
 
 # ---- one set after the other -----------------------------------------------------------------------
@@ -210,7 +215,7 @@ class ContactSets:
         if self._last.any():
             motion.guess(self._last)
         rate = motion.rate(pose)
-        self._last = rate - rate[2] * np.array([-pose[1], pose[0], 0.0])
+        self._last = rate - rate[2] * turning(pose)
         return rate
 
     def carries(self, wheels: Wheels, pose: Floats) -> bool:

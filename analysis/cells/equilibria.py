@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import around, between, cross, dot, hull_holds_zero, minus
+from nonsmooth.symbolic.numbers.plane import around, between, cross, dot, hull_holds_zero, minus, side_of
 
 
 class EquilibriumPlace(StrEnum):
@@ -99,7 +99,7 @@ def _holds(place: RestPlace, point: Point) -> bool:
     """Whether a point, a segment, or a closed polygon with its corners counterclockwise holds a point."""
     if place.place is not EquilibriumPlace.AREA:
         return _covers(place, point)
-    return all(sign(cross(minus(q, p), minus(point, p))) >= 0 for p, q in around(place.points))
+    return side_of(place.points, point) >= 0
 
 
 def _find_inside(partition: Partition) -> tuple[RestPlace, ...]:

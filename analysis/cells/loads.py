@@ -31,7 +31,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import EXACT, EqualSprings, exact_moments, load_model
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import float_text, short_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus, side_of
 from nonsmooth.symbolic.numbers.plane_arrays import places_of
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
@@ -114,8 +114,7 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
         LoadError: where the point lies outside the support polygon or on its border, or the wheels are collinear.
     """
     hull = support_polygon([wheel.position for wheel in scene.wheels])
-    sides = [(corner, minus(following, corner)) for corner, following in around(hull)]
-    if len(hull) < 3 or any(cross(along, minus(point, corner)).sign() <= 0 for corner, along in sides):
+    if len(hull) < 3 or side_of(hull, point) <= 0:
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
     moments = exact_moments(scene)

@@ -284,6 +284,20 @@ def widest_gaps(levers: Floats, carrying: Mask) -> tuple[Floats, Indices, Indice
     return wide, order[rows, widest], order[rows, following]
 
 
+def carrying_first(carrying: Mask, levers: Floats) -> tuple[Indices, Mask, Floats]:
+    """The columns of wheels that carry before those of others, in as few columns as hold them.
+
+    Args:
+        carrying: shape (m, k).
+        levers: ``p_i - c``, shape (m, k, 2).
+
+    Returns:
+        the columns (m, j), at least one, and both arrays there.
+    """
+    order = np.argsort(~carrying, axis=1, kind="stable")[:, : max(int(carrying.sum(axis=1).max()), 1)]
+    return order, np.take_along_axis(carrying, order, axis=1), np.take_along_axis(levers, order[..., None], axis=1)
+
+
 def loads_of(model: ContactModel, wheels: Indices, carrying: Mask, levers: Floats) -> tuple[Floats, Mask]:
     """``N`` of shape (m, k), zero beside the body, and whether it balances the weight.
 
@@ -405,9 +419,7 @@ class MotionsOnSets:
         stands = np.flatnonzero(widest_gaps(levers, carrying)[0] < np.pi)
         known = np.zeros(len(centres), bool)
         if len(stands):
-            order = np.argsort(~carrying[stands], axis=1, kind="stable")[:, : int(carrying[stands].sum(axis=1).max())]
-            under = np.take_along_axis(carrying[stands], order, axis=1)
-            reaches = np.take_along_axis(levers[stands], order[..., None], axis=1)
+            order, under, reaches = carrying_first(carrying[stands], levers[stands])
             found = self._least.of(order, under, reaches, start[stands])
             rates[stands], known[stands], loads[stands[:, None], order] = found.rates, found.known, found.loads
         return SetMotions(rates, loads, known)

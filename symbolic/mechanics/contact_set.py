@@ -31,7 +31,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, side_of
 
 
 class TipsError(SceneError):
@@ -316,8 +316,7 @@ def side_of_outline(body: Body, place: Vector) -> int:
     if isinstance(body.outline, Disc):
         away = minus(place, body.centroid)
         return (body.outline.radius * body.outline.radius - dot(away, away)).sign()
-    signs = [cross(minus(b, a), minus(place, a)).sign() for a, b in around(body.vertices)]
-    return min(signs)
+    return side_of(body.vertices, place)
 
 
 def outward_at(body: Body, place: Vector) -> Vector:
