@@ -179,6 +179,9 @@ class Ray(NamedTuple):
     corner: int
 
 
+ActiveSides: TypeAlias = tuple[tuple[int, tuple[tuple[int, bool], ...]], ...]  # of cells; and whether they are borders
+
+
 @dataclass(frozen=True)
 class Junction:
     """A point on an edge or at a corner with its fan.
@@ -188,7 +191,7 @@ class Junction:
     """
 
     point: Point
-    cells: tuple[tuple[int, tuple[tuple[int, bool], ...]], ...]
+    cells: ActiveSides
     rays: tuple[Ray, ...]
     border: bool
 
@@ -204,7 +207,7 @@ def signs_of(field: ConstantField) -> Signs:
 def junction_at(field: ConstantField, place: OnEdge | AtCorner, point: Point) -> Junction:
     """The fan at a point of an edge or at a corner."""
     cells = field.cells
-    own: tuple[tuple[int, tuple[tuple[int, bool], ...]], ...]
+    own: ActiveSides
     if isinstance(place, OnEdge):
         edge = cells.edges[place.edge]
         own = tuple((cell, ((cells.side_of(cell, place.edge), len(edge.cells) < 2),)) for cell in edge.cells)
