@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.bodies.mass_study import MassStudy as MassStudy
     from nonsmooth.analysis.bodies.mass_study import mass_ladder as mass_ladder
     from nonsmooth.analysis.bodies.mass_study import mass_study as mass_study
+    from nonsmooth.analysis.bodies.newton_euler import DynamicPath as DynamicPath
+    from nonsmooth.analysis.bodies.newton_euler import RigidBody as RigidBody
+    from nonsmooth.analysis.bodies.newton_euler import disc as disc
     from nonsmooth.analysis.bodies.path import ellipse_path as ellipse_path
     from nonsmooth.analysis.cells.contact_partition import build_partition as build_partition
     from nonsmooth.analysis.cells.equilibria import find_equilibria as find_equilibria
     from nonsmooth.analysis.cells.partition import Partition as Partition
     from nonsmooth.analysis.cells.partition import RefusalError as RefusalError
-    from nonsmooth.analysis.dynamics.newton_euler import DynamicPath as DynamicPath
-    from nonsmooth.analysis.dynamics.newton_euler import RigidBody as RigidBody
-    from nonsmooth.analysis.dynamics.newton_euler import disc as disc
     from nonsmooth.analysis.fields.cellwise_field import feedback_field as feedback_field
     from nonsmooth.analysis.fields.constant_field import array_field as array_field
     from nonsmooth.analysis.fields.constant_field import piecewise_constant as piecewise_constant
@@ -45,9 +45,9 @@ __getattr__ = on_demand(
         "MassStudy": "bodies.mass_study",
         "mass_ladder": "bodies.mass_study",
         "mass_study": "bodies.mass_study",
-        "DynamicPath": "dynamics.newton_euler",
-        "RigidBody": "dynamics.newton_euler",
-        "disc": "dynamics.newton_euler",
+        "DynamicPath": "bodies.newton_euler",
+        "RigidBody": "bodies.newton_euler",
+        "disc": "bodies.newton_euler",
         "simulate_dynamics": "bodies.mass_path",
         "feedback_field": "fields.cellwise_field",
         "contact_model": "fields.contact_model",

@@ -48,8 +48,8 @@ from nonsmooth.proofs.robust.nearest import certified_bounds
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import alone
+from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rational_below, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign

@@ -105,9 +105,9 @@ def triples_beside_sympy() -> tuple[Work, Work]:
 
 
 def twists_beside_highs() -> tuple[Work, Work]:
+    from nonsmooth.analysis.minimizers.agreement import PointLocator
     from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
     from nonsmooth.analysis.minimizers.float_loads import loads_at
-    from nonsmooth.analysis.minimizers.point_location import PointLocator
 
     scene = load_scene("four-wheel", rule="box")
     locator, model = PointLocator(build_box_partition(scene)), contact_model(scene)
@@ -118,8 +118,8 @@ def twists_beside_highs() -> tuple[Work, Work]:
 
 def minimizer_beside_cvxpy() -> tuple[Work, Work]:
     """CVXPY's program is stated once with parameters."""
-    from nonsmooth.analysis.minimizers.dissipation import Functional
     from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+    from nonsmooth.analysis.minimizers.minimum import Functional
     from tests.benchmarks.test_minimizer_speed import loads_of
     from tests.oracles.cvxpy_programs import CvxpyMinimizer
 

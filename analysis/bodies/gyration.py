@@ -26,7 +26,7 @@ def squared_radius_of_disc(scene: Scene) -> Number:
     """``rho^2`` of a uniform disc as large as the array.
 
     That is half the mean squared distance of the wheels from their middle, as the full dynamics takes it unless told
-    otherwise (:func:`nonsmooth.analysis.dynamics.newton_euler.disc`).
+    otherwise (:func:`nonsmooth.analysis.bodies.newton_euler.disc`).
     """
     count, zero = len(scene.wheels), scene.field.zero
     places = [wheel.position for wheel in scene.wheels]

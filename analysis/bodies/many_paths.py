@@ -18,15 +18,18 @@ from typing import Protocol
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.motions_on_sets import NOBODY, LeastTwists, nearest_wheels, widest_gaps
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellsBySet, SetCells
 from nonsmooth.analysis.cells.contact_rule import CellRule, Rule, SmoothRule
+from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
+from nonsmooth.analysis.fields.polygon_field import CellSides
+from nonsmooth.analysis.fields.switched_field import Surface
+from nonsmooth.analysis.minimizers.many_twists import NOBODY, LeastTwists, carrying_first, nearest_wheels, widest_gaps
 from nonsmooth.symbolic.mechanics.contact_set import require_springs
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, point_velocities
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest
@@ -250,21 +253,22 @@ def turned_heading(angles: Floats) -> Floats:
 
 
 class _Table:
-    """The cells on one set of wheels, all sides in a row."""
+    """The cells on one set of wheels."""
 
     def __init__(self, cells: SetCells) -> None:
-        sides = [(line, sign) for cell in cells.cells for line, sign in cell.sides]
-        origin = np.zeros(3)
-        self._normals = np.array([sign * line.gradient(origin)[:2] for line, sign in sides])
-        self._offsets = np.array([sign * line.value(origin) for line, sign in sides])
-        counts = [len(cell.sides) for cell in cells.cells]
-        self._starts: Indices = np.cumsum([0, *counts[:-1]])
+        self._sides = CellSides([[_half_plane(*side) for side in cell.sides] for cell in cells.cells])
         self._twists = np.array([cell.twist for cell in cells.cells])
 
     def twists(self, centres: Floats) -> Floats:
         """The twist of the cell that holds each centre (m, 2), or is nearest to it; shape (m, 3)."""
-        gaps = np.minimum.reduceat(centres @ self._normals.T + self._offsets, self._starts, axis=1)
-        return np.asarray(self._twists[gaps.argmax(axis=1)])
+        return np.asarray(self._twists[self._sides.depths(centres).argmax(axis=1)])
+
+
+def _half_plane(line: Surface, sign: int) -> HalfPlane:
+    """The places on one side of a line."""
+    origin = np.zeros(3)
+    a, b, _ = (-sign * line.gradient(origin)).tolist()
+    return HalfPlane((a, b), sign * line.value(origin))
 
 
 class CellMotions:
@@ -289,9 +293,7 @@ class CellMotions:
         for k in range(len(sets)):
             own = np.flatnonzero(group.reshape(-1) == k)
             twists[own] = self._table(under[own[0]]).twists(poses[own, :2])
-        rates = twists.copy()
-        rates[:, 0] -= twists[:, 2] * poses[:, 1]
-        rates[:, 1] += twists[:, 2] * poses[:, 0]
+        rates = np.column_stack([point_velocities(twists, poses[:, :2]), twists[:, 2]])
         return rates, np.ones(len(poses), bool)
 
     def _table(self, under: Mask) -> _Table:
@@ -374,9 +376,8 @@ class ManyRates:
         levers = self._outline.places[near] - poses[:, None, :2]
         depths = self._outline.depths_at(self._outline.places[near], poses)
         carrying = (depths > 0) & (near != NOBODY)
-        order = np.argsort(~carrying, axis=1, kind="stable")[:, : max(int(carrying.sum(axis=1).max()), 1)]
-        near, carrying = np.take_along_axis(near, order, axis=1), np.take_along_axis(carrying, order, axis=1)
-        levers = np.take_along_axis(levers, order[..., None], axis=1)
+        order, carrying, levers = carrying_first(carrying, levers)
+        near = np.take_along_axis(near, order, axis=1)
         gaps, first, second = widest_gaps(levers, carrying)
         tips = np.asarray(~(gaps < np.pi))
         over = np.stack([np.take_along_axis(near, k[:, None], axis=1)[:, 0] for k in (first, second)], axis=1)

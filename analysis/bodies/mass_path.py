@@ -1,7 +1,7 @@
 """The path of a body with mass: Newton-Euler equations, whose loads jump where wheels enter and leave.
 
 Between such events the same wheels carry, and backward differentiation formulas follow the state
-``(x, y, theta, w_x, w_y, omega)`` (:mod:`nonsmooth.analysis.dynamics.newton_euler`).  At an event only forces jump,
+``(x, y, theta, w_x, w_y, omega)`` (:mod:`nonsmooth.analysis.bodies.newton_euler`).  At an event only forces jump,
 velocities do not: with ``g_i' != 0`` a wheel goes all the way under the body or beside it.  But where forces push back
 to the edge from both sides, a wheel swings across it, ever faster and nearer, infinitely often.  Once a swing stays
 within :data:`HELD` of the body's size, the wheel is held at the edge: weights mix the accelerations with and without it
@@ -17,11 +17,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.set_motion import Wheels
-from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, finite_start
-from nonsmooth.analysis.bodies.switching import balancing_weights, mixed_of, subsets_of
-from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.newton_euler import (
+from nonsmooth.analysis.bodies.newton_euler import (
     CREEP,
     RELATIVE_TOLERANCE,
     DynamicPath,
@@ -32,6 +28,10 @@ from nonsmooth.analysis.dynamics.newton_euler import (
     array_size,
     speed_scale,
 )
+from nonsmooth.analysis.bodies.set_motion import Wheels
+from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, finite_start
+from nonsmooth.analysis.bodies.switching import balancing_weights, mixed_of, subsets_of
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import DenseStep, Mode, Path, follow

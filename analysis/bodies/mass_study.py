@@ -27,21 +27,20 @@ from functools import partial
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
+from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
+from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE, smooth_path
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, all_rules, contact_rule, massless_rule
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.mechanics.body import Body
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
@@ -239,7 +238,7 @@ def path_distance(
     return PathDistance(rule, float(np.hypot(apart[:, 0], apart[:, 1]).max()), float(np.abs(apart[:, 2]).max()), last)
 
 
-# ---- a plate -------------------------------------------------------------------------------------
+# ---- a body --------------------------------------------------------------------------------------
 
 
 def body_of(scene: Scene, mass: float) -> RigidBody:
@@ -252,18 +251,13 @@ def body_of(scene: Scene, mass: float) -> RigidBody:
         ValueError: for a mass that cannot be used.
     """
     stated = scene.inertia
-    if stated is not None and stated.squared_radius is not None:
-        body = RigidBody(mass, mass * float(stated.squared_radius))
+    if scene.body is None and (stated is None or stated.squared_radius is None):
+        body = disc(contact_model(scene), mass)
     else:
-        body = disc(contact_model(scene), mass) if scene.body is None else plate(scene.body, mass)
+        body = RigidBody(mass, mass * float(squared_radius(scene)))
     if stated is None or stated.centre_height is None:
         return body
     return replace(body, centre_height=float(stated.centre_height))
-
-
-def plate(outlined: Body, mass: float) -> RigidBody:
-    """``I = m rho^2`` of a uniform plate (:func:`nonsmooth.analysis.bodies.mass_path.squared_radius_of_plate`)."""
-    return RigidBody(mass, mass * float(squared_radius_of_plate(outlined)))
 
 
 # ---- the study of precision ----------------------------------------------------------------------

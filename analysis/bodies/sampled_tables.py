@@ -22,8 +22,8 @@ from functools import cached_property
 import numpy as np
 
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, friction_sets, rule_of, smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, with_friction_sets
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
@@ -94,7 +94,7 @@ def why_not_sampled(scene: Scene) -> str:
 
 def nominal_model(scene: Scene) -> ContactModel:
     """The table as drawn."""
-    return with_friction_sets(contact_model(scene), friction_sets(scene))
+    return contacts_under(smooth_rule_of(scene), scene)
 
 
 def drawn_model(scene: Scene, box: Tolerance, generator: np.random.Generator) -> ContactModel:

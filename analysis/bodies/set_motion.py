@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
+from nonsmooth.analysis.bodies.newton_euler import MovingLoads
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
+from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
 from nonsmooth.analysis.minimizers.minimum import resists_every_motion
 from nonsmooth.analysis.minimizers.smooth_newton import NOBODY, CutNewton, SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
@@ -152,7 +152,7 @@ class SetMotion:
         columns = []
         for step in np.eye(3):
             twist = self.slope(pose, step, unknowns)[:3]
-            columns.append(with_kinematics(twist, pose) + unknowns[2] * np.array([-step[1], step[0], 0.0]))
+            columns.append(with_kinematics(twist, pose) + unknowns[2] * turning(step))
         found = np.column_stack(columns)
         return found if np.isfinite(found).all() else None
 
@@ -168,7 +168,12 @@ class SetMotion:
 
 def with_kinematics(twist: Floats, pose: Floats) -> Floats:
     """``(c', theta')`` of a spatial twist."""
-    return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
+    return twist + twist[2] * turning(pose)
+
+
+def turning(pose: Floats) -> Floats:
+    """``(J c, 0)``: how a pose moves as the body turns about the origin, apart from its heading."""
+    return np.array([-pose[1], pose[0], 0.0])
 
 
 # ---- one set after the other -----------------------------------------------------------------------
@@ -210,7 +215,7 @@ class ContactSets:
         if self._last.any():
             motion.guess(self._last)
         rate = motion.rate(pose)
-        self._last = rate - rate[2] * np.array([-pose[1], pose[0], 0.0])
+        self._last = rate - rate[2] * turning(pose)
         return rate
 
     def carries(self, wheels: Wheels, pose: Floats) -> bool:

@@ -7,7 +7,7 @@ follow the time after which it stays within the accuracy of where it ends, and i
 more than the accuracy after it was nearer.
 
 The massless path serves the same body at slow speeds.  With all wheels s times as fast the same path is followed s
-times faster by a body of mass ``s^2 m`` (:mod:`nonsmooth.analysis.dynamics.newton_euler`), so factors of the speeds are
+times faster by a body of mass ``s^2 m`` (:mod:`nonsmooth.analysis.bodies.newton_euler`), so factors of the speeds are
 tried as masses.  All of this is computed in floats and proves nothing.
 """
 
@@ -22,9 +22,9 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.bodies.mass_study import BROKEN_OFF
-from nonsmooth.analysis.cells.contact_rule import friction_sets
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
-from nonsmooth.analysis.fields.contact_model import contact_model, with_friction_sets
+from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -131,7 +131,7 @@ def _follower(scene: Scene, body: RigidBody) -> MassPath:
     """Under the friction forces of the scene's own rule, which has to be one without cells."""
     outlined = None if scene.body is None else whole(scene)
     own = outlined or scene
-    return MassPath(with_friction_sets(contact_model(own), friction_sets(own)), body, outlined, COARSER)
+    return MassPath(contacts_under(smooth_rule_of(own), own), body, outlined, COARSER)
 
 
 @dataclass(frozen=True, eq=False)

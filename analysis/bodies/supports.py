@@ -20,8 +20,8 @@ import numpy as np
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline, WholePlane
 from nonsmooth.analysis.bodies.set_motion import Wheels
 from nonsmooth.analysis.fields.contact_model import ContactModel
-from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, HybridField, Mode, Path, Stretch
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, State
+from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, HybridField, Mode, Path
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Vector, around
@@ -162,6 +162,8 @@ class SupportMode(Mode):
         support: the wheels.
     """
 
+    shown = 3  # the pose alone
+
     def __init__(self, body: CarriedBody, support: CarryingWheels, rate: Any) -> None:
         self.support, self.rate, self._body = support, rate, body
         self.guards: SupportGuards = SupportGuards(body, support)
@@ -173,18 +175,6 @@ class SupportMode(Mode):
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
         """What the body says to a step."""
         return self._body.passed(step, end)
-
-    def piece(self, stretch: Stretch) -> Piece:
-        """The pose alone."""
-        start = stretch.times[0]
-
-        def state(since: Any) -> State:
-            return tuple(stretch.at(start + float(since))[:3].tolist())
-
-        def states(since: Floats) -> Floats:
-            return stretch.at_all(start + since)[:, :3]
-
-        return Piece(start, stretch.times[-1], self.place, self.cells, state, tuple(stretch.times), states)
 
 
 def finite_start(start: Sequence[float], until: float) -> Floats:

@@ -155,7 +155,7 @@ class CellComplex:
         points = [(float(x), float(y)) for x, y in self.points]
         return replace(
             self,
-            polygons=tuple(_float_polygon(polygon) for polygon in self.polygons),
+            polygons=tuple(float_polygon(polygon) for polygon in self.polygons),
             corners=tuple(replace(c, point=p) for c, p in zip(self.corners, points, strict=True)),
             slack=PLACE_SLACK * self.size,
         )
@@ -180,7 +180,8 @@ def _polygon_in_unit(polygon: Polygon, length: float) -> Polygon:
     return Polygon(tuple(_point_in_unit(vertex, length) for vertex in polygon.vertices), sides)
 
 
-def _float_polygon(polygon: Polygon) -> Polygon:
+def float_polygon(polygon: Polygon) -> Polygon:
+    """The same with float coordinates and sides of unit normals."""
     sides = []
     for side in polygon.sides:
         a, b = float(side.normal[0]), float(side.normal[1])

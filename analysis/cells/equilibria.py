@@ -24,11 +24,11 @@ from itertools import combinations, pairwise, product
 from typing import Any
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
-from nonsmooth.analysis.cells.polygon import Point, Polygon
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import around, between, cross, dot, hull_holds_zero, minus
+from nonsmooth.symbolic.numbers.plane import around, between, cross, dot, hull_holds_zero, minus, side_of
 
 
 class EquilibriumPlace(StrEnum):
@@ -79,10 +79,7 @@ def _met(points: Sequence[Point], start: Point, end: Point) -> tuple[Point, ...]
     """Where a segment meets a point, a segment or a convex polygon: nowhere, at a point, or between two."""
     along = minus(end, start)
     heights = [cross(along, minus(point, start)) for point in points]
-    reached = [point for point, height in zip(points, heights, strict=True) if not height]
-    for (p, a), (q, b) in around(list(zip(points, heights, strict=True))):
-        if sign(a) * sign(b) < 0:
-            reached.append(between(p, q, a / (a - b)))
+    reached = _zeros_on_boundary(points, heights)
     if not reached:
         return ()
     length = dot(along, along)
@@ -102,7 +99,7 @@ def _holds(place: RestPlace, point: Point) -> bool:
     """Whether a point, a segment, or a closed polygon with its corners counterclockwise holds a point."""
     if place.place is not EquilibriumPlace.AREA:
         return _covers(place, point)
-    return all(sign(cross(minus(q, p), minus(point, p))) >= 0 for p, q in around(place.points))
+    return side_of(place.points, point) >= 0
 
 
 def _find_inside(partition: Partition) -> tuple[RestPlace, ...]:
@@ -165,15 +162,15 @@ def _ties(partition: Partition) -> Iterator[RestPlace]:
                 if sign(dot(a.pose_rate(middle), b.pose_rate(middle))) < 0:
                     yield RestPlace(EquilibriumPlace.AREA, cell.polygon.vertices, (cell.index,))
                 continue
-            ends = _zeros_on_boundary(cell.polygon, values)
+            ends = _zeros_on_boundary(cell.polygon.vertices, values)
             if len(ends) == 2:
                 yield from _segments(a, b, SharedSide(ends[0], ends[1], cell, cell), (cell.index, cell.index))
 
 
-def _zeros_on_boundary(polygon: Polygon, values: list[Any]) -> list[Point]:
+def _zeros_on_boundary(corners: Sequence[Point], values: Sequence[Any]) -> list[Point]:
     """Boundary points where an affine function, given at the vertices, vanishes (two, unless it only touches)."""
     points: list[Point] = []
-    for (p, here), (q, after) in around(list(zip(polygon.vertices, values, strict=True))):
+    for (p, here), (q, after) in around(list(zip(corners, values, strict=True))):
         if not here:
             points.append(p)
         elif sign(here) * sign(after) < 0:

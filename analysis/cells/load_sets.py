@@ -35,9 +35,9 @@ from typing import TypeAlias
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, require_support
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.symbolic.mechanics.constraints import Triple, inner
-from nonsmooth.symbolic.mechanics.measured_loads import spring_forms
+from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.mechanics.springs import spring_forms
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector, cross, dot
 

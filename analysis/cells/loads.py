@@ -24,15 +24,14 @@ from flint import fmpq, fmpz
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
-from nonsmooth.symbolic.mechanics.body import support_polygon
+from nonsmooth.symbolic.mechanics.body import square_rooms, support_polygon
 from nonsmooth.symbolic.mechanics.constraints import Triple
-from nonsmooth.symbolic.mechanics.load_model import LoadModel, carried_loads
+from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads, carried_loads
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import EXACT, EqualSprings, exact_moments, load_model
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import float_text, short_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus, side_of
 from nonsmooth.symbolic.numbers.plane_arrays import places_of
 
 Affine: TypeAlias = tuple[Any, Any, Any]  # constant and coefficients of x and y
@@ -115,8 +114,7 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
         LoadError: where the point lies outside the support polygon or on its border, or the wheels are collinear.
     """
     hull = support_polygon([wheel.position for wheel in scene.wheels])
-    sides = [(corner, minus(following, corner)) for corner, following in around(hull)]
-    if len(hull) < 3 or any(cross(along, minus(point, corner)).sign() <= 0 for corner, along in sides):
+    if len(hull) < 3 or side_of(hull, point) <= 0:
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
     moments = exact_moments(scene)
@@ -155,11 +153,7 @@ def require_support(scene: Scene, domain: Polygon) -> None:
 
 def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str:
     """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
-    (x, y), reach = scene.check.equilibrium, []
-    for corner, following in around(hull):
-        along = minus(following, corner)
-        reach.append(cross(along, (x - corner[0], y - corner[1])) / (abs(along[0]) + abs(along[1])))
-    largest = min(reach)
+    largest = min(square_rooms(hull, scene.check.equilibrium))
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
     exact = "" if str(largest) == float_text(largest) else f"{short_text(largest)} ~ "
     advice = f"at most {exact}{float_text(largest)}" if largest.sign() > 0 else "an equilibrium inside it"

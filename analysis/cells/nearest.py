@@ -37,7 +37,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import dot
+from nonsmooth.symbolic.numbers.plane import dot, in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
 
 
@@ -53,7 +53,7 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
     """
     _require_friction(scene)
     domain = square(scene.check.equilibrium, scene.check.radius)
-    search = _Search(scene, prune, float_positions(scene))
+    search = _Search(scene, prune)
     cells: list[Cell] = []
     with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):
         for chain, polygon in search.chains(domain):
@@ -61,14 +61,9 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
     return Partition(scene, "nearest", domain, tuple(cells), len(search.considered))
 
 
-def float_positions(scene: Scene) -> Floats:
-    """``p_i`` in floats, shape (n, 2)."""
-    return places_of(scene.wheels)
-
-
-def relevant_wheels(scene: Scene, positions: Floats) -> tuple[Wheel, ...]:
-    """The wheels that can have a say in the checked square, by their :func:`float_positions`."""
-    search = _Search(scene, prune=True, positions=positions)
+def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:
+    """The wheels that can have a say in the checked square."""
+    search = _Search(scene, prune=True)
     for _ in search.chains(square(scene.check.equilibrium, scene.check.radius)):
         pass
     return tuple(scene.wheels[i] for i in sorted(search.considered))
@@ -93,8 +88,8 @@ class _Search:
         considered: the wheels that can be in a chain somewhere, by their positions in the scene.
     """
 
-    def __init__(self, scene: Scene, prune: bool, positions: Floats) -> None:
-        self.wheels, self.prune, self.positions = scene.wheels, prune, positions
+    def __init__(self, scene: Scene, prune: bool) -> None:
+        self.wheels, self.prune, self.positions = scene.wheels, prune, places_of(scene.wheels)
         self.bisectors = _Bisectors(scene.wheels)
         self.considered: set[int] = set()
 
@@ -144,7 +139,7 @@ class _Search:
 
     def _next(self, basis: Sequence[Triple], region: Polygon) -> list[int]:
         """Wheels that can be the nearest, somewhere in the region, of those with a row independent of the basis."""
-        centre = float_point(region.centre)
+        centre = in_floats(region.centre)
         distances = distances_from(self.positions, np.array(centre))
         reach = reach_of(float_vertices(region), centre)
         found: list[int] = []
@@ -222,7 +217,7 @@ def _region(
             continue
         if positions is not None and corners is not None:
             near, far = positions[i].tolist(), positions[k].tolist()
-            if by_distance and distance(far, near) > 2 * reach_of(corners, near):
+            if by_distance and math.dist(far, near) > 2 * reach_of(corners, near):
                 break
             if is_clearly_nearer(corners, near, far):
                 continue
@@ -354,7 +349,7 @@ SMALLEST_NORMAL = float(np.finfo(np.float64).tiny)  # below it floats lose their
 
 def float_vertices(region: Polygon) -> list[Place]:
     """The vertices of a region in floats."""
-    return [float_point(vertex) for vertex in region.vertices]
+    return [in_floats(vertex) for vertex in region.vertices]
 
 
 def is_clearly_nearer(corners: Sequence[Place], near: Place, far: Place) -> bool:
@@ -363,14 +358,14 @@ def is_clearly_nearer(corners: Sequence[Place], near: Place, far: Place) -> bool
     Beyond the range of floats a difference is nan or its bound is infinite: then nothing is sure.
     """
     size = _size(corners) + _size([near]) + _size([far])
-    distances = ((distance(corner, near), distance(corner, far)) for corner in corners)
+    distances = ((math.dist(corner, near), math.dist(corner, far)) for corner in corners)
     return all(there - here > CANDIDATE_MARGIN * (size + there + here) + SMALLEST_NORMAL for here, there in distances)
 
 
 def reach_of(corners: Sequence[Place], place: Place) -> float:
     """Distance from a wheel to the farthest vertex, never too small."""
     size = _size(corners) + _size([place])
-    return max(distance(corner, place) for corner in corners) + CANDIDATE_MARGIN * size + SMALLEST_NORMAL
+    return max(math.dist(corner, place) for corner in corners) + CANDIDATE_MARGIN * size + SMALLEST_NORMAL
 
 
 def _size(places: Sequence[Place]) -> float:
@@ -378,18 +373,8 @@ def _size(places: Sequence[Place]) -> float:
     return max(abs(value) for place in places for value in place)
 
 
-def distance(a: Place, b: Place) -> float:
-    """``|a - b|``, infinite or nan beyond the range of floats."""
-    return math.hypot(a[0] - b[0], a[1] - b[1])
-
-
 def distances_from(points: Floats, place: Floats) -> Floats:
-    """The same for many points, shape (n, 2), at once."""
+    """``|p - q|`` for many points p, shape (n, 2), at once."""
     with np.errstate(over="ignore", invalid="ignore"):
         difference = points - place
         return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
-
-
-def float_point(point: Point) -> Place:
-    """An exact point in floats, rounded to nearest."""
-    return [float(x) for x in point]

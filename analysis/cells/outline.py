@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.loads import Affine
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, intersection
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, cut, intersection
 from nonsmooth.symbolic.numbers.coefficients import whole_multiples
 from nonsmooth.symbolic.numbers.lazy import sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -177,18 +177,12 @@ class Outline:
             return self
         if max(signs) <= 0:
             return None
-        corners: list[OutlineCorner] = []
-        sides: list[OutlineSide] = []
-        for k, here in enumerate(signs):
-            after, own = signs[(k + 1) % len(signs)], self.sides[k]
-            if here >= 0:
-                corners.append(self.corners[k])
-                sides.append(side if here == 0 and after < 0 else own)
-            if here * after < 0:
-                met = meet(own.filtered, side.filtered) if here > 0 else meet(side.filtered, own.filtered)
-                corners.append(OutlineCorner(met, lambda own=own: intersection(own.exact, side.exact)))  # type: ignore[misc]
-                sides.append(side if here > 0 else own)
-        return Outline(tuple(corners), tuple(sides))
+
+        def meeting(own: OutlineSide, here: int) -> OutlineCorner:
+            met = meet(own.filtered, side.filtered) if here > 0 else meet(side.filtered, own.filtered)
+            return OutlineCorner(met, lambda: intersection(own.exact, side.exact))
+
+        return Outline(*cut(signs, self.corners, self.sides, side, meeting))
 
 
 def sign_at(side: OutlineSide, corner: OutlineCorner) -> int:

@@ -7,7 +7,7 @@ and intersects two lines per cut; with exact numbers every result is exact, and 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol, Self, TypeAlias, TypeVar
@@ -45,10 +45,6 @@ class HalfPlane:
     @cached_property
     def _floats(self) -> tuple[float, float, float]:
         return sure_float(self.offset), sure_float(self.normal[0]), sure_float(self.normal[1])
-
-    def opposite(self) -> HalfPlane:
-        """The closed complement."""
-        return HalfPlane((-self.normal[0], -self.normal[1]), -self.offset, self.label)
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,17 +84,40 @@ class Polygon(ShortRepr):
             return self
         if max(signs) <= 0:
             return None
-        vertices: list[Point] = []
-        sides: list[HalfPlane] = []
-        for k, here in enumerate(signs):
-            after = signs[(k + 1) % len(signs)]
-            if here >= 0:
-                vertices.append(self.vertices[k])
-                sides.append(half_plane if here == 0 and after < 0 else self.sides[k])
-            if here * after < 0:
-                vertices.append(intersection(self.sides[k], half_plane))
-                sides.append(half_plane if here > 0 else self.sides[k])
-        return Polygon(tuple(vertices), tuple(sides))
+        return Polygon(*cut(signs, self.vertices, self.sides, half_plane, lambda own, _: intersection(own, half_plane)))
+
+
+Corner = TypeVar("Corner")
+Side = TypeVar("Side")
+
+
+def cut(
+    signs: Sequence[int],
+    corners: Sequence[Corner],
+    sides: Sequence[Side],
+    line: Side,
+    meeting: Callable[[Side, int], Corner],
+) -> tuple[tuple[Corner, ...], tuple[Side, ...]]:
+    """The corners and sides of the part of a convex polygon behind a line that crosses it.
+
+    Args:
+        signs: of the line's slack at the corners: 1 behind it, 0 on it.
+        corners: counterclockwise.
+        sides: each from its corner to the next.
+        line: a side of what is left.
+        meeting: the corner where a side crosses the line, from that and the sign where the side begins.
+    """
+    kept: list[Corner] = []
+    own: list[Side] = []
+    for k, here in enumerate(signs):
+        after = signs[(k + 1) % len(signs)]
+        if here >= 0:
+            kept.append(corners[k])
+            own.append(line if here == 0 and after < 0 else sides[k])
+        if here * after < 0:
+            kept.append(meeting(sides[k], here))
+            own.append(line if here > 0 else sides[k])
+    return tuple(kept), tuple(own)
 
 
 def intersection(first: HalfPlane, second: HalfPlane) -> Point:

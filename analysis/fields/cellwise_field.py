@@ -100,9 +100,14 @@ def feedback_field(partition: Partition, law: StateLaw, kinematics: Kinematics) 
     return CellwiseField(cells, members, kinematics.value, tied)
 
 
+def control_columns(state: ContactState) -> list[tuple[int, float, float, float]]:
+    """The wheels that act, each with its control vector field in floats."""
+    return [(wheel, float(a), float(b), float(c)) for wheel, (a, b, c) in state.control_fields.items()]
+
+
 def _controlled(cell: Cell, law: StateLaw, kinematics: Kinematics, centre: tuple[float, float]) -> Member:
     state = cell.states[0]
-    columns = [(wheel, float(a), float(b), float(c)) for wheel, (a, b, c) in state.control_fields.items()]
+    columns = control_columns(state)
     speeds = law(state)
     turning = kinematics is Kinematics.EXACT
 

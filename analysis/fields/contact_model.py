@@ -17,17 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import Rule, SmoothRule
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet, float_sets
-from nonsmooth.symbolic.mechanics.load_model import LoadModel
+from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, turned
 
@@ -300,3 +300,41 @@ def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> Cont
     rounded = float_sets(sets)
     friction = np.column_stack([rounded.along, rounded.across]).reshape(-1)
     return replace(model, friction=friction, cuts=rounded.cut, shape=type(rounded))
+
+
+# ---- friction sets that floats alone know --------------------------------------------------------
+
+
+class FloatShape(CutEllipse[Any]):
+    """A shape that floats alone know: bodies are followed, and whatever proves something refuses it.
+
+    A shape on it writes ``searched``, ``support``, ``gauge``, ``excess``, ``nearest``, ``slip_cone``, ``room``,
+    ``rounded_gradient`` and ``rounded_hessian``.  Slips r and s, and what ``support``, ``nearest``, ``excess`` and the
+    rounded methods give, are about minus the force; ``gauge``, ``slip_cone`` and ``room`` are about the force.  Zero
+    lies inside every set.
+    """
+
+    def piece(self, r: Any, s: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def gradient(self, r: Any, s: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def bend(self, r: Any, s: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def holds_strictly(self, x: Any, y: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def refuse(self) -> NoReturn:
+        """Say that nothing is proved.
+
+        Raises:
+            RefusalError: always.
+        """
+        shape = type(self).__name__
+        raise RefusalError(f"required friction sets with exact forces, received {shape}: nothing is proved of it")

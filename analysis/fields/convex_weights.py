@@ -79,21 +79,22 @@ def _basic_solutions(columns: Floats, chosen: Sequence[tuple[int, ...]], bounded
 
 
 def least_norm_weights(points: Floats) -> Floats:
-    """Convex weights of the point of least norm in the hull of some points.
+    """Convex weights of the point of least norm in the hull of some points."""
+    return np.ones(1) if len(points) == 1 else nearest_weights(points, np.zeros(points.shape[1]))
 
-    With ``mu >= 0`` minimizing ``|mu @ points|^2 + (sum mu - 1)^2`` the weights are ``mu / sum mu``: for a fixed sum
-    the first term alone decides.
+
+def nearest_weights(points: Floats, target: Floats) -> Floats:
+    """Convex weights of the point in the hull of some points (k, d) that is nearest to a target (d,).
+
+    With ``mu >= 0`` minimizing ``|mu @ points - target|^2 + (sum mu - 1)^2``, in units of the largest entry, they are
+    ``mu / sum mu``: for the target zero or one inside the hull the first term alone decides once the sum is fixed.
     """
-    if len(points) == 1:
-        return np.ones(1)
     from scipy.optimize import nnls
 
     scale = float(np.abs(points).max(initial=0.0)) or 1.0
-    system = np.vstack([points.T / scale, np.ones(len(points))])
-    right = np.zeros(len(system))
-    right[-1] = 1.0
-    solution, _ = nnls(system, right)
-    return np.asarray(solution / solution.sum())
+    weights, _ = nnls(np.vstack([points.T / scale, np.ones(len(points))]), np.append(target / scale, 1.0))
+    total = float(weights.sum())
+    return np.asarray(weights / total) if total > 0 else np.full(len(points), 1 / len(points))
 
 
 def origin_distance(points: Floats) -> float:

@@ -20,7 +20,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
-from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds, StateLaw
+from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds, StateLaw, control_columns
 from nonsmooth.symbolic.mechanics.constraints import RowKind
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.numbers.plane import dot, in_floats, turned
@@ -41,7 +41,7 @@ def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: f
     e, f = shape
 
     def prepare(state: ContactState) -> Speeds:
-        fields = [(wheel, float(a), float(b), float(c)) for wheel, (a, b, c) in state.control_fields.items()]
+        fields = control_columns(state)
 
         def speeds(pose: Pose) -> Mapping[int, float]:
             x, y, theta = map(float, pose)

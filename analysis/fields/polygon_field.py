@@ -7,18 +7,32 @@ cells.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.cell_complex import CellComplex
+from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Member, Surface, Velocity, affine_surface
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import cross, dot
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
+
+
+class CellSides:
+    """The sides of convex cells in floats, all in a row; their normals are of unit length."""
+
+    def __init__(self, cells: Sequence[Sequence[HalfPlane]]) -> None:
+        self._normals = np.array([side.normal for own in cells for side in own])
+        self._offsets = np.array([side.offset for own in cells for side in own])
+        self._starts = np.cumsum([0, *map(len, cells[:-1])])
+
+    def depths(self, points: Floats) -> Floats:
+        """How far points (..., 2) lie from the nearest side of every cell, negative outside; shape (..., cells)."""
+        gaps = self._offsets - (self._normals @ points.T).T
+        return np.asarray(np.minimum.reduceat(gaps, self._starts, axis=-1))
 
 
 class PolygonField(ABC):
@@ -134,13 +148,13 @@ class PolygonField(ABC):
 
     def mode_at(self, x: Floats) -> int | None:
         """The cell that holds the position; None outside the domain."""
-        margins = self._margins(x)
+        margins = self.depths(x)
         best = int(np.argmax(margins))
         return best if margins[best] >= 0 else None
 
     def nearest_mode(self, x: Floats) -> int:
         """The cell that holds the position or, outside the domain, violates the least."""
-        return int(np.argmax(self._margins(x)))
+        return int(np.argmax(self.depths(x)))
 
     def margin(self, mode: int, x: Floats) -> float:
         """Distance from the nearest side, negative outside."""
@@ -156,7 +170,7 @@ class PolygonField(ABC):
 
         On the border of the domain, where nothing lies beyond, the cells inside keep all the weight.
         """
-        margins = self._margins(x)
+        margins = self.depths(x)
         shares = np.clip((margins + width) / (2 * width), 0.0, 1.0)
         if not shares.any():
             shares = (margins == margins.max()).astype(float)
@@ -164,16 +178,10 @@ class PolygonField(ABC):
         for k in np.flatnonzero(shares):
             yield self._members[k].velocity, float(shares[k])
 
-    def _margins(self, x: Floats) -> Floats:
-        """Signed distance of a position from the border of every cell."""
-        normals, offsets, starts = self._sides
-        return np.asarray(np.minimum.reduceat(offsets - normals @ x[:2], starts))
+    def depths(self, x: Floats) -> Floats:
+        """How far positions (..., n), x and y first, lie in every cell, negative outside; shape (..., cells)."""
+        return self._sides.depths(x[..., :2])
 
     @cached_property
-    def _sides(self) -> tuple[Floats, Floats, NDArray[np.intp]]:
-        """Normals and offsets of all sides, cell by cell, and where each cell's sides begin."""
-        polygons = self._floats.polygons
-        sides = [side for polygon in polygons for side in polygon.sides]
-        counts = [len(polygon.sides) for polygon in polygons]
-        starts = np.cumsum([0, *counts[:-1]])
-        return np.array([side.normal for side in sides]), np.array([side.offset for side in sides]), starts
+    def _sides(self) -> CellSides:
+        return CellSides([polygon.sides for polygon in self._floats.polygons])

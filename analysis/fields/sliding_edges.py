@@ -78,7 +78,7 @@ def _stretches(along: Point, left: Velocities, right: Velocities) -> Iterator[tu
 def _attracting(left: Velocities, right: Velocities) -> EdgeKind:
     """A slide rests all along where its radial speed vanishes at both ends: there the two velocities are parallel.
 
-    That speed is ``A`` of :mod:`nonsmooth.analysis.cells.moves`, by Lagrange's identity ``|along|^2 (l x r)``.
+    That speed is ``A`` of :mod:`nonsmooth.analysis.cells.fan`, by Lagrange's identity ``|along|^2 (l x r)``.
     """
     slides = any(sign(cross(l, r)) for l, r in zip(left, right, strict=True))  # noqa: E741
     return EdgeKind.SLIDING if slides else EdgeKind.RESTING

@@ -125,8 +125,8 @@ def _mixed(system: SwitchedSystem, members: _Polynomials, arguments: Sequence[Po
     return rates
 
 
-def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantField | None:
-    """A planar system on its checked square as constant motions on polygons; None where it is not of that kind."""
+def constant_system(system: SwitchedSystem) -> ConstantField | None:
+    """A planar system on its checked square as exact constant motions on polygons; None where it is of another kind."""
     cells = system_cells(system, square_regions(system.check.radius))
     pieces = []
     for cell in cells:
@@ -136,7 +136,7 @@ def constant_system(system: SwitchedSystem, *, exact: bool = False) -> ConstantF
         sides = [HalfPlane((-a, -b), c) for a, b, c in cell.region.sides]
         pieces.append((sides, (*rates, system.field.zero)))
     zero = system.field.zero
-    return piecewise_constant(square((zero, zero), system.check.radius), pieces, exact=exact)
+    return piecewise_constant(square((zero, zero), system.check.radius), pieces, exact=True)
 
 
 def _surface(polynomial: Polynomial) -> Surface:

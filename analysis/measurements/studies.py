@@ -25,13 +25,11 @@ from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
+from nonsmooth.analysis.minimizers.agreement import PointLocator
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
-from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.minimum import proved
-from nonsmooth.analysis.minimizers.point_location import PointLocator
+from nonsmooth.analysis.minimizers.minimum import Functional, Minimizer, dissipation, proved
 from nonsmooth.symbolic.mechanics.constraints import Row, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene

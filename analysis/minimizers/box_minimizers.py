@@ -16,9 +16,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, rounding_error
-from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
-from nonsmooth.analysis.minimizers.optimal_face import SAME_VALUE, SAME_VERTEX, distinct
+from nonsmooth.analysis.minimizers.minimum import (
+    SAME_VALUE,
+    SAME_VERTEX,
+    Functional,
+    Minima,
+    balance_forces,
+    dissipation,
+    distinct,
+    rounding_error,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
 
 TOGETHER = 40  # points in one linear program: beyond, the time of the simplex method grows faster than their number
@@ -44,7 +51,7 @@ class BoxHighs:
         return Functional.BOX
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
-        """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
+        """See :class:`nonsmooth.analysis.minimizers.minimum.Minimizer`."""
         normal = model.checked_loads(loads)
         scale, speeds = _column_sizes(model), _speeds(model, len(normal))
         targets, limits = model.targets / speeds, model.limits(normal).reshape(len(normal), -1)
@@ -117,7 +124,7 @@ class BoxEnumeration:
         return Functional.BOX
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
-        """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`.
+        """See :class:`nonsmooth.analysis.minimizers.minimum.Minimizer`.
 
         Raises:
             ValueError: for more than :data:`MAX_WHEELS` wheels, or fewer than three independent loaded rows.

@@ -14,10 +14,8 @@ from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactRows, contacts_under
-from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.minimum import Minima, balance_forces
-from nonsmooth.analysis.minimizers.optimal_face import row_frame
+from nonsmooth.analysis.minimizers.minimum import Functional, Minima, balance_forces, row_frame
 from nonsmooth.analysis.minimizers.sum_of_supports import SETTLED, SupportSums, by_smoothing, finished
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -42,7 +40,7 @@ class EllipseMinimizer:
         return Functional.ELLIPSE
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
-        """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
+        """See :class:`nonsmooth.analysis.minimizers.minimum.Minimizer`."""
         normal = model.checked_loads(loads)
         scaled = _Scaled(model)
         return scaled.certified(normal, *by_smoothing(normal, scaled.maps, scaled.targets, scaled.sets))

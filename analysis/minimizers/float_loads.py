@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError, TipsThereError
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.loads.spring_loads import spring_loads
+from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane import XY
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
@@ -156,7 +156,7 @@ def _outside(corners: Floats, points: Floats) -> Mask:
 def hull_sides(corners: Floats) -> Floats:
     """Rows ``(n_x, n_y, offset)`` with ``n . p + offset <= 0`` in the hull of corners (n, 2), not all on a line.
 
-    The hull is Andrew's monotone chain: SciPy's would take a third of a whole check to import.
+    SciPy's hull would take a third of a whole check to import.
     """
     return _hull_sides(np.ascontiguousarray(corners).tobytes())
 
@@ -164,22 +164,8 @@ def hull_sides(corners: Floats) -> Floats:
 @lru_cache(maxsize=HULLS)  # a path asks for the loads of one array at thousands of places
 def _hull_sides(corners: bytes) -> Floats:
     """The same, of doubles."""
-    places = sorted({(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()})
-    chain = [*_half_hull(places), *_half_hull(places[::-1])]
-    starts, ends = np.array(chain), np.array([*chain[1:], chain[0]])
+    hull = support_polygon(outer_positions([(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()]))
+    starts, ends = np.array(hull), np.array([*hull[1:], hull[0]])
     along = (ends - starts) / np.hypot(*(ends - starts).T)[:, None]
     normals = np.column_stack([along[:, 1], -along[:, 0]])
     return np.column_stack([normals, -(normals * starts).sum(axis=1)])
-
-
-def _half_hull(places: list[XY]) -> list[XY]:
-    """The corners to the right of the way from the first place to the last, without the last."""
-    chain: list[XY] = []
-    for x, y in places:
-        while len(chain) > 1:
-            (x_0, y_0), (x_1, y_1) = chain[-2:]
-            if (x_1 - x_0) * (y - y_0) - (y_1 - y_0) * (x - x_0) > 0:
-                break
-            chain.pop()
-        chain.append((x, y))
-    return chain[:-1]

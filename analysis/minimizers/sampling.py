@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,17 +18,19 @@ from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.minimum import Minima, free_motions, minima_without_proof, proved
+from nonsmooth.analysis.minimizers.minimum import (
+    Functional,
+    Minima,
+    Minimizer,
+    free_motions,
+    minima_without_proof,
+    proved,
+)
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, turned
-
-if TYPE_CHECKING:
-    pass
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, point_velocities, turned
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -131,9 +132,6 @@ def sample_smooth_derivative(scene: Scene, samples: int) -> SampledDerivative:
     Where the minimizer is not unique V* is the largest rate over all of them.  Points at which the motion is not
     proved do not count.
     """
-    from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-    from nonsmooth.analysis.minimizers.minimum import free_motions, minima_without_proof, proved
-
     free = free_motions(scene)
     if free:
         return SampledDerivative(0, None, None, None, free)
@@ -215,8 +213,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
     x, y = np.meshgrid(*[np.linspace(-radius, radius, count)] * 2)
     places = np.column_stack([x.ravel(), y.ravel()])
     minima = minima_under(rule, centred, places)
-    vx, vy, omega = minima.twists.T
-    velocities = np.column_stack([vx - omega * places[:, 1], vy + omega * places[:, 0]])
+    velocities, omega = point_velocities(minima.twists, places), minima.twists[:, 2]
     unknown = ~proved(minima)
     unknown[list(minima.faces)] = True
     velocities[unknown], omega = np.nan, np.where(unknown, np.nan, omega)

@@ -65,9 +65,7 @@ class SupportSums:
         self.weights, self.pulls = weights / whole, None if pulls is None else pulls / whole
         self.maps, self.targets, self.sets = maps, targets, sets
         self._columns = maps.transpose(2, 1, 0).reshape(3, -1)
-        first, second = maps[:, 0], maps[:, 1]
-        pairs = [_products(first, first), _products(second, second), 2 * _products(first, second)]
-        self._pairs = np.concatenate(pairs).T
+        self._pairs = np.concatenate(quadratic_parts(maps)).T
         self.start = (self.weights * np.sqrt(np.square(targets).sum(axis=0))).sum(axis=0)
 
     def take(self, chosen: Mask | Indices) -> SupportSums:
@@ -335,6 +333,15 @@ def smoother_step(sums: SupportSums, sets: UnitDiscs, state: Smoothed) -> Smooth
 # ---- three unknowns ------------------------------------------------------------------------------
 
 _ROW, _COLUMN = np.triu_indices(3)
+
+
+def quadratic_parts(maps: Floats) -> Floats:
+    """Upper triangles of ``E_i^T S E_i`` as sums over the entries ``(xx, yy, xy)`` of S, for maps E (n, 2, 3).
+
+    Shape (3, n, 6).
+    """
+    first, second = maps[:, 0], maps[:, 1]
+    return np.stack([_products(first, first), _products(second, second), 2 * _products(first, second)])
 
 
 def _products(first: Floats, second: Floats) -> Floats:

@@ -20,15 +20,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.cells.cell_complex import float_polygon
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import Speeds
+from nonsmooth.analysis.fields.cellwise_field import Speeds, control_columns
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.analysis.fields.convex_weights import nearest_weights
+from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, turned
 
 # ---- the spatial twist along a path, from the path alone -----------------------------------------
 #
@@ -47,11 +50,6 @@ def last_time(trajectory: Trajectory) -> float:
     return float(trajectory.times[-1])
 
 
-def poses_at(trajectory: Trajectory, times: Times) -> Floats:
-    """States (m, 3) at times; between samples a straight line where the method keeps samples only."""
-    return _Path(trajectory).poses(np.asarray(times, float))
-
-
 def path_twists(trajectory: Trajectory, times: Times, pivot: Sequence[float] | None = None) -> Floats:
     """Twists ``(v_x, v_y, omega)`` at times, shape (m, 3): at a switch those of the motion that begins there.
 
@@ -62,7 +60,7 @@ def path_twists(trajectory: Trajectory, times: Times, pivot: Sequence[float] | N
     """
     path, at = _Path(trajectory), np.asarray(times, float)
     rates = np.array([path.rate(float(time)) for time in at]).reshape(-1, 3)
-    points = path.poses(at)[:, :2] if pivot is None else np.broadcast_to(np.asarray(pivot, float), (len(at), 2))
+    points = trajectory.sample(at)[:, :2] if pivot is None else np.broadcast_to(np.asarray(pivot, float), (len(at), 2))
     velocities = rates[:, :2] - rates[:, 2:] * turned(points)
     return np.column_stack([velocities, rates[:, 2]])
 
@@ -78,12 +76,6 @@ class _Path:
         self.starts = np.array([start for start, _ in self.spans])
         self.times = trajectory.t
         self.states = trajectory.array
-
-    def poses(self, times: Floats) -> Floats:
-        """States (m, 3)."""
-        if not self.pieces:
-            return np.column_stack([np.interp(times, self.times, column) for column in self.states.T])
-        return np.array([self._pose(self._stretch(time), time) for time in times.tolist()]).reshape(-1, 3)
 
     def rate(self, time: float) -> Floats:
         """The derivative of the pose, by differences of second order within the stretch that holds a time."""
@@ -188,7 +180,7 @@ def build_frames(
     """
     at = np.asarray(times, float)
     model = contact_model(scene)
-    poses, twists = poses_at(trajectory, at), path_twists(trajectory, at, pivot)
+    poses, twists = trajectory.sample(at), path_twists(trajectory, at, pivot)
     keeps_rows = partition is not None and contact_rule(partition.rule).keeps_rows
     if partition is None or not keeps_rows:
         carrying = _loaded(scene, model, poses)
@@ -250,16 +242,11 @@ class _CellsAt:
         """For a scene that has the wheels of the partition, perhaps among others."""
         self.cells, self.places = partition.cells, scene.places
         self.slack = ON_EDGE * partition.size
-        sides = [side for cell in partition.cells for side in cell.polygon.sides]
-        normals = float_points(side.normal for side in sides)
-        sizes = np.hypot(*normals.T)
-        self.normals = normals / sizes[:, None]
-        self.offsets = np.array([float(side.offset) for side in sides]) / sizes
-        self.starts = np.cumsum([0, *(len(cell.polygon.sides) for cell in partition.cells[:-1])])
+        self.sides = CellSides([float_polygon(cell.polygon).sides for cell in partition.cells])
 
     def holding(self, pose: Floats) -> list[int]:
         """Positions of the cells that hold the pose's point, or are nearest to it."""
-        gaps = np.minimum.reduceat(self.offsets - self.normals @ pose[:2], self.starts)
+        gaps = self.sides.depths(pose[:2])
         return np.flatnonzero(gaps >= -self.slack).tolist() or [int(np.argmax(gaps))]
 
     def carrying(self, held: Sequence[int]) -> Mask:
@@ -276,7 +263,7 @@ class _CellsAt:
         if len(held) == 1:
             return given[0]
         motions = np.array([self._motion(k, row) for k, row in zip(held, given, strict=True)])
-        weights = convex_fit(motions, twist)
+        weights = nearest_weights(motions, twist)
         stacked = np.array(given)
         weights = np.where(weights > MIXED, weights, 0.0)
         weights /= weights.sum()
@@ -295,17 +282,6 @@ class _CellsAt:
     def _motion(self, k: int, speeds: Floats) -> Floats:
         """``sum_w g_w u_w`` with the control vector fields of a cell."""
         motion = np.zeros(3)
-        for wheel, column in self.cells[k].states[0].control_fields.items():
-            motion += speeds[self.places[wheel]] * np.array(column, float)
+        for wheel, *column in control_columns(self.cells[k].states[0]):
+            motion += speeds[self.places[wheel]] * np.array(column)
         return motion
-
-
-def convex_fit(vectors: Floats, target: Floats) -> Floats:
-    """Convex weights of vectors (k, d) whose mean is nearest to a target: non-negative least squares."""
-    from scipy.optimize import nnls
-
-    scale = float(np.abs(vectors).max(initial=0.0)) or 1.0
-    system = np.vstack([vectors.T / scale, np.ones(len(vectors))])
-    weights, _ = nnls(system, np.append(target / scale, 1.0))
-    total = float(weights.sum())
-    return np.asarray(weights / total) if total > 0 else np.full(len(vectors), 1 / len(vectors))

@@ -65,14 +65,6 @@ class Ending:
         return {"motion": self.motion.value, "since": self.since, "speed": self.speed, "turning": self.turning}
 
 
-def places(path: Trajectory, times: Floats) -> Floats:
-    """States (m, n) at times, between the samples of methods that keep no pieces."""
-    if path.pieces:
-        return path.sample(times)
-    known, states = path.t, path.array
-    return np.column_stack([np.interp(times, known, column) for column in states.T])
-
-
 def parts_of(path: Trajectory) -> Floats:
     """The ends of the parts of its time (PARTS + 1,); of a path without a last time up to its last sample."""
     last = float(path.end.t) if math.isfinite(float(path.end.t)) else float(path.times[-1])
@@ -88,7 +80,7 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
         fastest: a lower bound for the unit of speed, which is else the largest mean speed of a part.
     """
     times = parts_of(path)
-    states = places(path, times)
+    states = path.sample(times)
     length = times[1] - times[0]
     if not length:  # it ends where it begins
         return Ending(EndMotion.AT_REST, 0.0, 0.0, None if size is None else 0.0)
@@ -114,7 +106,7 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
 
 
 def _mean(path: Trajectory, moved: Callable[[Floats, Floats], Floats], t: float, late: float) -> float:
-    first, last = places(path, np.array([t, late]))
+    first, last = path.sample([t, late])
     return float(moved(first, last)) / (late - t)
 
 

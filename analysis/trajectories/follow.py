@@ -331,12 +331,14 @@ class Mode(ABC):
         cells: names of what it mixes.
         rate: what a stepper solves.
         guards: None where it goes on to the last time.
+        shown: how many entries of the state a piece shows; None for all.
     """
 
     place: str
     cells: tuple[str, ...]
     rate: Any
     guards: Guards | None = None
+    shown: int | None = None
 
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
         """Take note of a step, which is followed up to a time; why the path ends with it, if no event does that."""
@@ -347,10 +349,10 @@ class Mode(ABC):
         start = stretch.times[0]
 
         def state(since: Any) -> State:
-            return tuple(stretch.at(start + float(since)).tolist())
+            return tuple(stretch.at(start + float(since))[: self.shown].tolist())
 
         def states(since: Floats) -> Floats:
-            return stretch.at_all(start + since)
+            return stretch.at_all(start + since)[:, : self.shown]
 
         return Piece(start, stretch.times[-1], self.place, self.cells, state, tuple(stretch.times), states)
 

@@ -1,24 +1,39 @@
 """Maps of where a body comes to rest: heading, arrival time and basin over many starts at once.
 
-For cells with constant twist, under both kinematics; :mod:`nonsmooth.analysis.trajectories.batch_paths` follows all
-starts together.
+For cells with constant twist, under both kinematics; all starts are followed together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from itertools import product
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
+from nonsmooth.analysis.cells.fan import ray_speeds, sliding
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
-from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point
+from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
+from nonsmooth.analysis.trajectories.closed_forms import (
+    CornerSpiral,
+    Free,
+    Junction,
+    Turns,
+    junction_at,
+    line_times,
+    signs_of,
+    slide_along,
+    times_back,
+)
+from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind
+from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.plane import cross, dot
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
 
 
@@ -178,3 +193,290 @@ def _distance(points: Floats, corners: Sequence[Point]) -> Floats:
         nearest = np.fmin(nearest, np.hypot(*(away - foot[:, None] * along).T))
         inside &= along[0] * away[:, 1] - along[1] * away[:, 0] >= 0
     return np.where(inside, 0.0, nearest)
+
+
+# ---- many paths at once --------------------------------------------------------------------------
+#
+# The method is that of :mod:`nonsmooth.analysis.trajectories.piecewise_constant`; all starts that are in the same cell,
+# on the same edge or at the same corner move together.  Only the generic case is vectorized: paths through cells,
+# strict crossings, strict sliding and rest on an edge.  What happens at a corner or where sliding ends is the same for
+# all that get there, so it is decided once.  Every other start (on an edge, tangent to one) is handed to the scalar
+# integrator.
+
+
+MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
+DONE = -1
+
+OnRow: TypeAlias = Callable[[int, int], None]
+
+
+class BatchPaths:
+    """Starts on their way.
+
+    ``place`` numbers cells, then edges, then corners; ``entry`` is the edge or corner from which a cell was entered.
+    """
+
+    def __init__(self, field: ConstantField, points: Floats, theta: float) -> None:
+        count = len(points)
+        self.field, self.cells, self.signs = field, field.cells, signs_of(field)
+        self.turns = Turns(field, self.signs)
+        self.points, self.theta, self.time = points.copy(), np.full(count, theta), np.zeros(count)
+        self.unique = np.ones(count, dtype=bool)
+        self.ends: list[tuple[EndReason, str] | None] = [None] * count
+        self.first_edge = len(field.flows)
+        self.first_corner = self.first_edge + len(field.cells.edges)
+        self.place, self.entry = np.full(count, DONE), np.full(count, DONE)
+        self.anchors, self.anchored = np.full((count, 2), np.nan), np.full((count, 2), DONE)
+        self.corners: dict[int, tuple[Junction, list[Choice]]] = {}
+        inside = field.depths(points) > self.cells.slack
+        held = inside.any(axis=1)
+        self.place[held] = inside[held].argmax(axis=1)
+        self._one_by_one(np.flatnonzero(~held))
+
+    def run(self, report: OnRow | None = None) -> None:
+        """Leg after leg; ``report`` is told how many of all starts have ended."""
+        for leg in range(MAX_LEGS):
+            self._find_orbits(np.flatnonzero(self.place != DONE), anchor=leg & (leg - 1) == 0)
+            going = np.flatnonzero(self.place != DONE)
+            if report is not None:
+                report(len(self.place) - len(going), len(self.place))
+            if not len(going):
+                return
+            groups, member = np.unique(
+                np.stack([self.place[going], self.entry[going]], axis=1), axis=0, return_inverse=True
+            )
+            for k, (place, entry) in enumerate(groups.tolist()):
+                self._move(place, entry, going[member.ravel() == k])
+        rest = np.flatnonzero(self.place != DONE)
+        self.time[rest], self.theta[rest] = np.inf, np.nan
+        self._finish(rest, EndReason.EVENTS, "")
+
+    def _move(self, place: int, entry: int, own: Indices) -> None:
+        if place < self.first_edge:
+            self._through(place, entry, own)
+        elif place < self.first_corner:
+            self._on_edge(place - self.first_edge, own)
+        else:
+            self._at_corner(place - self.first_corner, own)
+
+    def _find_orbits(self, going: Indices, *, anchor: bool) -> None:
+        """Paths that enter a cell where they entered it before are periodic (Brent: remember legs 1, 2, 4, 8, ...)."""
+        inside = going[(self.place[going] < self.first_edge) & (self.entry[going] != DONE)]
+        same = (self.anchored[inside] == np.stack([self.place[inside], self.entry[inside]], axis=1)).all(axis=1)
+        back = same & (np.abs(self.points[inside] - self.anchors[inside]).max(axis=1, initial=0) <= self.cells.slack)
+        for k in inside[back]:
+            rate = self.field.flows[self.place[k]][0].omega
+            self.time[k], self.theta[k] = np.inf, np.copysign(np.inf, rate) if rate else np.nan
+            self._finish(np.array([k]), EndReason.CIRCLES, self.field.names[self.place[k]])
+        if anchor:
+            self.anchors[inside] = self.points[inside]
+            self.anchored[inside] = np.stack([self.place[inside], self.entry[inside]], axis=1)
+
+    # ---- legs ----------------------------------------------------------------------------
+
+    def _places(self, own: Indices) -> Point:
+        """Coordinates, as arrays."""
+        x, y = self.points[own].T
+        return x, y
+
+    def _velocities(self, flow: Flow, own: Indices) -> Point:
+        """``c'``, as arrays."""
+        vx, vy = (np.broadcast_to(v, own.shape) for v in flow.velocity(self._places(own)))
+        return vx, vy
+
+    def _through(self, cell: int, entry: int, own: Indices) -> None:
+        """Through a cell to its border."""
+        self.unique[own] &= not self.field.tied(cell)
+        flow, name = self.field.flows[cell][0], self.field.names[cell]
+        still = np.abs(self._velocities(flow, own)).max(axis=0) <= self.signs.speed_slack
+        self._rest(own[still], np.full(int(still.sum()), flow.omega), name)
+        own = own[~still]
+        active = self._active(cell, entry)
+        times = crossing_times(flow, self.cells.polygons[cell].sides, self._places(own), active, self.signs.speed_slack)
+        side = np.argmin(times, axis=1)
+        time = times[np.arange(len(own)), side]
+        circling = own[np.isinf(time)]
+        self.time[circling], self.theta[circling] = np.inf, np.copysign(np.inf, flow.omega)
+        self._finish(circling, EndReason.CIRCLES, name)
+        own, side, time = (values[np.isfinite(time)] for values in (own, side, time))
+        x, y, self.theta[own] = Free(self._places(own), self.theta[own], flow).state(time)
+        self.points[own] = np.column_stack([x, y])
+        self.time[own] += time
+        for k in sorted(set(side.tolist())):  # numpy.unique would import masked arrays
+            self._land(cell, k, own[side == k])
+
+    def _active(self, cell: int, entry: int) -> frozenset[int]:
+        """Sides on which a cell was entered."""
+        if entry == DONE:
+            return frozenset()
+        if entry < self.first_corner:
+            return frozenset((self.cells.side_of(cell, entry - self.first_edge),))
+        return frozenset(self.cells.active_sides(cell, entry - self.first_corner))
+
+    def _land(self, cell: int, side: int, own: Indices) -> None:
+        """Onto the edge or corner of a side, exactly."""
+        for number in self.cells.borders[cell][side]:
+            edge, r = self.cells.edges[number], np.array(self.cells.direction(number))
+            start, end = np.array(self.cells.points[edge.start]), np.array(self.cells.points[edge.end])
+            along, length = (self.points[own] - start) @ r, float((end - start) @ r)
+            on = (along > self.cells.slack) & (along < length - self.cells.slack)
+            self.points[own[on]], self.place[own[on]] = start + along[on, None] * r, self.first_edge + number
+            for corner, distance in ((edge.start, along), (edge.end, along - length)):
+                self._reach(corner, own[np.abs(distance) <= self.cells.slack])
+
+    def _reach(self, corner: int, own: Indices) -> None:
+        self.points[own], self.place[own] = self.cells.points[corner], self.first_corner + corner
+
+    def _on_edge(self, number: int, own: Indices) -> None:
+        """Across an edge, along it, or at rest on it."""
+        edge, name = self.cells.edges[number], self.field.place_name(OnEdge(number))
+        if edge.left is None or edge.right is None:
+            self._finish(own, EndReason.OUTSIDE, name)
+            return
+        left, right = self.field.flows[edge.left][0], self.field.flows[edge.right][0]
+        r = self.cells.direction(number)
+        u, v = (ray_speeds(r, Twist(*self._velocities(flow, own), flow.turn)) for flow in (left, right))
+        n1, n2 = (np.where(np.abs(n) > self.signs.speed_slack, np.sign(n), 0).astype(int) for n in (u.normal, v.normal))
+        push, *_ = sliding(v, u)
+        opposed, moves = n1 * n2 < 0, np.abs(push) > self.signs.product_slack
+        for sense, cell in ((1, edge.left), (-1, edge.right)):
+            self._cross(number, cell, own[(n1 == sense) & (n2 == sense)])
+        self.unique[own[opposed & (n1 > 0)]] = False
+        self.unique[own[opposed]] &= not (self.field.tied(edge.left) or self.field.tied(edge.right))
+        for direction, sense in product((1, -1), repeat=2):
+            slides = opposed & moves & (n1 == sense) & (np.sign(push) * n2 == direction)
+            self._slide(number, direction, own[slides])
+        rests = opposed & ~moves
+        turn = v.normal[rests] * left.omega - u.normal[rests] * right.omega
+        self._rest(own[rests], turn / (v.normal - u.normal)[rests], name)
+        self._one_by_one(own[n1 * n2 == 0])
+
+    def _cross(self, number: int, cell: int, own: Indices) -> None:
+        """Into a cell, or to the limit of infinitely many small turns around a corner of the edge."""
+        self.place[own], self.entry[own] = cell, self.first_edge + number
+        for corner in (self.cells.edges[number].start, self.cells.edges[number].end):
+            distance = np.hypot(*(self.points[own] - self.cells.points[corner]).T)
+            if not (distance <= self.turns.small).any():
+                continue
+            turn = self.turns.inward_from(number, cell, corner)
+            if turn is None:
+                continue
+            near = (distance <= self.turns.small) & np.array([turn.fits(s) for s in distance])
+            inward = own[near]
+            spirals = CornerSpiral(turn, self.cells.points[corner], self.theta[inward], distance[near])
+            time, self.theta[inward] = spirals.limit()
+            self.time[inward] += time
+            self._reach(corner, inward)
+
+    def _slide(self, number: int, direction: int, own: Indices) -> None:
+        """Along an edge to its corner, to where sliding ends, or towards an equilibrium.
+
+        All slide along one curve, which is that of the start farthest back.
+        """
+        if not len(own):
+            return
+        r = direction * np.array(self.cells.direction(number))
+        along = self.points[own] @ r
+        x, y = self.points[own[np.argmin(along)]].tolist()
+        ray = junction_at(self.field, OnEdge(number), (x, y)).rays[0 if direction > 0 else 1]
+        slide = slide_along(self.field, (x, y), 0.0, ray, self.signs)
+        if slide is None:
+            self._one_by_one(own)
+            return
+        begun = along - along.min()
+        if slide.stop is not None:
+            rate = slide.coefficients[4]
+            self.points[own] = slide.at(slide.stop)[:2]
+            self.time[own], self.theta[own] = np.inf, self.theta[own] + (np.copysign(np.inf, rate) if rate else 0.0)
+            self._finish(own, EndReason.APPROACH, self.field.place_name(OnEdge(number)))
+            return
+        x, y, turned = slide.at(slide.reach)
+        self.time[own] += slide.time_to(slide.reach) - slide.time_to(begun)
+        self.theta[own] += turned - slide.at(begun)[2]
+        self.points[own] = x, y
+        if self.cells.beyond(ray.reach - slide.reach):
+            self._leave(number, (x, y), own)
+        else:
+            self._reach(ray.corner, own)
+
+    def _leave(self, number: int, point: Point, own: Indices) -> None:
+        """Where sliding ends in between: at one point for all, hence decided once."""
+        choices = choices_at(self.field, junction_at(self.field, OnEdge(number), point), 0.0, self.signs)
+        if len(choices) == 1 and choices[0].kind is EventKind.CROSS:
+            self.place[own], self.entry[own] = choices[0].cells[0], self.first_edge + number
+        else:
+            self._one_by_one(own)
+
+    def _at_corner(self, corner: int, own: Indices) -> None:
+        """From a corner: all go the same way."""
+        if corner not in self.corners:
+            junction = junction_at(self.field, AtCorner(corner), self.cells.points[corner])
+            self.corners[corner] = junction, choices_at(self.field, junction, 0.0, self.signs)
+        junction, choices = self.corners[corner]
+        name, only = self.field.place_name(AtCorner(corner)), len(choices) == 1
+        if not choices and junction.border:
+            self._finish(own, EndReason.OUTSIDE, name)
+        elif only and choices[0].kind is EventKind.CROSS:
+            self.place[own], self.entry[own] = choices[0].cells[0], self.first_corner + corner
+        elif only and choices[0].kind is EventKind.REST:
+            self.unique[own] &= not self.turns.lead_outward(corner)
+            self._rest(own, np.full(len(own), choices[0].rate), name)
+        else:
+            self._one_by_one(own)
+
+    # ---- ends ----------------------------------------------------------------------------
+
+    def _rest(self, own: Indices, rates: Floats, name: str) -> None:
+        """At rest; where theta drifts on, it has no limit."""
+        turning = np.abs(rates) > self.signs.rate_slack
+        self.theta[own[turning]] = np.copysign(np.inf, rates[turning])
+        self._finish(own[turning], EndReason.TURNING, name)
+        self._finish(own[~turning], EndReason.REST, name)
+
+    def _finish(self, own: Indices, reason: EndReason, name: str) -> None:
+        self.place[own] = DONE
+        for k in own:
+            self.ends[k] = (reason, name)
+
+    def _one_by_one(self, own: Indices) -> None:
+        """Follow starts by the scalar integrator from where they are; those at the same point, together.
+
+        The velocity does not depend on theta, so that all who are at one point go the same way and turn by as much.
+        """
+        points, member = np.unique(self.points[own], axis=0, return_inverse=True)
+        for k, (x, y) in enumerate(points.tolist()):
+            together = own[member.ravel() == k]
+            path = follow_cells(self.field, (x, y, 0.0))
+            last = path.pieces[-1] if path.pieces else None
+            name = last.place if last else self._place_of(points[k])
+            self.time[together] += float(path.time)
+            self.points[together] = path.pose[:2]
+            self.theta[together] += float(path.pose[2])
+            if path.reason is EndReason.TURNING and last is not None:
+                self.theta[together] = np.copysign(np.inf, last.state(1.0)[2] - last.state(0.0)[2])
+            elif path.reason in (EndReason.CIRCLES, EndReason.EVENTS):
+                self.time[together], self.theta[together] = np.inf, np.nan
+            self.unique[together] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
+            self._finish(together, path.reason, name)
+
+    def _place_of(self, point: Floats) -> str:
+        place = self.cells.locate((float(point[0]), float(point[1])))
+        return "" if place is None else self.field.place_name(place)
+
+
+# ---- motions of a batch --------------------------------------------------------------------------
+
+
+def crossing_times(flow: Flow, sides: Sequence[HalfPlane], at: Point, active: frozenset[int], slack: float) -> Floats:
+    """Time until each side is crossed from places given by arrays (m,), (m, sides); infinite where it never is."""
+    velocity, w, never = flow.velocity(at), float(flow.turn), np.full(at[0].shape, np.inf)
+    found = []
+    for k, side in enumerate(sides):
+        rate, bend, gap = dot(velocity, side.normal), cross(velocity, side.normal), side.slack(at)
+        if k in active:
+            found.append(np.where(np.abs(rate) > slack, times_back(w, rate, bend), np.inf) if w else never)
+        elif w:
+            found.append(line_times(w, gap, rate, bend))
+        else:
+            found.append(np.maximum(gap, 0.0) / rate if rate > 0 else never)
+    return np.stack(found, axis=1)

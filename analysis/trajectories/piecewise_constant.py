@@ -18,15 +18,31 @@ from itertools import combinations
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, InCell, OnEdge, Place
-from nonsmooth.analysis.cells.moves import Signs, departure_sign
+from nonsmooth.analysis.cells.fan import Signs, departure_sign
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.trajectories.cell_motion import Free, Rest, State
+from nonsmooth.analysis.trajectories.closed_forms import (
+    CornerSpiral,
+    Free,
+    Junction,
+    Ray,
+    Rest,
+    Slide,
+    State,
+    Turns,
+    junction_at,
+    signs_of,
+    slide_along,
+)
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stretch, follow
-from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.slides import Junction, Ray, Slide, junction_at, signs_of, slide_along
-from nonsmooth.analysis.trajectories.turns import CornerSpiral, Turns
+from nonsmooth.analysis.trajectories.result import (
+    EndReason,
+    EventKind,
+    LyapunovWatch,
+    Piece,
+    Trajectory,
+    TrajectoryError,
+)
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import cross, dot, minus
 

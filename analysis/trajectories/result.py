@@ -181,9 +181,11 @@ class Trajectory(ShortRepr):
         return piece.state(max(time - piece.start, 0 * time))
 
     def sample(self, times: Iterable[float]) -> Floats:
-        """States (m, n) at many times, as floats."""
+        """States (m, n) at many times, as floats; on straight lines between samples where a method keeps these only."""
         asked = np.asarray(list(times), float)
-        if not self.pieces or any(piece.states is None for piece in self.pieces):
+        if not self.pieces:
+            return np.column_stack([np.interp(asked, self.t, column) for column in self.array.T])
+        if any(piece.states is None for piece in self.pieces):
             return np.array([_floats(self.at(time)) for time in asked.tolist()])
         found = np.empty((len(asked), len(self.end.state)))
         begun = np.searchsorted([piece.start for piece in self.pieces], asked, side="right")
@@ -289,3 +291,52 @@ def _float(value: Any) -> float | None:
 
 def _floats(values: Iterable[Any]) -> list[float | None]:
     return [_float(value) for value in values]
+
+
+# ---- a watch on every piece ----------------------------------------------------------------------
+#
+# V may not rise faster than the certified bound on V'.  The watch compares what the integrator did, states and times,
+# with that bound; it does not know how that was computed.
+
+
+class LyapunovViolationError(RuntimeError):
+    """V rose faster than its certified bound: the path or the bound is wrong, which is a fault of this program."""
+
+    def __init__(self, place: str, rise: float, allowed: float, duration: float) -> None:
+        super().__init__(
+            f"required V to rise by at most {allowed:.6g} within {duration:.6g} on {place}, received {rise:.6g}: "
+            "the path contradicts the certified bound on V'; please report this"
+        )
+        self.place, self.rise, self.allowed, self.duration = place, rise, allowed, duration
+
+
+@dataclass(frozen=True)
+class LyapunovWatch:
+    """Certified bounds on V' by cell.
+
+    Attributes:
+        value: V of a state.
+        bounds: largest V' by cell name (V/time).
+        slack: rise that is rounding (zero for exact numbers).
+    """
+
+    value: Callable[[Sequence[Any]], Any]
+    bounds: dict[str, Any]
+    slack: float = 0
+
+    def check(self, piece: Piece) -> None:
+        """Compare every stretch between two samples of a piece with the bound of its cells.
+
+        Raises:
+            LyapunovViolationError: where V rises faster than any of the cells allows.
+        """
+        known = [self.bounds[name] for name in piece.cells if name in self.bounds]
+        if not known or len(piece.times) < 2:
+            return
+        bound = max(known)
+        values = [self.value(piece.state(time - piece.start)) for time in piece.times]
+        for k in range(1, len(values)):
+            lasted = piece.times[k] - piece.times[k - 1]
+            rise, allowed = values[k] - values[k - 1], bound * lasted
+            if rise > allowed + self.slack:
+                raise LyapunovViolationError(piece.place, float(rise), float(allowed), float(lasted))

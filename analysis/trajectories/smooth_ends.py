@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, point_velocities
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -94,13 +94,13 @@ class _Field:
             UndeterminedError: where minimizers are not unique at too many points.
             _EnoughError: once no more minimizations are allowed.
         """
-        return _velocities(self._proved(points), points)
+        return point_velocities(self._proved(points), points)
 
     def begin(self, points: Floats) -> Floats:
         """The same at the starts of all paths."""
         twists = self._proved(points)
         self._moving.remember(twists, np.arange(len(points)))
-        return _velocities(twists, points)
+        return point_velocities(twists, points)
 
     def _proved(self, points: Floats) -> Floats:
         self._left -= max(len(points), SMALLEST)
@@ -124,13 +124,7 @@ class _Field:
         if not settled.all():
             twists[~settled] = self._proved(points[~settled])
             self._moving.remember(twists[~settled], paths[~settled])
-        return _velocities(twists, points)
-
-
-def _velocities(twists: Floats, points: Floats) -> Floats:
-    """``c' = v + omega J c``."""
-    vx, vy, omega = twists.T
-    return np.stack([vx - omega * points[:, 1], vy + omega * points[:, 0]], axis=1)
+        return point_velocities(twists, points)
 
 
 def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0, 0.0)) -> SmoothEnds:
@@ -145,9 +139,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
         TypeError: for a rule with cells.
         UndeterminedError: where the motion is not determined.
     """
-    rule = rule_of(scene)
-    if not isinstance(rule, SmoothRule):
-        raise TypeError(f"required a rule without cells, received {rule.name}")
+    rule = smooth_rule_of(scene)
     if free_motions(scene):
         raise UndeterminedError("required friction against every motion, received a free one")
     radius, field = float(scene.check.radius), _Field(scene, rule, len(starts))

@@ -21,8 +21,14 @@ from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedF
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, follow
 from nonsmooth.analysis.trajectories.guards import WHIRL_LOOP, FaceGuards, SurfaceCrossing, last_turn, whirl_around
-from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import (
+    EndReason,
+    EventKind,
+    LyapunovWatch,
+    Piece,
+    Trajectory,
+    TrajectoryError,
+)
 from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter

@@ -484,7 +484,7 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
     """A level set from which V falls, at a proved rate where there is one, and a start in it whose V does not."""
     import numpy as np
 
-    from nonsmooth.analysis.fields.cell_values import potential_values
+    from nonsmooth.analysis.fields.stated_field import potential_values
 
     function, region, rate = result.function, result.reach.region, result.reach.rate
     if function is None or region is None or not region.falls:
@@ -620,6 +620,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
     if not isinstance(rule, SmoothRule) or scene.contact.loads_are_unknown:
         return None
     from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
+    from nonsmooth.symbolic.numbers.plane_arrays import point_velocities
 
     centred, step = scene.recentred(), STEP * float(scene.check.radius)
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
@@ -628,9 +629,8 @@ def _field_beside(scene: Scene) -> _Beside | None:
     if minima.faces or not minima.check().all() or not rims:
         return None
     size = max(abs(float(entry)) for wheel in centred.wheels for entry in wheel.position)
-    vx, vy, omega = minima.twists.T
-    here, east, west, north, south = np.stack([vx - omega * points[:, 1], vy + omega * points[:, 0]], axis=1)
-    speed, spin = float(np.hypot(*here)) / rims, float(omega[0]) * size / rims
+    here, east, west, north, south = point_velocities(minima.twists, points)
+    speed, spin = float(np.hypot(*here)) / rims, float(minima.twists[0, 2]) * size / rims
     slope = np.stack([east - west, north - south], axis=1) / (2 * step)
     bend = np.stack([east + west - 2 * here, north + south - 2 * here], axis=1) / step
     return _Beside(speed, spin, *_offset_and_growth(here, slope, bend, ROUNDING * rims / step))

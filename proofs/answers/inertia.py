@@ -20,10 +20,10 @@ from flint import arb, arb_mat, ctx, fmpq
 
 from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.mass_study import body_of
+from nonsmooth.analysis.bodies.newton_euler import RigidBody
 from nonsmooth.analysis.bodies.settling import FACTORS, Settled, Settling, massless_holds_to, settle
 from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.answers.answer import (
     DIGITS,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames, last_time, poses_at
+from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames, last_time
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.wheels import outline_of, placed, rim_length
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -168,7 +168,7 @@ def build_film(
         frames=frames,
         events=tuple(event for event in trajectory.events if float(event.t) <= duration),
         seconds=seconds,
-        trail=poses_at(trajectory, np.linspace(0, duration, TRAIL))[:, :2],
+        trail=trajectory.sample(np.linspace(0, duration, TRAIL))[:, :2],
         outline=outline_of(scene),
         is_closed=loop is not None,
     )

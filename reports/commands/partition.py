@@ -116,7 +116,7 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
 
 def _leaves_motions_open(scene: Scene) -> bool:
     """Whether all loads that carry the weight are meant under rule ``box``."""
-    from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+    from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 
     return scene.contact.rule == "box" and scene.contact.loads == UnknownLoads()
 

@@ -15,13 +15,19 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.newton_euler import MovingLoads
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.dynamics.newton_euler import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
-from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import proved
-from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
+from nonsmooth.analysis.trajectories.imposed_twists import (
+    HeldLaw,
+    ImposedMotions,
+    Motion,
+    PoseErrors,
+    driven_field,
+    follow_held,
+)
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
@@ -188,7 +194,7 @@ class DrivenLoop:
         """The path, with l for the unit of length."""
         if self.is_sampled:
             return follow_held(self.held, own, until, self.errors)
-        field = driven_field(self.cones, (0.0, 0.0), max(map(abs, own)), self.gain)
+        field = driven_field(self.cones, max(map(abs, own)), self.gain)
         if self.is_smooth:
             stepper = StiffAware(TOLERANCE, TOLERANCE * field.size, field.size)
             return follow_smooth(field, own, until, stepper=stepper)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.analysis.minimizers.dissipation import Functional, functional_of
+from nonsmooth.analysis.minimizers.minimum import Functional, functional_of
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.checks.cells import CellsResult
 from nonsmooth.reports.checks.subject import ArraySubject

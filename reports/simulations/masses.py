@@ -20,9 +20,9 @@ from nonsmooth.analysis.bodies.mass_study import (
     mass_study,
     rules_by_limit,
 )
+from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.cells.contact_rule import massless_rule
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
-from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
+from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
@@ -58,7 +58,7 @@ class ArrayPathEnd:
     def _distances(self) -> tuple[Floats, Floats]:
         """Times, and distances of the centre of mass from where it ends."""
         times = parts_of(self.path)
-        found = places(self.path, times)[:, :2]
+        found = self.path.sample(times)[:, :2]
         return times, np.hypot(*(found - found[-1]).T)
 
     @property

@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple, TypeAlias
 from pydantic import PlainValidator
 
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, read_exact, read_pair
-from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, carried_table, centre_of, largest_correction
+from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable
-from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.mechanics.springs import NoSpringsError, carried_table, centre_of, largest_correction
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import short_text
@@ -45,11 +45,7 @@ class MeasuredLoads(NamedTuple):
     within: Exact
 
 
-class AnyLoads(NamedTuple):
-    """Every admissible load."""
-
-
-StatedLoads: TypeAlias = LoadRows | ScatteredSprings | MeasuredLoads | AnyLoads
+StatedLoads: TypeAlias = LoadRows | ScatteredSprings | MeasuredLoads | UnknownLoads
 
 
 def read_loads(value: object) -> StatedLoads | None:
@@ -61,7 +57,7 @@ def read_loads(value: object) -> StatedLoads | None:
     if value == "elastic":
         return None
     if value == "any":
-        return AnyLoads()
+        return UnknownLoads()
     if isinstance(value, dict) and "kind" in value:
         return _of_kind(value)
     rows = value["table"] if isinstance(value, dict) and set(value) == {"table"} else value
@@ -76,7 +72,7 @@ def _of_kind(table: Mapping[str, object]) -> StatedLoads | None:
     match table["kind"]:
         case "any":
             _require_keys(table, ())
-            return AnyLoads()
+            return UnknownLoads()
         case "elastic":
             _require_keys(table, ("height", "stiffness"))
             if len(table) == 1:
@@ -119,8 +115,8 @@ def build_loads(
     match stated:
         case LoadRows():
             return _table(stated, numbers, len(positions))
-        case AnyLoads():
-            return UnknownLoads()
+        case UnknownLoads():
+            return stated
         case ScatteredSprings():
             return _scattered(stated, numbers)
         case MeasuredLoads():
@@ -159,7 +155,7 @@ def _share(value: Exact, numbers: Numbers, key: str) -> Number:
 
 
 def _carried(stated: MeasuredLoads, numbers: Numbers, positions: Sequence[Vector]) -> LoadTable:
-    """Measured loads at every pose: see :mod:`nonsmooth.symbolic.mechanics.measured_loads`."""
+    """Measured loads at every pose: see :mod:`nonsmooth.symbolic.mechanics.springs`."""
     if len(stated.values) != len(positions):
         expected = f"{len(positions)} values, one for each wheel"
         raise SceneError(numbers.file, "contact.loads.values", expected, StatedFact(f"{len(stated.values)}"))

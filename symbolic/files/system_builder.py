@@ -171,13 +171,24 @@ def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 
         check.lyapunov is None or quotient is not None,
         quotient,
     )
-    name = document.name or path.stem
-    system = SwitchedSystem(name, numbers.field, states, rhs, checked, file, tuple(others), sides.written, sides.waves)
-    scale = _parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None
-    system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
-    by_names = _parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs")
-    system = replace(system, named_rhs=by_names, names=sides.names, order=order)
-    system = replace(system, intervals=tuple(intervals), overlaps=document.system.overlap)
+    system = SwitchedSystem(
+        name=document.name or path.stem,
+        field=numbers.field,
+        states=states,
+        rhs=rhs,
+        check=checked,
+        source=file,
+        others=tuple(others),
+        written=sides.written,
+        waves=sides.waves,
+        denominators=_parsed(sides.denominators, states, file, "system.rhs"),
+        scale=_parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None,
+        named_rhs=_parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs"),
+        names=sides.names,
+        order=order,
+        intervals=tuple(intervals),
+        overlaps=document.system.overlap,
+    )
     _require_zero_arguments(system)
     for member in system.members:
         for side in (1, -1):

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
+from nonsmooth.symbolic.formulas.expression import OPERATIONS, ExpressionError, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, SIGNS, SWITCHES
 from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
 from nonsmooth.symbolic.messages.scene_error import shown
@@ -37,13 +37,6 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "sgn": lambda a: float((a > 0) - (a < 0)),
     "relu": lambda a: max(a, 0.0),
     "sat": lambda a, low, high: max(low, min(high, a)),
-}
-_FLOAT_OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
-    ast.Add: lambda a, b: a + b,
-    ast.Sub: lambda a, b: a - b,
-    ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b,
-    ast.Pow: lambda a, b: float(a**b),
 }
 
 
@@ -68,8 +61,8 @@ def float_value(node: ast.expr, values: Mapping[str, float], text: str) -> float
                 inner = float_value(node.operand, values, text)
                 return -inner if isinstance(node.op, ast.USub) else inner
             case ast.BinOp():
-                sides = (float_value(side, values, text) for side in (node.left, node.right))
-                return _FLOAT_OPERATORS[type(node.op)](*sides)
+                left, right = (float_value(side, values, text) for side in (node.left, node.right))
+                return float(left**right if isinstance(node.op, ast.Pow) else OPERATIONS[type(node.op)](left, right))
             case ast.Call(func=ast.Name(id=name), keywords=[]):
                 return _FUNCTIONS[name](*(float_value(argument, values, text) for argument in node.args))
     except (KeyError, TypeError, ValueError, ArithmeticError):

@@ -9,12 +9,14 @@ text can keep the machine busy.
 from __future__ import annotations
 
 import ast
+import operator
 import re
 import warnings
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
+from typing import Any
 
 from nonsmooth.symbolic.messages.scene_error import shown
 from nonsmooth.symbolic.numbers.number import Number
@@ -32,7 +34,12 @@ MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the 
 _WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
 _ABS = re.compile(r"\babs *\(")  # read as Abs, the one name that certificates and the checker know
 _FUNCTIONS = ("sqrt", "sin", "cos")
-_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
+OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {  # in any arithmetic
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
 
 
 class ExpressionError(ValueError):
@@ -183,7 +190,7 @@ def _check(node: ast.expr, text: str, variables: frozenset[str]) -> None:
         case ast.BinOp(op=ast.Pow()):
             _check(node.left, text, variables)
             _exponent(node.right, text)
-        case ast.BinOp() if isinstance(node.op, _OPERATORS):
+        case ast.BinOp() if type(node.op) in OPERATIONS:
             _check(node.left, text, variables)
             _check(node.right, text, variables)
         case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in _FUNCTIONS:
@@ -224,18 +231,15 @@ def _linear_in_pi(node: ast.expr, text: str) -> tuple[Fraction, Fraction]:
             return -constant, -multiple
         case ast.UnaryOp(op=ast.UAdd()):
             return _linear_in_pi(node.operand, text)
-        case ast.BinOp(op=ast.Add() | ast.Sub()):
+        case ast.BinOp():
             (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
-            s = 1 if isinstance(node.op, ast.Add) else -1
-            return a + s * c, b + s * d
-        case ast.BinOp(op=ast.Mult()):
-            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
-            if not (b and d):
-                return a * c, a * d + b * c
-        case ast.BinOp(op=ast.Div()):
-            (a, b), (c, d) = _linear_in_pi(node.left, text), _linear_in_pi(node.right, text)
-            if not d and c:
-                return a / c, b / c
+            match node.op:
+                case ast.Add() | ast.Sub():
+                    return OPERATIONS[type(node.op)](a, c), OPERATIONS[type(node.op)](b, d)
+                case ast.Mult() if not (b and d):
+                    return a * c, a * d + b * c
+                case ast.Div() if not d and c:
+                    return a / c, b / c
     raise ExpressionError(f'required a rational multiple of pi such as "2*pi/3", received {shown(text)}')
 
 
@@ -257,25 +261,13 @@ def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, N
             return base**exponent
         case ast.BinOp():
             left, right = _value(node.left, text, field, values), _value(node.right, text, field, values)
-            return _bounded(_apply(node.op, left, right), text)
+            return _bounded(OPERATIONS[type(node.op)](left, right), text)
         case ast.Call(func=ast.Name(id=name), args=[argument]):
             if name == "sqrt":
                 return _square_root(_value(argument, text, field, values), text)
             turn = turn_of(argument, text)
             return field.cos_pi(turn) if name == "cos" else field.sin_pi(turn)
     raise ExpressionError(f"required a formula, received {shown(text)}")
-
-
-def _apply(operator: ast.operator, left: Number, right: Number) -> Number:
-    match operator:
-        case ast.Add():
-            return left + right
-        case ast.Sub():
-            return left - right
-        case ast.Mult():
-            return left * right
-        case _:
-            return left / right
 
 
 def _square_root(value: Number, text: str) -> Number:

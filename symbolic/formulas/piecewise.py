@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache, reduce
 from typing import TypeAlias
 
-from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError, parse, parse_tree, turn_of
+from nonsmooth.symbolic.formulas.expression import OPERATIONS, Expression, ExpressionError, parse, parse_tree, turn_of
 from nonsmooth.symbolic.messages.scene_error import shown
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -30,7 +30,6 @@ EXTREMES = {"Max": 1, "max": 1, "Min": -1, "min": -1}  # the sign of Abs(a - b)
 LIMITERS = {"relu": 1, "sat": 3}  # with their numbers of arguments
 SWITCHES = (*SIGNS, "Abs", *EXTREMES, *LIMITERS)
 NUMBERS = ("pi", "sqrt", "sin", "cos")
-_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
 SignOf: TypeAlias = Callable[[Polynomial], int]
 
@@ -143,7 +142,7 @@ def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
         case ast.BinOp(op=ast.Pow()):
             _check(node.left, whole, depth - 1)
             _exponent(node.right, whole)
-        case ast.BinOp() if isinstance(node.op, _OPERATORS):
+        case ast.BinOp() if type(node.op) in OPERATIONS:
             _check(node.left, whole, depth - 1)
             _check(node.right, whole, depth - 1)
         case ast.Call(func=ast.Name(id=name), keywords=[]) if _takes(name, len(node.args)):
@@ -264,14 +263,11 @@ def _extreme(a: Polynomial, b: Polynomial, side: int, sign_of: SignOf) -> Polyno
 
 
 def _combined(operator: ast.operator, left: Polynomial, right: Polynomial, whole: PiecewiseExpression) -> Polynomial:
-    match operator:
-        case ast.Add():
-            return left + right
-        case ast.Sub():
-            return left - right
-        case ast.Mult():
-            _bounded(left.degree + right.degree, whole)
-            return left * right
+    if isinstance(operator, ast.Mult):
+        _bounded(left.degree + right.degree, whole)
+    if not isinstance(operator, ast.Div):
+        combined: Polynomial = OPERATIONS[type(operator)](left, right)
+        return combined
     divisor = right.constant_value
     if divisor is None:
         raise ExpressionError(f"required polynomials (no division by a state), received {shown(whole.text)}")

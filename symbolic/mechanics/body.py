@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, cmp_to_key
-from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import lower_text, short_text
-from nonsmooth.symbolic.numbers.plane import Vector, cross, minus
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, minus
 
 # ---- the continuous idealization of an array -----------------------------------------------------
 #
@@ -152,12 +151,8 @@ def outline_text(outline: Footprint) -> str:
 
 def is_convex(outline: PolygonShape) -> bool:
     """Whether a polygon given counterclockwise never turns right; corners of half a turn are allowed."""
-    corners = outline.vertices
-    return all(_turn(corners[k - 2], corners[k - 1], corner).sign() >= 0 for k, corner in enumerate(corners))
-
-
-def _turn(p: Vector, q: Vector, r: Vector) -> Number:
-    return (q[0] - p[0]) * (r[1] - q[1]) - (q[1] - p[1]) * (r[0] - q[0])
+    sides = [minus(end, start) for start, end in around(outline.vertices)]
+    return all(cross(side, following).sign() >= 0 for side, following in around(sides))
 
 
 # ---- the support polygon of an array -------------------------------------------------------------
@@ -179,14 +174,17 @@ DIGITS = 2  # of a half-width that the program chooses in a scene with units
 PARTS_WITHOUT_SUPPORT = 4  # n where the point is not inside the support polygon: that of the middle of a square array
 
 
-def support_polygon(positions: Sequence[Vector]) -> list[Vector]:
-    """Convex hull, counterclockwise, by Andrew's monotone chain with exact comparisons."""
+P = TypeVar("P", bound=tuple[Any, Any])
+
+
+def support_polygon(positions: Sequence[P]) -> list[P]:
+    """Convex hull, counterclockwise, by Andrew's monotone chain; comparisons are exact for exact numbers."""
     ordered = sorted(set(positions), key=cmp_to_key(_compare_points))
 
-    def chain(points: Sequence[Vector]) -> list[Vector]:
-        hull: list[Vector] = []
+    def chain(points: Sequence[P]) -> list[P]:
+        hull: list[P] = []
         for p in points:
-            while len(hull) > 1 and cross(minus(hull[-1], hull[-2]), minus(p, hull[-1])).sign() <= 0:
+            while len(hull) > 1 and sign(cross(minus(hull[-1], hull[-2]), minus(p, hull[-2]))) <= 0:
                 hull.pop()
             hull.append(p)
         return hull[:-1]
@@ -194,7 +192,7 @@ def support_polygon(positions: Sequence[Vector]) -> list[Vector]:
     return chain(ordered) + chain(ordered[::-1])
 
 
-def outer_positions(positions: Sequence[Vector]) -> Sequence[Vector]:
+def outer_positions(positions: Sequence[P]) -> Sequence[P]:
     """The positions that may be corners: floats leave out those well inside a polygon of others."""
     if len(positions) <= FEW:
         return positions
@@ -229,13 +227,20 @@ def widest_square(positions: Sequence[Vector], point: Vector) -> Number | None:
 
     None where the point is not strictly inside the polygon.
     """
-    corners, widths = support_polygon(positions), list[Number]()
-    for corner, following in pairwise([*corners, *corners[:1]]):
-        e = minus(following, corner)
-        widths.append(cross(e, minus(point, corner)) / (abs(e[0]) + abs(e[1])))
+    corners = support_polygon(positions)
+    widths = square_rooms(corners, point)
     if len(corners) < 3 or min(width.sign() for width in widths) <= 0:
         return None
     return widths[0].field.rational(min(Fraction(lower_text(width, DIGITS + 1)) for width in widths))
+
+
+def square_rooms(corners: Sequence[Vector], point: Vector) -> list[Number]:
+    """Half-widths to which a square about a point reaches each side of a convex polygon; negative outside a side."""
+    rooms = []
+    for corner, following in around(corners):
+        x, y = minus(following, corner)
+        rooms.append(cross((x, y), minus(point, corner)) / (abs(x) + abs(y)))
+    return rooms
 
 
 def chosen(radius: Number, units: Units) -> Number:
@@ -250,7 +255,7 @@ def _parts_of_size(corners: Sequence[Vector], size: Number, point: Vector) -> in
     ``r (|e_x| + |e_y|) <= cross(e, p - a)``.  Nothing is divided: inverses are slow in large number fields.
     """
     parts = 1
-    for corner, following in pairwise([*corners, corners[0]]):
+    for corner, following in around(corners):
         e = minus(following, corner)
         room = cross(e, minus(point, corner))
         if room.sign() <= 0:
@@ -278,5 +283,5 @@ def extent(points: Sequence[Vector], axis: int) -> Number:
     return max(coordinates) - min(coordinates)
 
 
-def _compare_points(p: Vector, q: Vector) -> int:
+def _compare_points(p: tuple[Any, Any], q: tuple[Any, Any]) -> int:
     return sign(p[0] - q[0]) or sign(p[1] - q[1])

@@ -9,21 +9,29 @@ about c with that property is exact for polygons: convex polygons are apart iff 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import hypot, isqrt
 
 from flint import arb, fmpq
 
-from nonsmooth.symbolic.mechanics.body import Body, Disc, chosen, default_radius, outer_positions, support_polygon
+from nonsmooth.symbolic.mechanics.body import (
+    Body,
+    Disc,
+    chosen,
+    default_radius,
+    outer_positions,
+    square_rooms,
+    support_polygon,
+)
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel, default_length
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, side_of
 
 
 class TipsError(SceneError):
@@ -308,8 +316,7 @@ def side_of_outline(body: Body, place: Vector) -> int:
     if isinstance(body.outline, Disc):
         away = minus(place, body.centroid)
         return (body.outline.radius * body.outline.radius - dot(away, away)).sign()
-    signs = [cross(minus(b, a), minus(place, a)).sign() for a, b in around(body.vertices)]
-    return min(signs)
+    return side_of(body.vertices, place)
 
 
 def outward_at(body: Body, place: Vector) -> Vector:
@@ -401,9 +408,9 @@ def _half_width_of(corners: Sequence[Vector], place: Vector) -> Number:
     For a side with outward normal m through a: inside, ``m . (place - a) <= -r (|m_x| + |m_y|)`` for every side;
     outside, ``>= r (|m_x| + |m_y|)`` for one of the sides, or of the sides of the square.
     """
-    slacks = list(_slacks(corners, place))
-    if all(slack.sign() < 0 for slack in slacks):
-        return -max(slacks)
+    rooms = square_rooms(corners, place)
+    if all(room.sign() > 0 for room in rooms):
+        return min(rooms)
     x, y = place
     apart = [
         x - max(corner[0] for corner in corners),
@@ -411,11 +418,4 @@ def _half_width_of(corners: Sequence[Vector], place: Vector) -> Number:
         y - max(corner[1] for corner in corners),
         min(corner[1] for corner in corners) - y,
     ]
-    return max(*slacks, *apart)
-
-
-def _slacks(corners: Sequence[Vector], place: Vector) -> Iterator[Number]:
-    """``m . (place - a)/(|m_x| + |m_y|)`` of every side."""
-    for a, b in around(corners):
-        along = minus(b, a)
-        yield -cross(along, minus(place, a)) / (abs(along[0]) + abs(along[1]))
+    return max(-min(rooms), *apart)

@@ -18,13 +18,13 @@ DEFAULT_RULE = "nearest"
 MIXED = "mixed"
 
 CONTACT_RULES = {  # name in scenes and on the command line: module and class
-    "nearest": "nonsmooth.analysis.contact_rules.nearest:NearestRule",
-    "box": "nonsmooth.analysis.contact_rules.box:BoxRule",
-    "ellipse": "nonsmooth.analysis.contact_rules.ellipse:EllipseRule",
-    "roller": "nonsmooth.analysis.contact_rules.roller:RollerRule",
+    "nearest": "nonsmooth.analysis.contact_rules:NearestRule",
+    "box": "nonsmooth.analysis.contact_rules:BoxRule",
+    "ellipse": "nonsmooth.analysis.contact_rules:EllipseRule",
+    "roller": "nonsmooth.analysis.contact_rules:RollerRule",
 }
 BY_FRICTION_SET = {"ellipse", "roller"}
-MIXED_RULE = "nonsmooth.analysis.contact_rules.mixed:MixedRule"
+MIXED_RULE = "nonsmooth.analysis.contact_rules:MixedRule"
 
 
 def read_rule(value: object) -> str:

@@ -25,9 +25,8 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.mechanics.body import Body, BodyInertia, ContinuousField, extent, outer_positions
-from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, X
+from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, UnknownLoads, X
 from nonsmooth.symbolic.mechanics.units import Units
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.messages.scene_kind import SceneKind

@@ -1,4 +1,4 @@
-"""Equal springs under a rigid plate, without tension: the loads of a scene that states no others."""
+"""Equal springs under a rigid plate, without tension, the loads of a scene that states no others; measured loads."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, gram, inner, scaled
-from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, X
-from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, UnknownLoads, X
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import Vector
 
 
 @dataclass(frozen=True)
@@ -72,3 +72,121 @@ def load_model(scene: Scene) -> LoadModel:
     if own is None:
         raise ValueError(f"required loads that are known of some wheels alone, received {loads.words}")
     return own
+
+
+# ---- loads measured at one pose ------------------------------------------------------------------
+#
+# Let springs of equal stiffness but unknown heights carry the body: ``N_i = k (m_i . y - h_i)``, ``m_i = (1, p_i)``, as
+# long as no wheel lifts off.  Then the loads at two centres of mass differ by the elastic ones, whatever the heights::
+#
+#     N_i(c) = N_i(c_0) + m_i^T G^-1 (0, c - c_0),      G = sum_j m_j m_j^T.
+#
+# ``c_0`` is the centre of the measured loads, ``sum N_i p_i / sum N_i``: so sum and moments balance at every c.  Where
+# a load would become negative a wheel lifts off, and the table ends there
+# (:func:`nonsmooth.analysis.cells.loads.load_regions` refuses such a square).
+#
+# What some of the wheels carry without the others follows too, where every wheel was pressed: their heights are the
+# measured loads, but for the pose of the body (:class:`RaisedSprings`).
+
+
+class NoSpringsError(ValueError):
+    """Wheels on one line: elastic loads are undetermined."""
+
+
+@dataclass(frozen=True)
+class RaisedSprings(LoadModel):
+    """Springs of equal stiffness and different heights: ``N_i = max(0, m_i . y + e_i)``, total weight 1.
+
+    Sum and moments determine y, so while a set A carries ::
+
+        N_i = m_i . G_A^-1 ((1, c) - sum over A of e_j m_j) + e_i
+
+    Attributes:
+        offsets: e_i of every wheel, the same up to ``m_i . y`` of any pose: loads measured at one, as shares.
+    """
+
+    offsets: tuple[Number, ...]
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        return "springs of equal stiffness, whose heights are those of the measured loads"
+
+    def forms(
+        self, moments: Sequence[Three[X]], carrying: Collection[int], arithmetic: Arithmetic[X]
+    ) -> list[Three[X]] | None:
+        """None for wheels on one line."""
+        equal = EqualSprings().forms(moments, carrying, arithmetic)
+        if equal is None:
+            return None
+        raised = [(i, arithmetic.number(self.offsets[i])) for i in sorted(carrying)]
+        forms = []
+        for k, form in enumerate(equal):
+            (x, y, z), own = form, arithmetic.number(self.offsets[k])
+            for i, offset in raised:
+                own = own - inner(form, moments[i]) * offset
+            forms.append((x + own, y, z))
+        return forms
+
+    def on(self, places: Sequence[int]) -> RaisedSprings:
+        """With the heights of these wheels."""
+        return RaisedSprings(tuple(self.offsets[k] for k in places))
+
+
+@dataclass(frozen=True)
+class MeasuredTable(LoadTable):
+    """Loads of springs under which every wheel was pressed.
+
+    Attributes:
+        measured: at one pose, as shares of the weight, all positive.
+    """
+
+    measured: tuple[Number, ...] = ()
+
+    def on(self, places: Sequence[int]) -> LoadModel | None:
+        """What some of the springs carry without the others."""
+        return super().on(places) or RaisedSprings(tuple(self.measured[k] for k in places))
+
+
+def spring_forms(positions: Sequence[Vector]) -> list[Triple]:
+    """``G^-1 m_i`` for every wheel: its elastic load ``form . (1, c)`` while all wheels carry, total weight 1.
+
+    Raises:
+        NoSpringsError: for wheels on one line.
+    """
+    one = positions[0][0].field.one
+    forms = EqualSprings().forms([(one, *position) for position in positions], range(len(positions)), EXACT)
+    if forms is None:
+        raise NoSpringsError("required three wheels that are not collinear")
+    return forms
+
+
+def centre_of(values: Sequence[Number], positions: Sequence[Vector]) -> Vector:
+    """``sum N_i p_i / sum N_i`` of loads in any unit that are not all zero."""
+    zero = values[0].field.zero
+    weight = sum(values, zero)
+    x, y = (sum((value * p[axis] for value, p in zip(values, positions, strict=True)), zero) for axis in (0, 1))
+    return x / weight, y / weight
+
+
+def carried_table(values: Sequence[Number], positions: Sequence[Vector]) -> LoadTable:
+    """The affine loads of total weight 1 that have these values (in any unit, not all zero) at their own centre.
+
+    Raises:
+        NoSpringsError: for wheels on one line.
+    """
+    weight = sum(values, values[0].field.zero)
+    x, y = centre_of(values, positions)
+    shares = tuple(value / weight for value in values)
+    forms = spring_forms(positions)
+    rows = tuple((share - b * x - c * y, b, c) for share, (_, b, c) in zip(shares, forms, strict=True))
+    return MeasuredTable(rows, shares) if all(share.sign() > 0 for share in shares) else LoadTable(rows)
+
+
+def largest_correction(table: LoadTable, centre: Vector, at: Vector) -> Number:
+    """By how much a load changes at most where measured loads are taken to balance at ``at`` instead of their centre.
+
+    As a share of the weight.
+    """
+    dx, dy = at[0] - centre[0], at[1] - centre[1]
+    return max(abs(b * dx + c * dy) for _, b, c in table.rows)

@@ -51,8 +51,11 @@ class ExactRing:
         return -self + value
 
 
-class ExactReal(ExactRing):
-    """Real number with a certified sign, from which the order follows."""
+class ExactReal(ExactRing):  # noqa: PLW1641  # classes with a canonical form give a hash
+    """Real number with a certified sign, from which the order follows.
+
+    It has no hash, unless a class gives it one: equality needs arithmetic.
+    """
 
     __slots__ = ()
 
@@ -69,6 +72,13 @@ class ExactReal(ExactRing):
         if other is None:
             return None
         return 0 if other is self else (self - other).sign()
+
+    def __bool__(self) -> bool:
+        return self.sign() != 0
+
+    def __eq__(self, value: object) -> bool:
+        order = self._compare(value)
+        return NotImplemented if order is None else order == 0
 
     def __lt__(self, value: Any) -> bool:
         order = self._compare(value)

@@ -154,15 +154,6 @@ class Lazy(ExactReal):
         """``1/x``."""
         return 1 / self
 
-    def __bool__(self) -> bool:
-        return self.sign() != 0
-
-    def __eq__(self, value: object) -> bool:
-        order = self._compare(value)
-        return NotImplemented if order is None else order == 0
-
-    __hash__ = None  # type: ignore[assignment]  # equality needs arithmetic; no canonical form to hash
-
     def sqrt(self) -> Number:
         """Square root as a field element (carries out the recipe).
 

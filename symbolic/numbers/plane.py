@@ -61,6 +61,11 @@ def around(items: Sequence[T]) -> list[tuple[T, T]]:
     return list(zip(items, [*items[1:], *items[:1]], strict=True))
 
 
+def side_of(corners: Sequence[tuple[Any, Any]], point: tuple[Any, Any]) -> int:
+    """1 strictly inside a convex polygon, given counterclockwise, 0 on its border, -1 outside."""
+    return min(sign(cross(minus(b, a), minus(point, a))) for a, b in around(corners))
+
+
 def same_direction(a: Vector, b: Vector) -> bool:
     """Whether two nonzero vectors are positive multiples of each other."""
     return not cross(a, b) and sign(dot(a, b)) > 0

@@ -37,6 +37,11 @@ def turned(vectors: Floats) -> Floats:
     return np.stack(plane.turned(_coordinates(vectors)), axis=-1)
 
 
+def point_velocities(twists: Floats, points: Floats) -> Floats:
+    """``v + omega J c`` for spatial twists of shape (..., 3) and points c of shape (..., 2)."""
+    return np.asarray(twists[..., :2] + twists[..., 2:] * turned(points))
+
+
 def cross(a: Floats, b: Floats) -> Floats:
     """``a_x b_y - a_y b_x`` for vectors of shape (..., 2)."""
     return np.asarray(plane.cross(_coordinates(a), _coordinates(b)))

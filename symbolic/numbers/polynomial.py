@@ -215,10 +215,10 @@ class Polynomial(ExactRing):
         k = self.variables.index(name)
         return self._with({(*e[:k], e[k] - 1, *e[k + 1 :]): c * e[k] for e, c in self.terms.items() if e[k]})
 
-    def homogenized(self, degree: int | None = None, name: str = "w") -> Polynomial:
+    def homogenized(self, degree: int | None = None) -> Polynomial:
         """The form of the given degree (by default the polynomial's own) that equals it at ``w = 1``."""
         top = self.degree if degree is None else degree
-        return Polynomial(self.field, (*self.variables, name), {(*e, top - sum(e)): c for e, c in self.terms.items()})
+        return Polynomial(self.field, (*self.variables, "w"), {(*e, top - sum(e)): c for e, c in self.terms.items()})
 
     def composed(self, values: Sequence[Polynomial]) -> Polynomial:
         """The polynomial with each variable replaced by a polynomial (all in the same new variables)."""

@@ -30,6 +30,7 @@ from typing import Any
 from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
+from nonsmooth.symbolic.numbers.exact_real import ExactReal
 from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
 
@@ -118,18 +119,7 @@ class Rounded(Number):
         self.field.rounded_signs += 1
         return self.exact.sign()
 
-    def _compare(self, value: Any) -> int | None:
-        other = self._operand(value)
-        if other is None:
-            return None
-        return 0 if other is self else (self - other).sign()
-
-    def __bool__(self) -> bool:
-        return self.sign() != 0
-
-    def __eq__(self, value: object) -> bool:
-        order = self._compare(value)
-        return NotImplemented if order is None else order == 0
+    _compare, __bool__, __eq__ = ExactReal._compare, ExactReal.__bool__, ExactReal.__eq__  # all by the sign
 
     def __hash__(self) -> int:
         return hash(self.exact)

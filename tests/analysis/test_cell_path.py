@@ -18,7 +18,6 @@ from nonsmooth.analysis.bodies.many_paths import (
     ManyRates,
     destinations,
 )
-from nonsmooth.analysis.bodies.motions_on_sets import RowsOfWheels, elastic_loads_of, widest_gaps
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import BodyPath
@@ -29,7 +28,13 @@ from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
-from nonsmooth.analysis.minimizers.many_twists import EACH_STEP, MovingTwists
+from nonsmooth.analysis.minimizers.many_twists import (
+    EACH_STEP,
+    MovingTwists,
+    RowsOfWheels,
+    elastic_loads_of,
+    widest_gaps,
+)
 from nonsmooth.analysis.trajectories import smooth_ends as smooth_ends_module
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, smooth_ends

@@ -16,32 +16,35 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import nonsmooth as ns
+from nonsmooth.analysis.bodies.newton_euler import EllipseFriction
 from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane
-from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
 from nonsmooth.analysis.measurements.cases import RATIOS
 from nonsmooth.analysis.measurements.studies import ellipse_references
-from nonsmooth.analysis.minimizers.agreement import compare_rules
+from nonsmooth.analysis.minimizers.agreement import PointLocator, compare_rules
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, input_power, share_of_limit, usage
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import (
     GAP,
+    Functional,
     Minima,
+    Minimizer,
     balance_forces,
+    dissipation,
     free_motions,
     imbalance,
+    input_power,
     minima_without_proof,
     proved,
+    share_of_limit,
+    usage,
 )
-from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.sampling import SampledLaw, greedy_twist, sample_smooth_derivative
 from nonsmooth.analysis.motion.frames import wheel_slips
 from nonsmooth.analysis.trajectories.result import TrajectoryError

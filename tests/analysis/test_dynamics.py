@@ -8,8 +8,7 @@ import pytest
 from cvxpy.atoms.quad_over_lin import quad_over_lin
 
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
-from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.newton_euler import (
+from nonsmooth.analysis.bodies.newton_euler import (
     EllipseFriction,
     MovingLoads,
     NewtonEuler,
@@ -17,6 +16,7 @@ from nonsmooth.analysis.dynamics.newton_euler import (
     array_size,
     disc,
 )
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
+from nonsmooth.analysis.bodies.newton_euler import RigidBody
 from nonsmooth.analysis.cells.load_sets import load_set
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
@@ -22,8 +22,8 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Body, Disc
+from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.body_engine import (
     SETTLING,

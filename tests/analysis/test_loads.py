@@ -15,8 +15,8 @@ from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, 
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.float_loads import ON_HULL, _outside, elastic_loads, loads_at, table_loads
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
 from tests.hulls import stands

@@ -16,8 +16,14 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.minimizers.agreement import compare_rules, comparison_grid, intersect, shared_area
-from nonsmooth.analysis.minimizers.point_location import OUTSIDE, PointLocator
+from nonsmooth.analysis.minimizers.agreement import (
+    OUTSIDE,
+    PointLocator,
+    compare_rules,
+    comparison_grid,
+    intersect,
+    shared_area,
+)
 from nonsmooth.analysis.trajectories.ending import CREEP, REST, EndMotion, ending
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant

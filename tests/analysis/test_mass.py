@@ -14,6 +14,7 @@ from rich.console import Console
 
 import nonsmooth as ns
 from nonsmooth.analysis.bodies import mass_study as studies
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
 from nonsmooth.analysis.bodies.mass_path import HELD, MassPath, simulate_dynamics
 from nonsmooth.analysis.bodies.mass_study import (
     MassStudy,
@@ -22,13 +23,12 @@ from nonsmooth.analysis.bodies.mass_study import (
     mass_ladder,
     mass_study,
     path_distance,
-    plate,
     rule_path,
     rules_by_limit,
 )
+from nonsmooth.analysis.bodies.newton_euler import CREEP, DynamicPath, MovingLoads, NewtonEuler, RigidBody, disc
 from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, DynamicPath, MovingLoads, NewtonEuler, RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -142,8 +142,8 @@ def test_inertia_is_that_of_the_plate(arrays: Arrays) -> None:
     disc = on(scene, Disc(scene.field(3)), (1, 2)).body
     assert rectangle is not None
     assert disc is not None
-    assert plate(rectangle, 0.2).inertia == pytest.approx(0.2 * float(a**2 + b**2) / 12)
-    assert plate(disc, 0.2).inertia == pytest.approx(0.2 * (9 / 2 + 5))
+    assert squared_radius_of_plate(rectangle) == (a**2 + b**2) / 12
+    assert squared_radius_of_plate(disc) == Fraction(9, 2) + 5
 
 
 # ---- Bodies with mass and an outline beside the paths of the contact rules, as the mass goes to zero.
@@ -154,7 +154,7 @@ SLOPE = 0.15  # of log distance against log mass, where 1 is expected
 
 def ladder_study(scene: Scene, mass: float, count: int, start: tuple[float, float, float], until: float) -> MassStudy:
     assert scene.body is not None
-    return mass_study(scene, mass_ladder(plate(scene.body, mass), count), start, until)
+    return mass_study(scene, mass_ladder(body_of(scene, mass), count), start, until)
 
 
 @thorough  # the small one: test_masses_are_compared_where_wheels_leave, reports/test_bodies.py

@@ -14,11 +14,9 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
-from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
-from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
+from nonsmooth.analysis.minimizers.minimum import Functional, Minima, Minimizer, Minimum, dissipation
 from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs

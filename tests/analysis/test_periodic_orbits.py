@@ -14,8 +14,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
-from nonsmooth.analysis.cells.fan import Cone
-from nonsmooth.analysis.cells.full_turns import Growth, full_turns
+from nonsmooth.analysis.cells.fan import Cone, Growth, full_turns
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
@@ -24,11 +23,10 @@ from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit, shoot, single_turn
 from nonsmooth.analysis.trajectories import piecewise_constant as paths
 from nonsmooth.analysis.trajectories import smooth_path
+from nonsmooth.analysis.trajectories.closed_forms import Turns, signs_of
 from nonsmooth.analysis.trajectories.piecewise_constant import MAX_LEGS
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.analysis.trajectories.slides import signs_of
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.analysis.trajectories.turns import Turns
 from nonsmooth.proofs.orbits import orbit_proof
 from nonsmooth.reports.simulations.orbits import measured_text
 from nonsmooth.symbolic.files.system_file import load_system
@@ -261,7 +259,7 @@ def test_floats_take_turns_at_once_only_where_the_orbit_closes(legs: int, monkey
 @pytest.mark.parametrize(("name", "at_once"), [("relay-oscillator", True), ("relay-oscillator-damped", False)])
 def test_numbers_of_a_field_are_compared_exactly(name: str, at_once: bool) -> None:
     """Turns that shrink are no closed orbit, however small: they end at their limit."""
-    field = constant_system(load_system(name), exact=True)
+    field = constant_system(load_system(name))
     assert field is not None
     path = simulate(field, (Fraction(1, 10**9), 0, 0), 1)
     assert any("turns are taken at once" in event.note for event in path.events) is at_once

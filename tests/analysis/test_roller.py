@@ -13,9 +13,9 @@ from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, with_drag
 from nonsmooth.analysis.cells.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
+from nonsmooth.analysis.minimizers.minimum import Functional, dissipation
 from nonsmooth.analysis.minimizers.smooth_newton import CutNewton, SmoothNewton, smallest_forces
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse

@@ -26,12 +26,11 @@ from nonsmooth.analysis.fields.sliding_edges import EdgeKind, SwitchingStretch, 
 from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories import guards
+from nonsmooth.analysis.trajectories.closed_forms import DRAWN_DISTANCE, Ray, junction_at
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.analysis.trajectories.slides import Ray, junction_at
 from nonsmooth.analysis.trajectories.smooth_path import LoopLimit, LoopMemory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.analysis.trajectories.turns import DRAWN_DISTANCE
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.mechanics.contact_states import ContactState

@@ -325,7 +325,7 @@ def test_polynomials_are_those_stated(power: int) -> None:
 @pytest.mark.parametrize("name", [name for name in planar_systems() if name not in {"flower", "stick-slip"}])
 def test_constant_systems_have_closed_forms(name: str) -> None:
     scene = load_system(name)
-    smooth, exact = system_field(scene), constant_system(scene, exact=True)
+    smooth, exact = system_field(scene), constant_system(scene)
     assert exact is not None
     for start in ((0.31, 0.17), (-0.05, 0.4), (0.2, -0.45)):
         end = simulate(exact, (*start, 0), 0.03).end

@@ -23,10 +23,16 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, affine_surface
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import (
+    EndReason,
+    EventKind,
+    LyapunovViolationError,
+    LyapunovWatch,
+    Trajectory,
+    TrajectoryError,
+)
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
-from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.analysis.trajectories.trajectory import distance_watch, simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.plane_arrays import Floats

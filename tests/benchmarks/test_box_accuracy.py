@@ -10,10 +10,10 @@ import numpy as np
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.minimizers.agreement import PointLocator
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.point_location import PointLocator
+from nonsmooth.analysis.minimizers.minimum import Functional, dissipation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.benchmarks.conftest import Stopwatch

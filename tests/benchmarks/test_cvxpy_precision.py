@@ -16,10 +16,9 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.measurements.harness import log_slope
 from nonsmooth.analysis.measurements.studies import box_references, ellipse_references, largest_derivative
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.minimum import Functional, Minimizer
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 from tests.oracles.cvxpy_programs import ConeSolver, CvxpyMinimizer, hull_upper_derivative_on

@@ -27,11 +27,10 @@ from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.contact_model import ContactRows
-from nonsmooth.analysis.minimizers import choice
-from nonsmooth.analysis.minimizers.choice import Minimizer
+from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+from nonsmooth.analysis.minimizers.minimum import Functional, Minima, Minimizer
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 if TYPE_CHECKING:
@@ -108,7 +107,7 @@ class CvxpyMinimizer:
     tolerance: float = TOLERANCE
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
-        """See :class:`nonsmooth.analysis.minimizers.choice.Minimizer`."""
+        """See :class:`nonsmooth.analysis.minimizers.minimum.Minimizer`."""
         normal = model.checked_loads(loads)
         twists, multipliers = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
         program = _Program(self.functional, model) if self.compiled else None
@@ -152,7 +151,9 @@ class _Program:
 
 
 MINIMIZERS: tuple[Minimizer, ...] = (
-    *choice.MINIMIZERS,
+    EllipseMinimizer(),
+    BoxHighs(),
+    BoxEnumeration(),
     CvxpyMinimizer(Functional.ELLIPSE),
     CvxpyMinimizer(Functional.BOX),
 )

@@ -17,7 +17,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.fields.contact_model import ContactRows
-from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.minimizers.minimum import Functional
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Group: TypeAlias = tuple[arb_mat, arb_mat]  # A (m, 3) and b (m, 1)

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 import pytest
 
-from nonsmooth.analysis.cells.full_turns import Growth
+from nonsmooth.analysis.cells.fan import Growth
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.certificate import build_certificate, certificate_text, stated_words

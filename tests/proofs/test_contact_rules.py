@@ -15,10 +15,9 @@ from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
-from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.minimizers.minimum import proved
+from nonsmooth.analysis.minimizers.minimum import Functional, proved
 from nonsmooth.analysis.minimizers.sampling import (
     SampledLaw,
     relative_rates,

@@ -16,8 +16,8 @@ from nonsmooth.analysis.cells.load_sets import Loads, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+from nonsmooth.analysis.minimizers.minimum import Functional, dissipation
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, FloatLoads, build_slopes
 from nonsmooth.proofs.clauses.equilibrium.clause import EveryLoadEquilibrium
@@ -31,10 +31,10 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
-from nonsmooth.symbolic.mechanics.measured_loads import carried_table
+from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Contact, LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
-from nonsmooth.symbolic.mechanics.unknown_loads import LoadScatter, UnknownLoads
+from nonsmooth.symbolic.mechanics.springs import carried_table
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays, WheelData
 from tests.measured_arrays import Kind, measured_array

@@ -10,8 +10,7 @@ from typing import TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.cells.fan import Cone, build_fan
-from nonsmooth.analysis.cells.moves import slide_speed
+from nonsmooth.analysis.cells.fan import Cone, build_fan, slide_speed
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence, decide_cones
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist

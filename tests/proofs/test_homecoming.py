@@ -14,9 +14,9 @@ from scipy.optimize import minimize
 
 import nonsmooth as ns
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
+from nonsmooth.analysis.bodies.newton_euler import CREEP, MovingLoads, NewtonEuler, RigidBody
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions, value_at
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, MovingLoads, NewtonEuler, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.answers.answer import at_least

@@ -36,7 +36,7 @@ from nonsmooth.analysis.measurements.cases import (
 )
 from nonsmooth.analysis.measurements.harness import Case, Outcome, ResultRow, Rows, judged, measure
 from nonsmooth.analysis.trajectories import follow as engine
-from nonsmooth.analysis.trajectories.cell_motion import Free
+from nonsmooth.analysis.trajectories.closed_forms import Free
 from nonsmooth.analysis.trajectories.smooth_path import IMPLICIT
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import ARRAY_VERDICTS, CASES

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
-from nonsmooth.analysis.fields.float_shape import FloatShape
+from nonsmooth.analysis.fields.contact_model import FloatShape
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet, NearestForce
 from nonsmooth.symbolic.mechanics.scene import Friction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats

@@ -15,14 +15,14 @@ from scipy.optimize import minimize
 
 from nonsmooth.analysis.bodies.many_paths import ManyPaths
 from nonsmooth.analysis.bodies.mass_path import MassPath
-from nonsmooth.analysis.bodies.motions_on_sets import loads_of
+from nonsmooth.analysis.bodies.newton_euler import MovingLoads, RigidBody
 from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
 from nonsmooth.analysis.cells.contact_rule import CellRule, contact_rule, smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
-from nonsmooth.analysis.dynamics.newton_euler import MovingLoads, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.many_twists import loads_of
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.boxes.balanced_forces import load_box

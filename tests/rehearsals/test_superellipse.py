@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import minimize
 
 from nonsmooth.analysis.bodies.mass_study import body_path, rule_path
+from nonsmooth.analysis.bodies.newton_euler import EllipseFriction, RigidBody
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction, RigidBody
 from nonsmooth.analysis.fields.contact_model import contacts_under
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, usage
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
+from nonsmooth.analysis.minimizers.minimum import Functional, dissipation, usage
 from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
 from nonsmooth.proofs.answers.answers import other_rules
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction

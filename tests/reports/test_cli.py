@@ -19,8 +19,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError
-from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.result import LyapunovViolationError, TrajectoryError
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run

@@ -21,8 +21,8 @@ from scipy.optimize import minimize
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.stated_field import potential_values
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampling import sample_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError

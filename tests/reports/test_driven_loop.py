@@ -16,12 +16,11 @@ from scipy.spatial import ConvexHull
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.fields.driven_field import Motion
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.trajectories.held_law import follow_held
+from nonsmooth.analysis.trajectories.imposed_twists import Motion, follow_held
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.answers.answer import Pose
 from nonsmooth.proofs.answers.answers import answers_of

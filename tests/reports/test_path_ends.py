@@ -18,7 +18,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
 from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.bodies.mass_study import body_of, body_path
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody
+from nonsmooth.analysis.bodies.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run

@@ -14,8 +14,8 @@ from scipy.spatial import ConvexHull
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, alone, contact_set, standing
-from nonsmooth.symbolic.mechanics.measured_loads import NoSpringsError, carried_table, centre_of
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.springs import NoSpringsError, carried_table, centre_of
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.springs import pressed

@@ -39,9 +39,9 @@ from nonsmooth.symbolic.mechanics.constraints import (
     scaled,
     scene_rows,
 )
-from nonsmooth.symbolic.mechanics.measured_loads import carried_table
+from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
+from nonsmooth.symbolic.mechanics.springs import carried_table
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text

@@ -17,7 +17,7 @@ Orlando's formula, where the fourth Hurwitz determinant of the quintic ``sum p_k
 a polynomial in m.  It is proved positive on an interval in balls of its parts, and negative at a mass beyond.
 
 Where the centre of mass is at a height h above the wheels, loads are those at the centre of pressure
-``q = c - h sum_i f_i`` (:mod:`nonsmooth.analysis.dynamics.newton_euler`).  In G the place counts through the loads
+``q = c - h sum_i f_i`` (:mod:`nonsmooth.analysis.bodies.newton_euler`).  In G the place counts through the loads
 alone, so to first order forces and moment f are ``-H y - K c + h G (f_x, f_y)``, and the masses of the pencil are ::
 
     (1 - h (G 0)) diag(m, m, m rho^2)

@@ -46,7 +46,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import LoadRegion
-from nonsmooth.analysis.fields.float_shape import FloatShape
+from nonsmooth.analysis.fields.contact_model import FloatShape
 from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.proofs.inequalities.linear_program import solve_program

@@ -436,8 +436,7 @@ STATES = {"box": 100, "ellipse": 1_000}
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The feedback with two laws of the field sampled in the checked square of the centred scene."""
     from nonsmooth.analysis.fields.contact_model import contacts_under
-    from nonsmooth.analysis.minimizers.dissipation import functional_of
-    from nonsmooth.analysis.minimizers.minimum import free_motions
+    from nonsmooth.analysis.minimizers.minimum import free_motions, functional_of
     from nonsmooth.analysis.minimizers.sampling import LoopSample, SampledLaw, sample_closed_loop
 
     rule = rule_of(scene)

@@ -52,8 +52,7 @@ from itertools import pairwise
 import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.cells.fan import CellCone, Cone
-from nonsmooth.analysis.cells.moves import slide_speed
+from nonsmooth.analysis.cells.fan import CellCone, Cone, slide_speed
 from nonsmooth.proofs.clauses.feedback.control_fields import RowInputs
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.feedback.gradient_law import are_above, segments

@@ -5,11 +5,11 @@ rotation rate omega.  With exact kinematics ``c' = v + omega J c`` a Filippov so
 
 - *escape*: a velocity that points into its own closed cone carries the body straight away: unstable.  Where it lies
   along a ray of the cone, omega decides: it is an escape unless omega bends the path out of the cone there;
-- *slide* along a ray between two cones (module ``analysis.cells.moves``): the sign of its radial speed for small s is
+- *slide* along a ray between two cones (module ``analysis.cells.fan``): the sign of its radial speed for small s is
   that of A, or of B where A is zero.  Outward: unstable (on repelling rays too: one solution is enough).  Inward: the
   body slides home.  Exactly zero: a ray of equilibria;
 - *crossing* of a cone from ray to ray, and *full turns* where every cone can be crossed in one sense:
-  module ``analysis.cells.full_turns``.  Distances that diverge: unstable; that contract: fine; a gain of exactly
+  module ``analysis.cells.fan``.  Distances that diverge: unstable; that contract: fine; a gain of exactly
   one is left undecided (terms of higher order decide), and so are crossings of orders 1/2 and 2 that cancel.
 
 Each of these is decided by the sign of the cross product of ray and velocity, and where that is zero by the sign of
@@ -37,16 +37,20 @@ from enum import StrEnum
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.cells.fan import Cone, build_fan, is_plane, rays_of
-from nonsmooth.analysis.cells.full_turns import (
+from nonsmooth.analysis.cells.fan import (
+    Cone,
     FullTurn,
     Growth,
+    build_fan,
     cone_crossings,
+    departure_sign,
     entry_and_exit,
     full_turns,
+    is_plane,
     most_growth,
+    rays_of,
+    slide_speed,
 )
-from nonsmooth.analysis.cells.moves import departure_sign, slide_speed
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist

@@ -219,7 +219,7 @@ def test_decay_in_any_unit_of_time(gain: float) -> None:
 
 def test_crossings_of_relays_are_exact() -> None:
     scene, start = load_system("relay-oscillator"), (0.3125, 0.171875)
-    exact = constant_system(scene, exact=True)
+    exact = constant_system(scene)
     assert exact is not None
     path = follow_series(system_pieces(scene), start, 5.0)
     wanted = simulate(exact, (*(Fraction(x) for x in start), 0), Fraction(5)).end.state

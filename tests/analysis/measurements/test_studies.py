@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.bodies.mass_study import MASS, MASSES, mass_study
+from nonsmooth.analysis.bodies.newton_euler import disc
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics

@@ -16,7 +16,7 @@ from sympy import Matrix
 
 import nonsmooth as ns
 from nonsmooth.analysis.bodies.path import smooth_path
-from nonsmooth.analysis.contact_rules.ellipse import EllipseRule
+from nonsmooth.analysis.contact_rules import EllipseRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics

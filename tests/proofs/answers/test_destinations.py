@@ -18,7 +18,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-from nonsmooth.analysis.contact_rules.ellipse import EllipseRule
+from nonsmooth.analysis.contact_rules import EllipseRule
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under

@@ -25,8 +25,8 @@ from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ult
 from nonsmooth.proofs.robust.rings import PARTS, EndDisc, _last_slow, is_slow
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from nonsmooth.symbolic.numbers.plane import between
 from tests.conftest import Arrays as Builders
 from tests.oracles.floats import Floats

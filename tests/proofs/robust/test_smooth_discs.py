@@ -29,8 +29,8 @@ from nonsmooth.proofs.robust.smooth_rules import SmoothDisc, equilibrium_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
+from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
-from nonsmooth.symbolic.mechanics.unknown_loads import UnknownLoads
 from tests.oracles.floats import Floats
 from tests.outlined import on, polygon_of
 from tests.thorough import few, keep, thorough

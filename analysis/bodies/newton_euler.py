@@ -52,7 +52,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
 # :meth:`MovingLoads.margin` is negative, so that no such state is ever kept.
 #
 # Loads are those of a body at rest with its centre of mass at c.  Acceleration shifts them as if it were elsewhere
-# (:class:`nonsmooth.analysis.dynamics.newton_euler.NewtonEuler`).
+# (:class:`nonsmooth.analysis.bodies.newton_euler.NewtonEuler`).
 
 
 LIFTED = 1e-12  # share of the weight: a load above minus this one is not yet negative

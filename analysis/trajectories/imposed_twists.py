@@ -1,7 +1,7 @@
-"""The law of imposed twists as a digital controller runs it: sampled, its speeds held until the next sample.
+"""The law of imposed twists: its closed loop, and as a digital controller runs it, speeds held between samples.
 
-The event-driven path (:mod:`nonsmooth.analysis.fields.driven_field`) follows the exact Filippov solution; where many
-cones of directions of c meet at ``c = 0`` it has too many patterns of modes to try.  Here the law chooses at times h
+The event-driven path of the closed loop follows the exact Filippov solution; where many cones of directions of c meet
+at ``c = 0`` it has too many patterns of modes to try.  Here the law chooses at times h
 apart, so that switches are late by at most h; V falls to the order of ``h^2`` beside its start.
 
 The pose that the law is given may be late, and off: at every sample by the worst of 27 errors, the one after which V
@@ -11,15 +11,22 @@ rises most (or falls least).  Speeds that would exceed a limit are scaled by one
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from functools import cache
+from itertools import combinations, product
+from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.driven_field import ImposedMotions
+from nonsmooth.analysis.fields.constant_field import flow_of
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.fields.sign_field import SignField, Signs
+from nonsmooth.analysis.fields.switched_field import Surface, Velocity, affine_surface
+from nonsmooth.analysis.trajectories.closed_forms import Free
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajectory
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 STEP = 0.02  # h, of the shortest time in which a twist answers: 1 over the gain and its squared size
@@ -151,8 +158,9 @@ class _Held:
 
     def steps(self, rate: Floats, t: float, x: Floats, until: None) -> Iterator[DenseStep]:
         """One step."""
-        after = t + self._step, _moved(x, rate, self._step)
-        yield DenseStep((t, x), after, lambda: lambda time: _moved(x, rate, time - t))
+        motion = Free((x[0], x[1]), x[2], flow_of(rate.tolist(), Kinematics.EXACT))
+        after = t + self._step, np.array(motion.state(self._step))
+        yield DenseStep((t, x), after, lambda: lambda time: np.array(motion.state(time - t)))
 
 
 def _holds(cone: ImposedMotions, pose: Floats) -> bool:
@@ -164,17 +172,116 @@ def _holds(cone: ImposedMotions, pose: Floats) -> bool:
     return bool(ax * y - ay * x >= 0 >= bx * y - by * x)
 
 
-def _moved(pose: Floats, twist: Floats, time: float) -> Floats:
-    """A rigid motion of constant spatial twist ``c' = v + omega J c``, exactly."""
-    x, y, theta = pose
-    vx, vy, omega = twist
-    turn = omega * time
-    cosine, sine = np.cos(turn), np.sin(turn)
-    along = np.sinc(turn / np.pi) * time  # sin(turn)/omega
-    across = time * np.sinc(turn / (2 * np.pi)) * np.sin(turn / 2)  # (1 - cos(turn))/omega
-    moved = (
-        cosine * x - sine * y + along * vx - across * vy,
-        sine * x + cosine * y + across * vx + along * vy,
-        theta + turn,
-    )
-    return np.array(moved)
+# ---- the closed loop as a switched field ---------------------------------------------------------
+#
+# The law imposes one of some twists: a switched field whose modes are known.
+#
+# The law of the rules ``box`` and ``ellipse`` imposes ``-k (g . xi_l) xi_l`` with the ``xi_l`` of the largest
+# ``|g . xi_l|``, where ``g = (c, theta)`` with l for the unit of length.  Its modes switch on planes through the
+# checked point: ``g . (xi_l - xi_m) = 0`` and ``g . (xi_l + xi_m) = 0``, and where the law has twists of its own for
+# each cone of directions of c, on the lines between the cones.  D is homogeneous in twist and speeds together: a
+# mode's motion is its motion at unit gain times ``-k (g . xi_l)``.
+
+
+STATES = ("x", "y", "theta")
+# Entries of unit normals that differ by less are the same plane: far above their rounding, and a plane that is taken
+# for another one would have to be this close to it.
+SAME_PLANE = 1e-12
+
+Motion: TypeAlias = Callable[[Floats], Floats]  # the twist about c*, at unit gain, by the displacement c of the body
+
+
+@dataclass(frozen=True, eq=False)
+class ImposedMotions:
+    """The twists of one cone of directions of c, in floats.
+
+    Attributes:
+        rays: first and last direction of the cone, counterclockwise; None all around.
+        twists: xi_l, shape (m, 3).
+        motions: the motion that the speeds of each impose.
+        speeds: the speeds that impose each, wheel by wheel, shape (m, n).
+    """
+
+    rays: tuple[Floats, Floats] | None
+    twists: Floats
+    motions: tuple[Motion, ...]
+    speeds: Floats
+
+
+def driven_field(cones: Sequence[ImposedMotions], size: float, gain: float) -> SignField:
+    """The closed loop under exact kinematics, in lengths l from the checked point.
+
+    Args:
+        cones: the law; they go around.
+        size: of the states, which sets the slack of the surfaces.
+        gain: k.
+    """
+    lines = _distinct([np.array([-ray[1], ray[0], 0.0]) for cone in cones for ray in cone.rays or ()])
+    planes = _distinct([normal for cone in cones for normal in _ties(cone.twists)])
+    normals = [*lines, *planes]
+
+    @cache
+    def flow(signs: Signs) -> Velocity:
+        cone = _cone(cones, lines, signs)
+        chosen = _largest(cone, normals, signs)
+        return lambda t, x: _rate(cone, chosen, x, gain)
+
+    surfaces = [_surface(normal, k, len(lines)) for k, normal in enumerate(normals)]
+    return SignField(STATES, tuple(surfaces), flow, size, kinematics="exact")
+
+
+def _surface(normal: Floats, index: int, lines: int) -> Surface:
+    name = f"direction {index + 1}" if index < lines else f"tie {index - lines + 1}"
+    return affine_surface(name, normal.tolist())
+
+
+def _rate(cone: ImposedMotions, chosen: int, g: Floats, gain: float) -> Floats:
+    """The pose rate ``(v + omega J c, omega)`` of the imposed motion."""
+    vx, vy, omega = -gain * float(g @ cone.twists[chosen]) * cone.motions[chosen](g[:2])
+    return np.array([vx - omega * g[1], vy + omega * g[0], omega])
+
+
+def _ties(twists: Floats) -> list[Floats]:
+    """Normals of the planes on which two of the products are equally large."""
+    return [a + side * b for a, b in combinations(twists, 2) for side in (-1.0, 1.0)]
+
+
+def _distinct(normals: Sequence[Floats]) -> list[Floats]:
+    """Unit normals of different planes."""
+    found: list[Floats] = []
+    for normal in normals:
+        unit = normal / np.linalg.norm(normal)
+        if all(min(np.abs(unit - other).max(), np.abs(unit + other).max()) > SAME_PLANE for other in found):
+            found.append(unit)
+    return found
+
+
+def _side(normals: Sequence[Floats], signs: Signs, normal: Floats) -> int:
+    """On which side of its plane a pattern of signs lies."""
+    products = [float(other @ normal) / float(np.linalg.norm(normal)) for other in normals]
+    index = int(np.argmax(np.abs(products)))
+    return signs[index] * sign(products[index])
+
+
+def _cone(cones: Sequence[ImposedMotions], lines: Sequence[Floats], signs: Signs) -> ImposedMotions:
+    """The cone of a pattern: left of its first ray and right of its last; the first of all where none is.
+
+    Patterns without points are asked for too, by smoothing.
+    """
+    for cone in cones:
+        if cone.rays is None:
+            return cone
+        start, end = (np.array([-ray[1], ray[0], 0.0]) for ray in cone.rays)
+        if _side(lines, signs, start) > 0 > _side(lines, signs, end):
+            return cone
+    return cones[0]
+
+
+def _largest(cone: ImposedMotions, normals: Sequence[Floats], signs: Signs) -> int:
+    """The twist with the largest ``|g . xi_l|``: ``|a| > |b|`` where ``(a - b)(a + b) > 0``."""
+    wins = [0] * len(cone.twists)
+    for first, second in combinations(range(len(cone.twists)), 2):
+        a, b = cone.twists[first], cone.twists[second]
+        larger = _side(normals, signs, a - b) * _side(normals, signs, a + b) > 0
+        wins[first if larger else second] += 1
+    return int(np.argmax(wins))

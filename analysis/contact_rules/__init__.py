@@ -1,1 +1,0 @@
-"""Contact rules: how contacts become motion, one class each."""

@@ -1,1 +1,0 @@
-"""Full dynamics of the body beside the quasi-static rules: Newton-Euler equations, paths, what mass changes."""
