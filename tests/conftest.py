@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
@@ -194,6 +194,16 @@ def place(item: pytest.Item) -> int:
         return 0
     names = vars(item.module).keys() if isinstance(item, pytest.Function) else set[str]()
     return 1 if SHARED & names else 2
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Look for no garbage while modules are imported and tests collected, which all stay: a tenth of that time."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
 
 
 def pytest_collection_finish() -> None:

@@ -107,14 +107,13 @@ class FloatInclusion:
 
     def corners(self, z: Array, radius: Array) -> Array:
         """Values of all right-hand sides at places near the displacements: shape (values, rows, states)."""
-        found = []
-        for _ in range(NEAR):
-            near = z + radius[:, None] * self.random.uniform(-1, 1, z.shape) + self.at
-            at = {**dict(zip(self.states, near.T, strict=True)), **self.numbers}
-            for side in self.fields:
-                parts = [np.broadcast_to(np.asarray(value(own, at), dtype=float), len(z)) for own in side]
-                found.append(np.stack(parts, axis=1))
-        return np.stack(found)
+        near = z + radius[:, None] * self.random.uniform(-1, 1, (NEAR, *z.shape)) + self.at
+        at = {**{name: near[..., k] for k, name in enumerate(self.states)}, **self.numbers}
+        found = np.empty((NEAR, len(self.fields), *z.shape))
+        for side, field in enumerate(self.fields):
+            for k, own in enumerate(field):
+                found[:, side, :, k] = value(own, at)
+        return found.reshape(-1, *z.shape)
 
     def members(self, z: Array, radius: Array, *, outward: bool = False) -> Array:
         """One member of F at each place: a random one, often nearly a corner, or the one that leads outward most."""

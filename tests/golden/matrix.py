@@ -83,7 +83,7 @@ def run_row(line: str) -> Record:
 
 def _named(text: str) -> set[str]:
     """The scenes that a row names, and the tables that these name."""
-    found = {name for name in scenes() if re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w.-])", text)}
+    found = scenes().keys() & set(re.findall(r"[\w.-]+", text))
     return found.union(*(_named(scenes()[name]) for name in found if name.endswith(".toml")))
 
 

@@ -40,12 +40,30 @@ def first_document(server: Workbench) -> Json:
     return server.document("four-wheel")
 
 
+# What the page asks for beside cells and answers, from then on.
+ASK_FOR = """(wanted) => { const { api } = workbench.conversation;
+    const lines = Object.getPrototypeOf(api).lines.bind(api);
+    const cut = (body) => ({ ...body, want: body.want.filter((part) => wanted.includes(part)) });
+    api.lines = (path, body, ...more) => lines(path, path === "/api/view" ? cut(body) : body, ...more); }"""
+
+
 @pytest.fixture
 def page(opened: Opened, first_document: Json) -> Iterator[Page]:
-    """The four-wheel array, nothing selected, no starts; no test may leave a word on the console."""
+    """The four-wheel array, nothing selected, no starts; no test may leave a word on the console.
+
+    It asks for cells, answers and paths alone: the comparison of rules takes longer than all of these.
+    """
     page = opened.page
+    page.evaluate(ASK_FOR, ["paths"])
     page.evaluate("(first) => workbench.store.open(first, [])", first_document)
     settled(page)
     page.evaluate("() => { workbench.store.select([]); workbench.drawing.fit(); }")
     yield page
     assert opened.said == []
+
+
+@pytest.fixture
+def all_stages(page: Page) -> None:
+    """The page asks for all that it asks for by itself."""
+    page.evaluate("() => { delete workbench.conversation.api.lines; workbench.conversation.refresh({ again: true }); }")
+    settled(page)

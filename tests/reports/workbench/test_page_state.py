@@ -122,14 +122,17 @@ def test_two_tabs_do_not_disturb_each_other(opened: Opened, page: Page, server: 
 def test_a_page_without_a_token_asks_for_it(browser: Browser, server: Workbench) -> None:
     context = browser.new_context(viewport=SMALL)
     page = context.new_page()
+    page.clock.install()
     page.goto(server.address.partition("?")[0])
     page.locator("#token").fill(server.address)
     page.get_by_role("button", name="Connect").click()
+    page.clock.fast_forward(2500)  # the page asks again after a while
     proved(page)
     assert not page.locator("#banner").is_visible()
     context.close()
 
 
+@pytest.mark.usefixtures("all_stages")
 @pytest.mark.parametrize("system", keep(1, ["relay-oscillator-damped", "flower"]))
 def test_nothing_sticks_out_from_a_phone_to_a_wall(page: Page, system: str) -> None:
     page.locator("#numbers > summary").click()
@@ -150,6 +153,7 @@ def test_nothing_sticks_out_from_a_phone_to_a_wall(page: Page, system: str) -> N
     page.locator("#numbers > summary").click()
 
 
+@pytest.mark.usefixtures("all_stages")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_is_readable(page: Page, scheme: Any) -> None:
     page.emulate_media(color_scheme=scheme)
@@ -173,6 +177,7 @@ def test_text_is_readable(page: Page, scheme: Any) -> None:
     page.emulate_media(color_scheme="null")
 
 
+@pytest.mark.usefixtures("all_stages")
 def test_every_control_has_a_name(page: Page) -> None:
     edited(page, lambda: page.click("#add-start"))
     unnamed = page.evaluate("""() =>
