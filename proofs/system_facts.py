@@ -64,7 +64,7 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if reach.homogeneous is not None:
         own = reach.homogeneous
         record = {"weights": Quantity(own.weights), "degree": Quantity(own.degree)}
-        yield Fact("homogeneous", record, own.words(states), row="homogeneous")
+        yield Fact("homogeneous", record, str(own), row="homogeneous")
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
     if reach.reshaped is not None:

@@ -9,7 +9,7 @@ a surface that they have one weight: linear equations for weights and degree.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -32,11 +32,15 @@ class Homogeneity:
     """Weights and degree of a homogeneous system.
 
     Attributes:
-        weights: of the coordinates; where the root of a state stands for it, q times its weight is that of the state.
+        weights: r of each state.
+        orders: q of the root that stands for each state, of which the weight is r/q; 1 for a state itself.
+        states: their names.
         degree: d.
     """
 
     weights: tuple[Fraction, ...]
+    orders: tuple[int, ...]
+    states: tuple[str, ...]
     degree: Fraction
 
     @property
@@ -50,11 +54,11 @@ class Homogeneity:
         Raises:
             BeyondReachError: for too many cells.
         """
-        return {"cells": stated_cells(system, None).record, "weights": list(map(str, self.weights)), "entry": entry}
+        own = [str(weight / order) for weight, order in zip(self.weights, self.orders, strict=True)]
+        return {"cells": stated_cells(system, None).record, "weights": own, "entry": entry}
 
-    def words(self, states: tuple[str, ...]) -> str:
-        """Degree and weights in words."""
-        weights = ", ".join(f"{name}: {weight}" for name, weight in zip(states, self.weights, strict=True))
+    def __str__(self) -> str:
+        weights = ", ".join(f"{name}: {weight}" for name, weight in zip(self.states, self.weights, strict=True))
         return f"homogeneous of degree {self.degree} with the weights {weights}"
 
 
@@ -68,8 +72,10 @@ def homogeneity_of(system: SwitchedSystem) -> Homogeneity | None:
     at = dict(zip(system.states, system.check.equilibrium, strict=True))
     if system.waves or system.denominators or any(at[name] for name in roots):
         return None
+    known = {} if system.by_roots is None else system.by_roots.roots.order
+    orders = tuple(known.get(name, 1) for name in system.stated_states)
     try:
-        rows = sorted(set(_rows(system)))
+        rows = sorted(set(_rows(system, orders)))
     except (BeyondReachError, SceneError):
         return None
     count = len(system.states)
@@ -80,12 +86,14 @@ def homogeneity_of(system: SwitchedSystem) -> Homogeneity | None:
         return None
     *weights, degree = (Fraction(float(own)).limit_denominator(LARGEST) for own in found.x)
     holds = all(sum(c * own for c, own in zip(row, (*weights, degree), strict=True)) == 0 for row in rows)
-    return Homogeneity(tuple(weights), degree) if holds and min(weights) > 0 else None
+    if not holds or min(weights) <= 0:
+        return None
+    of_states = tuple(weight * order for weight, order in zip(weights, orders, strict=True))
+    return Homogeneity(of_states, orders, system.stated_states, degree)
 
 
-def _rows(system: SwitchedSystem) -> Iterator[Row]:
-    """What weights and degree must solve."""
-    orders = {} if system.by_roots is None else system.by_roots.roots.order
+def _rows(system: SwitchedSystem, orders: Sequence[int]) -> Iterator[Row]:
+    """What weights of the coordinates, and the degree, must solve."""
     stated = system if system.by_roots is None else system.by_roots.unscaled
     cells = build_cells(stated, None, irrational=True)
     for surface in cells.surfaces:
@@ -93,7 +101,6 @@ def _rows(system: SwitchedSystem) -> Iterator[Row]:
             yield (*map(int.__sub__, first, second), 0)
     for cell in cells.cells:
         for velocity in cell.velocities:
-            for k, (name, part) in enumerate(zip(system.stated_states, velocity, strict=True)):
+            for k, part in enumerate(velocity):
                 for exponents in part:
-                    own = [e - orders.get(name, 1) * (k == j) for j, e in enumerate(exponents)]
-                    yield (*own, -1)
+                    yield (*(e - orders[k] * (k == j) for j, e in enumerate(exponents)), -1)

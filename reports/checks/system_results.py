@@ -370,7 +370,7 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     if reach.everywhere:
         why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
         if reach.global_entry is None and reach.homogeneous is not None:
-            why = f": the field is {reach.homogeneous.words(states)}"
+            why = f": the field is {reach.homogeneous}"
         return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
     if reach.basin is not None:
         about = reshaped_words(reach.reshaped, states) if reach.reshaped else ""
@@ -392,7 +392,7 @@ def _how_fast(result: StabilityResult) -> SystemAnswer:
     farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""
     rate = "" if reach.rate is None else f"{rate_words(reach, states)}{farther}"
     if reach.homogeneous is not None and reach.homogeneous.arrives:
-        words = f"every solution arrives, as the field is {reach.homogeneous.words(states)}"
+        words = f"every solution arrives, as the field is {reach.homogeneous}"
         return SystemAnswer(question, "in finite time", f"{words}; {rate or 'no bound is proved'}")
     if reach.rate is not None:
         return SystemAnswer(question, KINDS_OF_RATES[reach.rate.decay], rate)
