@@ -55,7 +55,8 @@ class Homogeneity:
             BeyondReachError: for too many cells.
         """
         own = [str(weight / order) for weight, order in zip(self.weights, self.orders, strict=True)]
-        return {"cells": stated_cells(system, None).record, "weights": own, "entry": entry}
+        cells = stated_cells(system, None, irrational=True)
+        return {"cells": cells.record, "weights": own, "entry": entry}
 
     def __str__(self) -> str:
         weights = ", ".join(f"{name}: {weight}" for name, weight in zip(self.states, self.weights, strict=True))

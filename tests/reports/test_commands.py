@@ -114,9 +114,9 @@ def test_options_of_a_scene_need_a_scene(invoke: Invoke, option: list[str]) -> N
 
 
 def test_what_a_check_prints_and_its_certificate_leaves_out_is_said_by_both(invoke: Invoke, tmp_path: Path) -> None:
-    """Arrival in finite time and all of the plane have no words there: the writer and the reader of the file say so."""
+    """Arrival near the point alone has no words there: the writer and the reader of the file say so."""
     scene = tmp_path / "roots.toml"
-    twisting = '"-3*sgn(x)*sqrt(Abs(x)) + y", "-2*sgn(x)"'
+    twisting = '"-3*sgn(x)*sqrt(Abs(x)) + y - x", "-2*sgn(x) - x"'
     scene.write_text(f'[system]\nstates = ["x", "y"]\nrhs = [{twisting}]\n', encoding="utf-8")
     status, _, err = invoke("check", str(scene), "--certificate", "c.json")
     written, *lines = err.splitlines()

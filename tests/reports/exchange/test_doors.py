@@ -109,7 +109,7 @@ def test_functions_of_time_are_states_and_symbols_are_parameters() -> None:
         (lambda: ns.System.from_sympy(["x"], [x + sp.Symbol("x")]), "two different ones named x"),
         (lambda: ns.System.from_sympy([x], [sp.Piecewise((1, x > 1), (2, x < 0))]), "last condition is True"),
         (lambda: ns.System.from_sympy([x], [sp.Piecewise((1, sp.Eq(x, 1)), (2, True))]), "conditions of < <= > >="),
-        (lambda: ns.System.from_sympy([x], [x ** sp.Rational(1, 3)]), "whole exponents"),
+        (lambda: ns.System.from_sympy([x], [x ** sp.Rational(1, 3)]), "roots of Abs of a state"),
         (lambda: ns.System.from_sympy([x], [sp.oo]), "Infinity"),
         (lambda: ns.System.from_sympy([x], [object()]), "a finite number"),
         (lambda: ns.System.from_matrices([[[1, 2]]]), "a matrix of 1 x 1 numbers"),
