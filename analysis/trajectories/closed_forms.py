@@ -299,7 +299,7 @@ class Slide:
         return self.point[0] + s * r[0], self.point[1] + s * r[1], theta
 
     def at(self, s: Any) -> State:
-        """``(x, y, theta)`` at a position, or at those of an array."""
+        """``(x, y, theta)`` at a position."""
         a, b, _, _, k = self.coefficients
         r = self.direction
         theta = self.theta + dot(r, r) * k * s / a * _logarithm(b * s / a)
@@ -329,13 +329,10 @@ class Slide:
         return s
 
     def time_to(self, s: Any) -> Any:
-        """Time to a position, or to each of an array before any stop.
-
-        It is ``|r|^2`` times the integral of ``(C + D s)/(A + B s)``.
-        """
+        """Time to a position: ``|r|^2`` times the integral of ``(C + D s)/(A + B s)``."""
         a, b, c, d, _ = self.coefficients
         length, x = dot(self.direction, self.direction), b * s / a
-        if not isinstance(s, np.ndarray) and x <= -1:
+        if x <= -1:
             return math.inf
         linear = length * c * s / a * _logarithm(x)
         return linear + length * d * s * s / a * _second_logarithm(x) if d else linear
@@ -401,15 +398,11 @@ def _stopping_place(coefficients: tuple[Any, Any, Any, Any, Any], reach: Any) ->
 
 def _logarithm(x: Any) -> Any:
     """``log(1 + x)/x``, one at zero."""
-    if isinstance(x, np.ndarray):
-        return np.divide(np.log1p(x), x, out=np.ones_like(x), where=x != 0)
     return math.log1p(x) / x if x else 1
 
 
 def _second_logarithm(x: Any) -> Any:
     """``(x - log(1 + x))/x^2``, one half at zero."""
-    if isinstance(x, np.ndarray):
-        return np.array([_second_logarithm(each) for each in x.tolist()])
     if abs(x) < SERIES_BELOW:
         return sum((-x) ** k / (k + 2) for k in range(SERIES_TERMS))
     return (x - math.log1p(x)) / (x * x)

@@ -7,18 +7,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
-from nonsmooth.analysis.cells.fan import ray_speeds, sliding
+from nonsmooth.analysis.cells.fan import RaySpeeds, sliding
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.trajectories.closed_forms import (
+    ASYMPTOTE_DOUBT,
+    PROPORTIONAL_DOUBT,
+    SERIES_BELOW,
+    SERIES_TERMS,
     CornerSpiral,
     Free,
     Junction,
@@ -26,15 +29,13 @@ from nonsmooth.analysis.trajectories.closed_forms import (
     junction_at,
     line_times,
     signs_of,
-    slide_along,
     times_back,
 )
 from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
-from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.plane import cross, dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, turned
 
 
 @dataclass(frozen=True, repr=False)
@@ -274,32 +275,22 @@ class BatchPaths:
 
     # ---- legs ----------------------------------------------------------------------------
 
-    def _places(self, own: Indices) -> Point:
-        """Coordinates, as arrays."""
-        x, y = self.points[own].T
-        return x, y
-
-    def _velocities(self, flow: Flow, own: Indices) -> Point:
-        """``c'``, as arrays."""
-        vx, vy = (np.broadcast_to(v, own.shape) for v in flow.velocity(self._places(own)))
-        return vx, vy
-
     def _through(self, cell: int, entry: int, own: Indices) -> None:
         """Through a cell to its border."""
         self.unique[own] &= not self.field.tied(cell)
         flow, name = self.field.flows[cell][0], self.field.names[cell]
-        still = np.abs(self._velocities(flow, own)).max(axis=0) <= self.signs.speed_slack
+        still = np.abs(velocities(flow, self.points[own])).max(axis=1) <= self.signs.speed_slack
         self._rest(own[still], np.full(int(still.sum()), flow.omega), name)
         own = own[~still]
         active = self._active(cell, entry)
-        times = crossing_times(flow, self.cells.polygons[cell].sides, self._places(own), active, self.signs.speed_slack)
+        times = crossing_times(flow, self.cells.polygons[cell].sides, self.points[own], active, self.signs.speed_slack)
         side = np.argmin(times, axis=1)
         time = times[np.arange(len(own)), side]
         circling = own[np.isinf(time)]
         self.time[circling], self.theta[circling] = np.inf, np.copysign(np.inf, flow.omega)
         self._finish(circling, EndReason.CIRCLES, name)
         own, side, time = (values[np.isfinite(time)] for values in (own, side, time))
-        x, y, self.theta[own] = Free(self._places(own), self.theta[own], flow).state(time)
+        x, y, self.theta[own] = Free((self.points[own, 0], self.points[own, 1]), self.theta[own], flow).state(time)
         self.points[own] = np.column_stack([x, y])
         self.time[own] += time
         for k in sorted(set(side.tolist())):  # numpy.unique would import masked arrays
@@ -334,8 +325,7 @@ class BatchPaths:
             self._finish(own, EndReason.OUTSIDE, name)
             return
         left, right = self.field.flows[edge.left][0], self.field.flows[edge.right][0]
-        r = self.cells.direction(number)
-        u, v = (ray_speeds(r, Twist(*self._velocities(flow, own), flow.turn)) for flow in (left, right))
+        u, v = (edge_speeds(flow, self.cells.direction(number), self.points[own]) for flow in (left, right))
         n1, n2 = (np.where(np.abs(n) > self.signs.speed_slack, np.sign(n), 0).astype(int) for n in (u.normal, v.normal))
         push, *_ = sliding(v, u)
         opposed, moves = n1 * n2 < 0, np.abs(push) > self.signs.product_slack
@@ -343,9 +333,8 @@ class BatchPaths:
             self._cross(number, cell, own[(n1 == sense) & (n2 == sense)])
         self.unique[own[opposed & (n1 > 0)]] = False
         self.unique[own[opposed]] &= not (self.field.tied(edge.left) or self.field.tied(edge.right))
-        for direction, sense in product((1, -1), repeat=2):
-            slides = opposed & moves & (n1 == sense) & (np.sign(push) * n2 == direction)
-            self._slide(number, direction, own[slides])
+        for direction in (1, -1):
+            self._slide(number, direction, own[opposed & moves & (np.sign(push) * n2 == direction)])
         rests = opposed & ~moves
         turn = v.normal[rests] * left.omega - u.normal[rests] * right.omega
         self._rest(own[rests], turn / (v.normal - u.normal)[rests], name)
@@ -369,40 +358,33 @@ class BatchPaths:
             self._reach(corner, inward)
 
     def _slide(self, number: int, direction: int, own: Indices) -> None:
-        """Along an edge to its corner, to where sliding ends, or towards an equilibrium.
+        """Along an edge to its corner, to where sliding ends, or towards an equilibrium."""
+        edge = self.cells.edges[number]
+        beside = (edge.left, edge.right) if direction > 0 else (edge.right, edge.left)
+        left, right = (self.field.flows[cell][0] for cell in beside if cell is not None)
+        rx, ry = self.cells.direction(number)
+        r = (rx * direction, ry * direction)
+        corner = edge.end if direction > 0 else edge.start
+        ends = (np.array(self.cells.points[corner]) - self.points[own]) @ np.array(r)
+        speeds = edge_speeds(left, r, self.points[own]), edge_speeds(right, r, self.points[own])
+        reach, time, rotation = slide_ends(speeds, (left.omega, right.omega), ends)
+        self.points[own] += reach[:, None] * np.array(r)
+        self.time[own] += time
+        self.theta[own] += rotation
+        endless = np.isinf(time)
+        self._finish(own[endless], EndReason.APPROACH, self.field.place_name(OnEdge(number)))
+        there = ~endless & (ends - reach <= self.cells.slack)
+        self._reach(corner, own[there])
+        self._leave(number, own[~endless & ~there])
 
-        All slide along one curve, which is that of the start farthest back.
-        """
+    def _leave(self, number: int, own: Indices) -> None:
+        """Where sliding ends in between: at one point for all, hence decided once."""
         if not len(own):
             return
-        r = direction * np.array(self.cells.direction(number))
-        along = self.points[own] @ r
-        x, y = self.points[own[np.argmin(along)]].tolist()
-        ray = junction_at(self.field, OnEdge(number), (x, y)).rays[0 if direction > 0 else 1]
-        slide = slide_along(self.field, (x, y), 0.0, ray, self.signs)
-        if slide is None:
-            self._one_by_one(own)
-            return
-        begun = along - along.min()
-        if slide.stop is not None:
-            rate = slide.coefficients[4]
-            self.points[own] = slide.at(slide.stop)[:2]
-            self.time[own], self.theta[own] = np.inf, self.theta[own] + (np.copysign(np.inf, rate) if rate else 0.0)
-            self._finish(own, EndReason.APPROACH, self.field.place_name(OnEdge(number)))
-            return
-        x, y, turned = slide.at(slide.reach)
-        self.time[own] += slide.time_to(slide.reach) - slide.time_to(begun)
-        self.theta[own] += turned - slide.at(begun)[2]
-        self.points[own] = x, y
-        if self.cells.beyond(ray.reach - slide.reach):
-            self._leave(number, (x, y), own)
-        else:
-            self._reach(ray.corner, own)
-
-    def _leave(self, number: int, point: Point, own: Indices) -> None:
-        """Where sliding ends in between: at one point for all, hence decided once."""
-        choices = choices_at(self.field, junction_at(self.field, OnEdge(number), point), 0.0, self.signs)
-        if len(choices) == 1 and choices[0].kind is EventKind.CROSS:
+        x, y = self.points[own[0]].tolist()
+        choices = choices_at(self.field, junction_at(self.field, OnEdge(number), (x, y)), 0.0, self.signs)
+        same = float(np.ptp(self.points[own], axis=0).max()) <= self.cells.slack
+        if same and len(choices) == 1 and choices[0].kind is EventKind.CROSS:
             self.place[own], self.entry[own] = choices[0].cells[0], self.first_edge + number
         else:
             self._one_by_one(own)
@@ -467,9 +449,17 @@ class BatchPaths:
 # ---- motions of a batch --------------------------------------------------------------------------
 
 
-def crossing_times(flow: Flow, sides: Sequence[HalfPlane], at: Point, active: frozenset[int], slack: float) -> Floats:
-    """Time until each side is crossed from places given by arrays (m,), (m, sides); infinite where it never is."""
-    velocity, w, never = flow.velocity(at), float(flow.turn), np.full(at[0].shape, np.inf)
+def velocities(flow: Flow, points: Floats) -> Floats:
+    """``c'`` at points (m, 2)."""
+    return np.array([flow.vx, flow.vy]) + flow.turn * turned(points)
+
+
+def crossing_times(
+    flow: Flow, sides: Sequence[HalfPlane], points: Floats, active: frozenset[int], slack: float
+) -> Floats:
+    """Time until each side is crossed, (m, sides); infinite where it never is."""
+    velocity: Any = velocities(flow, points).T
+    w, at, never = float(flow.turn), (points[:, 0], points[:, 1]), np.full(len(points), np.inf)
     found = []
     for k, side in enumerate(sides):
         rate, bend, gap = dot(velocity, side.normal), cross(velocity, side.normal), side.slack(at)
@@ -478,5 +468,65 @@ def crossing_times(flow: Flow, sides: Sequence[HalfPlane], at: Point, active: fr
         elif w:
             found.append(line_times(w, gap, rate, bend))
         else:
-            found.append(np.maximum(gap, 0.0) / rate if rate > 0 else never)
+            found.append(np.divide(np.maximum(gap, 0.0), rate, out=never.copy(), where=rate > 0))
     return np.stack(found, axis=1)
+
+
+def edge_speeds(flow: Flow, direction: Point, points: Floats) -> RaySpeeds:
+    """Speeds of a neighbour of an edge of unit direction: towards the left of the edge, and along it."""
+    velocity: Any = velocities(flow, points).T
+    return RaySpeeds(cross(direction, velocity), flow.turn, dot(direction, velocity))
+
+
+class SlideEnds(NamedTuple):
+    """How slides end: distance covered, time taken (infinite: an equilibrium is approached), rotation."""
+
+    reach: Floats
+    time: Floats
+    rotation: Floats
+
+
+def slide_ends(speeds: tuple[RaySpeeds, RaySpeeds], omegas: tuple[float, float], ends: Floats) -> SlideEnds:
+    """Slides along a unit direction from points with the given speeds to the corner at distance ``ends``.
+
+    Speeds and rotation rates of the left and the right cell; the normal speeds are of opposite strict signs at the
+    start.
+    """
+    (n1, b1, p1), (n2, b2, p2) = speeds
+    a, b, c, d = sliding(speeds[1], speeds[0])
+    k = n2 * omegas[0] - n1 * omegas[1]
+    first, second = n1 * b2, n2 * b1
+    fixed = np.abs(first - second) <= PROPORTIONAL_DOUBT * (np.abs(first) + np.abs(second))
+    share = n2 / c
+    a, c = np.where(fixed, share * p1 + (1 - share) * p2, a), np.where(fixed, 1.0, c)
+    b, d = np.where(fixed, 0.0, b), np.where(fixed, 0.0, d)
+    k = np.where(fixed, share * omegas[0] + (1 - share) * omegas[1], k)
+    reach = np.array(ends)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for normal, turn in ((n1, b1), (n2, b2)):
+            if turn:
+                reach = np.where(-normal / turn > 0, np.minimum(reach, -normal / turn), reach)
+        stop = -a / b
+        endless = (stop > 0) & (stop <= reach * (1 + ASYMPTOTE_DOUBT))
+        x = np.where(endless, 0.0, b * reach / a)
+        time = c * reach / a * _logarithm(x) + d * reach**2 / a * _second_logarithm(x)
+        rotation = k * reach / a * _logarithm(x)
+    turning = np.where(k != 0, np.copysign(np.inf, k * a), 0.0)
+    return SlideEnds(
+        np.where(endless, stop, reach), np.where(endless, np.inf, time), np.where(endless, turning, rotation)
+    )
+
+
+def _logarithm(x: Floats) -> Floats:
+    """``log(1 + x)/x``, one at zero."""
+    safe = np.where(x == 0, 1.0, x)
+    return np.where(x == 0, 1.0, np.log1p(safe) / safe)
+
+
+def _second_logarithm(x: Floats) -> Floats:
+    """``(x - log(1 + x))/x^2``, one half at zero."""
+    small = np.abs(x) < SERIES_BELOW
+    near = np.where(small, x, 0.0)
+    series = sum((-near) ** k / (k + 2) for k in range(SERIES_TERMS))
+    far = np.where(small, 1.0, x)
+    return np.where(small, series, (far - np.log1p(far)) / far**2)
