@@ -1,8 +1,8 @@
 """A V that falls on a cube, with what follows from it by further claims of theorem ``lyapunov``.
 
 *Region*: ``V >= c`` on the border of the cube.  *Rate*: ``V' <= -kappa V^p``: each claim about ``-V'`` is asked again
-with this shift.  *Gain*: ``|grad V| <= gamma``.  Floats propose the numbers
-(:mod:`nonsmooth.proofs.falling_function`), the checker's own claims are shown by evidence of any kind.
+with this shift.  *Gain*: ``|grad V| <= gamma``.  Floats propose the numbers, the checker's own claims are shown by
+evidence of any kind.
 """
 
 from __future__ import annotations

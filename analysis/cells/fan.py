@@ -243,7 +243,7 @@ def slide_speed(ray: Point, first: Twist, second: Twist) -> Any | None:
 # counts (``proofs.clauses.translation.fan_stability`` says why a mixture gains no more; that argument is for order one
 # only).
 #
-# Over exact numbers or floats, as in :mod:`nonsmooth.analysis.cells.fan`.
+# Over exact numbers or floats, as the moves above.
 
 
 class Growth(Enum):

@@ -5,9 +5,10 @@
   solves a quadratic in ``z = (2/w) tan(wt/2)``, which turns into the linear equation of a straight path as w -> 0: no
   case of nearly straight arcs loses digits.
 - *rest*: c stays, theta drifts at a constant rate.
+- *slides* along an edge, and infinitely many *turns* around a corner: the chapters below, behind one on the edges and
+  cells that meet at a point.
 
-With w = 0 every formula is rational, so exact numbers stay exact.  None stands for a time that never comes.  Sliding
-has a file of its own, :mod:`nonsmooth.analysis.trajectories.closed_forms`.
+With w = 0 every formula is rational, so exact numbers stay exact.  None stands for a time that never comes.
 """
 
 from __future__ import annotations
@@ -144,15 +145,6 @@ class Rest:
         return self.point[0], self.point[1], self.theta + self.rate * time
 
 
-# ---- sliding along an edge -----------------------------------------------------------------------
-#
-# With constant twists on both sides: closed forms by equivalent control.
-#
-# Along a ray ``s' |r|^2 = (A + B s)/(C + D s)`` (:mod:`nonsmooth.analysis.cells.fan`) and ``theta' = K/(C + D s)`` with
-# ``K = n_1 omega_2 - n_2 omega_1``: time and rotation as functions of s are integrals of rational functions,
-# logarithms. With w = 0 every formula is rational, so exact numbers stay exact.
-
-
 # ---- the edges and cells that meet at a point of an edge or at a corner --------------------------
 #
 # And the signs by which paths decide there.
@@ -242,7 +234,13 @@ def _rays(field: ConstantField, number: int, point: Point, source: int | None = 
         yield Ray(number, direction, *beside, reach, corner)
 
 
-# ---- slides --------------------------------------------------------------------------------------
+# ---- sliding along an edge -----------------------------------------------------------------------
+#
+# With constant twists on both sides: closed forms by equivalent control.
+#
+# Along a ray ``s' |r|^2 = (A + B s)/(C + D s)`` (:mod:`nonsmooth.analysis.cells.fan`) and ``theta' = K/(C + D s)`` with
+# ``K = n_1 omega_2 - n_2 omega_1``: time and rotation as functions of s are integrals of rational functions,
+# logarithms. With w = 0 every formula is rational, so exact numbers stay exact.
 
 
 # Relative to the products compared: normal speeds whose quotient is constant to this vanish at one point together.

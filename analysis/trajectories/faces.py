@@ -51,8 +51,7 @@ class FaceMotion:
 
     Args:
         face: the face.
-        held: weights to keep, where both speeds of a slide pass zero
-            (:mod:`nonsmooth.analysis.trajectories.faces`).
+        held: weights to keep, where both speeds of a slide pass zero.
         open: whether both speeds of a slide are zero along it, so that they say nothing of the weights.
     """
 

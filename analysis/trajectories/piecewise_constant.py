@@ -1,9 +1,9 @@
 """Filippov paths on cells with constant twist: closed forms as modes of the engine, from event to event.
 
-At an edge or corner every continuation is listed (:mod:`nonsmooth.analysis.trajectories.piecewise_constant`) and one is
-followed to its end: through a cell to its border, along an edge to where sliding ends, around a corner to the limit of
-infinitely many turns, or at rest.  There is no step size and no error that accumulates with time: a path is exact to
-the rounding of one closed form per event, and exact altogether for exact numbers.
+At an edge or corner every continuation is listed (:func:`choices_at`) and one is followed to its end: through a cell to
+its border, along an edge to where sliding ends, around a corner to the limit of infinitely many turns, or at rest.
+There is no step size and no error that accumulates with time: a path is exact to the rounding of one closed form per
+event, and exact altogether for exact numbers.
 
 It fails where nothing is constant (feedback, plain systems): :mod:`nonsmooth.analysis.trajectories.smooth_path`.  A
 path that spirals out of a corner is not drawn (the drawn path rests there), only said to exist.

@@ -56,8 +56,8 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 # which is affine in the coefficients of V (Parrilo 2000).  So is ``-(1 + P) grad Q . f - w grad P . f`` in those of Q
 # and in w, for ``V = Q + w ln(1 + P)`` with a P that is known, the sum of the squares of some states, and Q a sum of
 # squares and fourth powers of the others.  A field with products of states may have such a V and none that is a
-# polynomial (Ahmadi, Krstic and Parrilo 2011).  Floats propose; :mod:`nonsmooth.proofs.kernel.whole_space` shows what
-# they propose, or does not.
+# polynomial (Ahmadi, Krstic and Parrilo 2011).  Floats propose; what they propose is
+# shown, or is not.
 
 
 FEW = 3  # states of which all choices are tried

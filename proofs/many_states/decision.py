@@ -1,9 +1,8 @@
 """Strong stability of the checked point of a plain system in three states and more.
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
-2. A velocity that leads from the point into a cell, and the linearization, where there is one
-   (:mod:`nonsmooth.proofs.many_states.decision`); a relay of relative degree three or more
-   (:mod:`nonsmooth.proofs.many_states.relay_degree`).
+2. A velocity that leads from the point into a cell, and the linearization, where there is one; a relay of relative
+   degree three or more (:mod:`nonsmooth.proofs.many_states.relay_degree`).
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.

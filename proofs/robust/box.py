@@ -4,9 +4,8 @@ At rest no side row of any array slips, so that ``xi = 0`` is the only minimizer
 those of the side rows not at them, balance those of the rims.  The places where they do are a convex set: corners
 decide.
 
-Outside a disc ``c . v <= -kappa |c|`` is shown on quadrangles, by :mod:`nonsmooth.proofs.robust.box` at their
-corners: |c| is convex, and the bound is a mixture of those at the corners.  Then ``(c . c)' = 2 c . v`` as under rule
-``nearest``.
+Outside a disc ``c . v <= -kappa |c|`` is shown on quadrangles, at their corners: |c| is convex, and the bound is a
+mixture of those at the corners.  Then ``(c . c)' = 2 c . v`` as under rule ``nearest``.
 """
 
 from __future__ import annotations
