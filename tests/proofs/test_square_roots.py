@@ -14,7 +14,6 @@ from mpmath import mp, mpf
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.checker.cells import Domain
 from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
@@ -386,18 +385,6 @@ def test_roots_away_from_zero_in_two_states_and_three() -> None:
         **{"second": None, "verdict": STABLE, "everywhere": False, "level": "1/64", "below": False, "rate": None},
     }
     assert refused(written(tanks, "lyapunov", hypotheses)) == ""
-
-
-@pytest.mark.parametrize("formula", ["-2*x", "y - x*3", "(x + y)**2 - sqrt(Abs(x))", "x*y + sgn(x)*(x - 2*y)"])
-def test_velocities_are_those_of_the_formula_on_either_side_of_zero(formula: str) -> None:
-    """Parts without a switching function once kept the terms of the side on which they were read first."""
-    system = read_subject({"states": ["x", "y"], "rhs": [[formula, "y"]], "at": ["0", "0"], "roots": ["x"]})
-    speed = system.stated.fields(Domain(system, None).place)[0][0]
-    for side in (1, -1):
-        w, y = side * 0.75, -0.7
-        terms = speed.on(lambda _, side=side: side).terms  # type: ignore[misc]
-        found = sum(float(c) * w**i * y**j for (i, j), c in terms.items())
-        assert found == pytest.approx(value(formula, x=w * abs(w), y=y), rel=1e-14)
 
 
 # ---- what is false -------------------------------------------------------------------------------
