@@ -100,10 +100,11 @@ class SignedRoots:
         return self._rewritten(formula, self._in_roots)
 
     def _in_roots(self, part: StatePower) -> str:
-        root, order = self.names[part.state], self.order[part.state]
+        size, order = f"Abs({self.names[part.state]})", self.order[part.state]
         if part.power is None:
-            return f"({root}*{_power(f'Abs({root})', order - 1)})"
-        return _power(f"Abs({root})", int(part.power * order))
+            return f"({self.names[part.state]}*{_power(size, order - 1)})"
+        whole = int(part.power * order)
+        return size if whole == 1 else f"({size}**{whole})"
 
     def seen_field(self, formula: object, place: int) -> object:
         """The right-hand side of a state in the roots and in the time s."""
