@@ -238,14 +238,6 @@ def distinct(points: Floats, tolerance: float) -> list[int]:
     return kept
 
 
-# ---- proofs of minimizers ------------------------------------------------------------------------
-#
-# Minimizers with the forces that prove them, and which of them are proved to be the motion.
-#
-# A :class:`Minima` holds many results at once, a :class:`Minimum` one of them.  Nothing a solver says about its own
-# quality is stored: admissibility, balance and gap are computed here from twist and forces alone.
-
-
 # ---- friction forces that balance exactly and stay inside their limits ---------------------------
 #
 # What makes a dual value a proof.
@@ -307,7 +299,10 @@ def _repaired(room: Floats, limits: Floats, rows: Floats, shares: Floats) -> Flo
     return np.asarray(shares - (room @ step.reshape(-1, 2, 1))[..., 0])
 
 
-# ---- minima --------------------------------------------------------------------------------------
+# ---- minimizers with the forces that prove them --------------------------------------------------
+#
+# A :class:`Minima` holds many results at once, a :class:`Minimum` one of them.  Nothing a solver says about its own
+# quality is stored: admissibility, balance and gap are computed here from twist and forces alone.
 
 
 GAP = 1e-9  # largest duality gap of a certified minimum, relative to its value

@@ -89,11 +89,9 @@ def rational_size(value: Number) -> Fraction:
 
 
 # ---- the scene -----------------------------------------------------------------------------------
-
-
-# ---- how far the array that is built may be from the scene: a box of parameters ------------------
 #
-# Every number says by how much a value may differ, up or down, for each wheel on its own.
+# With how far the array that is built may be from it, a box of parameters: every number says by how much a value may
+# differ, up or down, for each wheel on its own.
 
 
 @dataclass(frozen=True)

@@ -40,9 +40,7 @@ from tests.oracles.floats import runge_kutta, value
 from tests.plain import built
 from tests.thorough import but, few, keep, thorough
 
-# ---- Sines and cosines of states: in certificates, where first terms cancel, and in energies -----
-
-# ---- Sines and cosines in certificates: values, bounds on triangles, series; and subjects that hold them.
+# ---- Sines and cosines in certificates: values, bounds on triangles, series, subjects that hold them
 
 UNSHOWN = "evidence of the claim"
 

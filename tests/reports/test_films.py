@@ -48,9 +48,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# ---- Films of paths, and their frames against the definitions ------------------------------------
-
-# ---- ``nonsmooth simulate -o path.gif``, ``.html``, and ``path.animate``: what is written, what is refused.
+# ---- Films of paths, ``nonsmooth simulate -o path.gif`` and ``.html``: frames, files, refusals ----
 
 START = ("--from", "0.2,0.4,0.1")
 LARGEST_GIF = 3_000_000  # bytes
@@ -365,8 +363,6 @@ def test_a_path_of_no_time_has_one_still_frame() -> None:
     end = build_frames(path.scene, path.trajectory, [float(path.t[-1])], partition=path.partition)
     assert np.abs(end.twists).max() < 1e-9
 
-
-# ---- Pictures: all texts inside the figure, and the bytes of their files -------------------------
 
 # ---- Texts of pictures: all inside the figure, names of wheels apart from each other and from the rims.
 

@@ -34,8 +34,6 @@ from tests.conftest import Arrays
 from tests.reports.conftest import Invoke
 from tests.thorough import few, thorough
 
-# ---- What commands write and read: standard output, files of their own, tables outside the scene's folder
-
 # ---- Nothing but the product writes on standard output, whatever else is installed ---------------
 
 ROOT = Path(__file__).resolve().parents[2]

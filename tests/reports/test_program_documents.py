@@ -25,8 +25,6 @@ from tests.reports.conftest import Invoke
 from tests.reports.derived import derived, page
 from tests.thorough import few, keep
 
-# ---- The help and the page on design against the program: commands, what the shell completes, JSON, layout.
-
 # ---- The page on design against the program: its JSON table, its commands and its layout leave nothing out.
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -139,8 +137,6 @@ def test_every_part_is_in_the_layout() -> None:
     }
     assert {part for part in parts if f"| `{part}/` |" not in DESIGN_PAGE} == set()
 
-
-# ---- The help, and what the shell completes ------------------------------------------------------
 
 # ---- The help: what stands in the registry of commands is what the commands say, and showing it imports no command.
 

@@ -32,8 +32,6 @@ from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke
 from tests.thorough import keep, thorough
 
-# ---- Regions as triangles, of systems in two states and of arrays --------------------------------
-
 # ---- Regions as triangles: the checker accepts them, they are large, and by another integrator every start comes
 # home.
 

@@ -352,9 +352,6 @@ def test_the_exact_closed_forms_are_the_floating_ones(n: int, arrays: Arrays) ->
             )
 
 
-# ---- Governing equations: annihilators, control vector fields, both coordinates, and what is computed only when
-# asked.
-
 # ---- Governing equations: annihilators, control vector fields, and both coordinates --------------
 
 RADICAL = ("four-wheel", "rectangle", "off-center")  # SymPy decides sums of square roots by expanding

@@ -28,9 +28,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
 
-# ---- Arrays, systems, checks and results as a script holds them ----------------------------------
-
-# ---- Cells, comparisons and reports as a script holds them: what the command line writes, and short to print.
+# ---- Results as a script holds them: what the command line writes, and short to print ------------
 
 MOST_LINES, WIDEST, LONGEST = 12, 100, 2_000
 DEEPEST = 6  # attributes of attributes that are printed

@@ -289,8 +289,6 @@ def plain_of(inline: Inline) -> str:
     return inline.plain if isinstance(inline, Math) else inline if isinstance(inline, str) else inline.text
 
 
-# ---- The paper's sign forms, and its pair of wheels for symbolic geometry ------------------------
-
 # ---- Sign forms: the paper's eqs. (3) and (4) as printed, and forms found again from what they say.
 
 FIELD = NumberField()
