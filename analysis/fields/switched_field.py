@@ -70,6 +70,26 @@ class ScalarVelocity:
         return np.array(self.rates(*x.tolist()))
 
 
+class AffineVelocity(ScalarVelocity):
+    """``A x + b``, of which a Taylor series is the motion.
+
+    Args:
+        rates: the same, as of any velocity in single floats.
+        matrix: A, row by row.
+        offset: b.
+
+    Attributes:
+        size: of A, a bound on its eigenvalues, zero where these vanish and the motion is a polynomial.
+        scaled: the entries of A and of b over the size, if it is not zero, row by row.
+    """
+
+    def __init__(self, rates: Callable[..., tuple[float, ...]], matrix: Floats, offset: Floats) -> None:
+        super().__init__(rates)
+        self.size = float(np.abs(np.linalg.matrix_power(matrix, 4)).sum(axis=1).max()) ** (1 / 4)
+        unit = self.size or 1.0
+        self.scaled = (*(matrix / unit).ravel().tolist(), *(offset / unit).tolist())
+
+
 def affine_surface(name: str, normal: Sequence[float], offset: float = 0.0) -> Surface:
     """``normal . x - offset``."""
     vector = np.array(normal, dtype=float)

@@ -16,7 +16,14 @@ from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, names, weighted
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, ScalarVelocity, Surface, Velocity, affine_surface
+from nonsmooth.analysis.fields.switched_field import (
+    SURFACE_SLACK,
+    AffineVelocity,
+    ScalarVelocity,
+    Surface,
+    Velocity,
+    affine_surface,
+)
 from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave
@@ -95,6 +102,8 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
     """
     named = dict(zip(system.states, states, strict=True))
     members = _Polynomials([part for member in system.members for part in member.velocity(sign_of, states)])
+    if not system.waves and system.scale is None:
+        return members.velocity
     arguments = [parse_piecewise(wave.argument, system.states).polynomial(named, sign_of) for wave in system.waves]
     rates = _mixed(system, members, arguments)
     if system.scale is None:
@@ -170,11 +179,25 @@ class _Polynomials:
         factors = sum(1 + sum(exponents) for _, exponents in terms)
         self.at = (_written_out if factors <= MOST_FACTORS else _in_arrays)(count, sums)
         self.velocity: Velocity = ScalarVelocity(self.at)
+        if len(sums) == count and all(p.degree <= 1 for p in polynomials):
+            self.velocity = AffineVelocity(self.at, *_affine(count, sums))
         self._constant = None if any(any(e) for _, e in terms) else np.array(self.at(*[0.0] * count))
 
     def __call__(self, x: Floats) -> Floats:
         """The values, in order."""
         return np.array(self.at(*x.tolist())) if self._constant is None else self._constant
+
+
+def _affine(count: int, sums: Sequence[Terms]) -> tuple[Floats, Floats]:
+    """A and b of polynomials of degree one."""
+    matrix, offset = np.zeros((count, count)), np.zeros(count)
+    for row, terms in enumerate(sums):
+        for c, exponents in terms:
+            if any(exponents):
+                matrix[row, exponents.index(1)] = c
+            else:
+                offset[row] = c
+    return matrix, offset
 
 
 def _written_out(count: int, sums: Sequence[Terms]) -> Callable[..., Numbers]:

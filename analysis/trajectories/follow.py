@@ -90,6 +90,31 @@ class DenseStep:
         return self._interpolant
 
 
+class PolynomialInterpolant:
+    """Polynomials through a step, one for each state.
+
+    Args:
+        t: time at which the step begins.
+        unit: what the variable of the polynomials counts the time since then in.
+        states: coefficients of each state, the first that where the step begins.
+        value: of a variable and coefficients, one by one, linear in these.
+    """
+
+    def __init__(self, t: float, unit: float, states: Sequence[Sequence[float]], value: Callable[..., Any]) -> None:
+        self._start, self._unit, self._states, self._value = t, unit, states, value
+
+    def __call__(self, times: Any) -> Floats:
+        """The state at a time, or at many."""
+        s = (times - self._start) / self._unit
+        return np.array([self._value(s, *own) for own in self._states])
+
+    def along(self, normal: Sequence[float], first: float) -> Callable[[float], float]:
+        """A linear function of the state with a gradient, and a value where the step begins, as a function of time."""
+        _, *others = np.dot(normal, self._states).tolist()
+        start, unit, value = self._start, self._unit, self._value
+        return lambda time: float(value((time - start) / unit, first, *others))
+
+
 class Stepper(Protocol):
     """A method for ``x' = rate(t, x)``."""
 

@@ -26,9 +26,8 @@ from nonsmooth.analysis.trajectories.faces import (
     largest,
     tangency,
 )
-from nonsmooth.analysis.trajectories.follow import DenseStep, Guards
+from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, PolynomialInterpolant
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.steppers import ScalarInterpolant
 from nonsmooth.symbolic.numbers.plane import around
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
@@ -204,7 +203,7 @@ class FaceGuards(Guards):
     def along(self, k: int, step: DenseStep) -> Callable[[float], float]:
         """One as a function of time; of a flat surface its distance from that where the step begins."""
         own, between = self._own[k], step.between
-        if own.normal is None or not isinstance(between, ScalarInterpolant):
+        if own.normal is None or not isinstance(between, PolynomialInterpolant):
             return super().along(k, step)
         return between.along(own.normal.tolist(), own.value(step.start, step.first))
 

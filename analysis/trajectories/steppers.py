@@ -20,15 +20,15 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, cached_property, partial
 from itertools import chain, cycle
-from operator import mul
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, names, weighted
-from nonsmooth.analysis.fields.switched_field import ScalarVelocity
-from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, Rate
+from nonsmooth.analysis.fields.switched_field import AffineVelocity, ScalarVelocity
+from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, PolynomialInterpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.taylor import TaylorSteps
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 # ---- DOP853 for few states -----------------------------------------------------------------------
@@ -295,34 +295,11 @@ class ScalarDop853(Dop853):
         return np.array(last), np.array(stages[STAGES]), _error(h, third, fifth, len(x)), between
 
     def _between(self, t: float, h: float, x: Sequence[float], stages: Sequence[Numbers], last: Numbers) -> Interpolant:
-        return ScalarInterpolant(t, h, self._code.inner(self._rates, h, *x, *chain.from_iterable(stages), *last))
+        states = self._code.inner(self._rates, h, *x, *chain.from_iterable(stages), *last)
+        return PolynomialInterpolant(t, h, states, _value)
 
 
-class ScalarInterpolant:
-    """The polynomials of degree 7 through a step, one for each state.
-
-    Args:
-        t: time at which the step begins.
-        h: its length.
-        states: coefficients of each state, as :class:`nonsmooth.analysis.trajectories.steppers.WrittenOut` says.
-    """
-
-    def __init__(self, t: float, h: float, states: Sequence[Numbers]) -> None:
-        self._start, self._length, self._states = t, h, states
-
-    def __call__(self, times: Any) -> Floats:
-        """The state at a time, or at many."""
-        share = (times - self._start) / self._length
-        return np.array([_value(share, own) for own in self._states])
-
-    def along(self, normal: Sequence[float], first: float) -> Callable[[float], float]:
-        """A linear function of the state with a gradient, and a value where the step begins, as a function of time."""
-        _, *others = (sum(map(mul, normal, coefficients)) for coefficients in zip(*self._states, strict=True))
-        start, length, own = self._start, self._length, (first, *others)
-        return lambda time: _value((time - start) / length, own)
-
-
-def _value(s: Any, coefficients: Numbers) -> Any:
+def _value(s: Any, *coefficients: float) -> Any:
     """The polynomial of a step where a share s of it is passed, in the order of SciPy's."""
     x, a, b, c, d, e, f, g = coefficients
     r = 1 - s
@@ -374,9 +351,7 @@ class StiffAware:
 
     def steps(self, rate: Any, t: float, x: Floats, until: float) -> Iterator[DenseStep]:
         """Steps up to the last time."""
-        first = None if self._step is None else min(self._step, until - t)
-        method = ScalarDop853 if isinstance(rate, ScalarVelocity) and len(x) <= MOST_STATES else Dop853
-        solver, taken = method(rate, t, x, until, first, **self._tolerances), 1
+        solver, taken = self._explicit(rate, t, x, until), 1
         while solver.t < until and (taken % PROBED or not holds_the_step(rate, solver, until, self._size)):
             step = solver.step()
             self._step = step.end - step.start
@@ -386,7 +361,16 @@ class StiffAware:
             self.was_stiff = True
             yield from self._implicit_steps(rate, solver, until)
 
-    def _implicit_steps(self, rate: Rate, explicit: Dop853, until: float) -> Iterator[DenseStep]:
+    def _explicit(self, rate: Any, t: float, x: Floats, until: float) -> Dop853 | TaylorSteps:
+        """The explicit method that a rate allows."""
+        few = len(x) <= MOST_STATES
+        if few and isinstance(rate, AffineVelocity):
+            return TaylorSteps(rate, t, x, until)
+        first = None if self._step is None else min(self._step, until - t)
+        method = ScalarDop853 if few and isinstance(rate, ScalarVelocity) else Dop853
+        return method(rate, t, x, until, first, **self._tolerances)
+
+    def _implicit_steps(self, rate: Rate, explicit: Dop853 | TaylorSteps, until: float) -> Iterator[DenseStep]:
         """Radau, from where an explicit solver is."""
         from scipy.integrate import Radau
 
