@@ -245,10 +245,10 @@ PAIRS = (
         "test_trajectory_speed",
     ),
     Pair(
-        "26 crossings by DOP853",
+        "26 crossings of a piecewise linear system",
         "SciPy, events without dense output",
         events_beside_scipy,
-        2,
+        2.5,
         5,
         "test_trajectory_speed",
         repeats=1,

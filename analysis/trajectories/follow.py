@@ -56,6 +56,7 @@ class DenseStep:
         start, end: times between which it holds.
         first, last: states at both.
         slopes: rates at both; None where the stepper does not know them.
+        parts: of a path that is drawn, into how many a stretch of the step of a length is divided.
         easy: whether its error is far below the tolerance: the solution is nearly a polynomial of low degree there, and
             nothing but the size of the step keeps a guard from falling and rising more than once within it.
         work: evaluations of the rate that it took.
@@ -69,13 +70,14 @@ class DenseStep:
         dense: Callable[[], Interpolant],
         *,
         slopes: tuple[Floats, Floats] | None = None,
+        parts: Callable[[float], int] = lambda length: 1,
         easy: bool = False,
         work: int = 0,
     ) -> None:
         (self.start, self.first), (self.end, self.last) = before, after
         self._dense = dense
         self._interpolant: Interpolant | None = None
-        self.slopes, self.easy, self.work = slopes, easy, work
+        self.slopes, self.parts, self.easy, self.work = slopes, parts, easy, work
         self.again: Callable[[float], DenseStep] | None = None
 
     def __call__(self, times: Any) -> Floats:
@@ -140,6 +142,14 @@ class Stretch:
     def end(self) -> Floats:
         """Last state."""
         return self.states[-1]
+
+    def drawn(self) -> Iterator[Any]:
+        """Times at which a path is drawn: the ends of the steps, and between them where they say so."""
+        yield self.times[0]
+        for step, (start, end) in zip(self.steps, pairwise(self.times), strict=False):
+            parts = step.parts(end - start)
+            yield from (start + k * (end - start) / parts for k in range(1, parts))
+            yield end
 
     def at(self, time: float) -> Floats:
         """State at a time of the path."""
@@ -221,6 +231,9 @@ def first_event(
     """
     if not guards.located:
         return next(((step.end, k) for k, value in enumerate(after) if value <= 0), None)
+    below = next((k for k, slack in enumerate(guards.slacks) if before[k] < -slack), None)
+    if below is not None:  # as where a path begins within the slack of a surface, on its other side
+        return step.start, below
     parts = SAMPLED_PARTS if step.easy else guards.looks
     if parts == 1:
         searched = [
@@ -379,7 +392,7 @@ class Mode(ABC):
         def states(since: Floats) -> Floats:
             return stretch.at_all(start + since)[:, : self.shown]
 
-        return Piece(start, stretch.times[-1], self.place, self.cells, state, tuple(stretch.times), states)
+        return Piece(start, stretch.times[-1], self.place, self.cells, state, tuple(stretch.drawn()), states)
 
 
 @dataclass

@@ -67,7 +67,8 @@ def follow_smooth(
         watch: bound on V' to check every piece against.
         max_events: number of events after which the path ends in any case.
         meter: evaluations of fields after which the path ends in any case; None for :data:`MAX_WORK`.
-        stepper: the method; None for DOP853, and Radau where that is stiff, with tolerances near rounding.
+        stepper: the method; None for DOP853, or Taylor series, and Radau where that is stiff, with tolerances near
+            rounding.
 
     Raises:
         ValueError: for a start outside the domain.

@@ -9,7 +9,7 @@ ahead, the rest is integrated by Radau IIA of order 5, which is implicit and dam
 sec. IV.2 and IV.8).  Oscillations without decay never count as stiff: an implicit method would not gain there.
 
 Fields of few states that are given in single floats are followed in them (:class:`ScalarDop853`): a step takes a fifth
-of the time.
+of the time.  Of affine ones the explicit method is their Taylor series (:mod:`nonsmooth.analysis.trajectories.taylor`).
 
 Another method is a class with ``steps``, as in ``tests/rehearsals/midpoint.py``.
 """

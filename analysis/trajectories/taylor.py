@@ -11,6 +11,7 @@ limit where the motion is a polynomial.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
@@ -25,6 +26,7 @@ DEGREE = 24
 LEFT_OUT = 1e-17  # the last coefficients of a step, relative to the first
 LONGEST = 2.0  # step, in units of 1/rho: a state that turns has one extremum at most within it
 EASY = 0.5  # the same, from which on more than two states may have several
+DRAWN, OF_A_POLYNOMIAL = 0.25, 4  # radians within which a path has a sample, and parts of a polynomial
 WORK = 12  # evaluations of a field that cost as much as a step
 
 
@@ -100,8 +102,15 @@ class TaylorSteps:
         step = DenseStep(
             (start, self.y), (end, last), lambda: between, slopes=(self.slope, slope), easy=easy, work=WORK
         )
+        step.parts = self._parts
         self.step_size, self.t, self.y, self.slope = end - start, end, last, slope
         return step
+
+    def _parts(self, length: float) -> int:
+        """Parts of a stretch at whose ends a path has samples."""
+        if self._rate.size:
+            return max(math.ceil(self._rate.size * length / DRAWN), 1)
+        return OF_A_POLYNOMIAL if any(self._rate.scaled[: len(self.y) ** 2]) else 1
 
 
 def _reach(scale: float, before: float, last: float) -> float:

@@ -1,8 +1,9 @@
 """Filippov trajectories: one entry for every kind of field and method.
 
 Event-driven simulation follows a solution from event to event instead of stepping over the switches: in closed form
-where the twist is constant on polygons, by DOP853 with polished events elsewhere.  Hysteresis and smoothing, which
-replace the discontinuity by a small width, are kept for comparison (:mod:`nonsmooth.analysis.trajectories.hysteresis`).
+where the twist is constant on polygons, by Taylor series where a plain system is affine in a cell, by DOP853 elsewhere.
+Hysteresis and smoothing, which replace the discontinuity by a small width, are kept for comparison
+(:mod:`nonsmooth.analysis.trajectories.hysteresis`).
 
 Sources: Filippov 1988, "Differential equations with discontinuous righthand sides"; Stewart 1990 (high accuracy across
 switches); Piiroinen & Kuznetsov 2008 (event-driven simulation of sliding).
