@@ -15,7 +15,7 @@ rest in the box, and what is true of A all over the box is true of each.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -51,7 +51,8 @@ LEAST = 2.0**-100  # of its half-widths, beside one
 DIGITS = 4  # of a bound of its distance from the point
 SPIN_DECIMALS = 15  # of the bounds of a rotation rate
 ROUNDING = Fraction(1, 10**11)  # of the accuracy: a place of rest so near is the point, to all printed digits
-HELD = 2.0**-16  # of the fastest rim: a slip so slow is taken to be held
+# Of the fastest rim: a slip so slow is taken to be held; where that is refuted, only one that is rounding of floats.
+HELD = 2.0**-16, 2.0**-36
 
 
 class Balance:
@@ -205,40 +206,43 @@ def rest_at_point(scene: Scene) -> EnclosedRest | None:
 def enclosed_rest(scene: Scene) -> EnclosedRest | None:
     """The place of rest at or beside the point of a centred scene; None where none is enclosed."""
     with ctx.workprec(PRECISION):
-        guess = _guess(scene)
-        if guess is None:
-            return None
-        balance, start = guess
-        centre = newton(balance.at_rest, start, NEWTON_STEPS)
-        box = None if centre is None else isolated_zero(balance.at_rest, centre)
-        if box is None:
-            return None
-        x, y, omega, *_ = box.entries()
-        found = balance.at(unknowns_at_rest(box), (x, y))
-        slope = None if found is None else slope_of_pose_rate(found[1], found[2], (x, y), omega)
-        return None if slope is None else EnclosedRest((x, y), omega, slope, balance, box.mid())
+        return next((rest for guess in _guesses(scene) if (rest := _enclosed(*guess)) is not None), None)
 
 
-def _guess(scene: Scene) -> tuple[Balance, arb_mat] | None:
+def _enclosed(balance: Balance, start: arb_mat) -> EnclosedRest | None:
+    """The place of rest for some wheels that are held, from about where it is."""
+    centre = newton(balance.at_rest, start, NEWTON_STEPS)
+    box = None if centre is None else isolated_zero(balance.at_rest, centre)
+    if box is None:
+        return None
+    x, y, omega, *_ = box.entries()
+    found = balance.at(unknowns_at_rest(box), (x, y))
+    slope = None if found is None else slope_of_pose_rate(found[1], found[2], (x, y), omega)
+    return None if slope is None else EnclosedRest((x, y), omega, slope, balance, box.mid())
+
+
+def _guesses(scene: Scene) -> Iterator[tuple[Balance, arb_mat]]:
     """The equations for the wheels that floats take to be held, and about their solution at the point.
 
     None under rules with cells, for loads that are not known, and for a wheel with a row without friction.
     """
     if not isinstance(rule_of(scene), SmoothRule) or scene.contact.loads_are_unknown:
-        return None
-    loads = load_box(scene, arb(0))
-    if loads is None:
-        return None
-    forces = BalancedForces.of(scene)
-    if forces is None:
-        return None
-    twist, (along_rims, across_rims) = forces.against(np.zeros((1, 2)), np.zeros((1, 3)))
-    along, across = (np.abs(slip[0]) < HELD * forces.fastest for slip in forces.slips(twist))
-    held = {k: 2 if across[k] else 1 for k in range(len(along)) if along[k] and (across[k] or forces.sets.cut[k] < 1)}
-    pulls = along_rims[0], across_rims[0]
-    start = [0.0, 0.0, float(twist[0, 2]) / forces.length]
-    start += [float(pulls[kind][k]) for k, count in held.items() for kind in range(count)]
-    return Balance(scene, loads, held), arb_mat([[arb(entry)] for entry in start])
+        return
+    loads, forces = load_box(scene, arb(0)), BalancedForces.of(scene)
+    if loads is None or forces is None:
+        return
+    twist, pulls = forces.against(np.zeros((1, 2)), np.zeros((1, 3)))
+    slips = [np.abs(slip[0]) / forces.fastest for slip in forces.slips(twist)]
+    tried: list[dict[int, int]] = []
+    for slowest in HELD:
+        along, across = (slip < slowest for slip in slips)
+        slides = across | (forces.sets.cut < 1)  # where its rim does not slip its rollers may turn
+        held = {k: 2 if across[k] else 1 for k in np.flatnonzero(along & slides).tolist()}
+        if held not in tried:
+            tried.append(held)
+            start = [0.0, 0.0, float(twist[0, 2]) / forces.length]
+            start += [float(pulls[kind][0, k]) for k, count in held.items() for kind in range(count)]
+            yield Balance(scene, loads, held), arb_mat([[arb(entry)] for entry in start])
 
 
 def isolated_zero(equations: Map, centre: arb_mat) -> arb_mat | None:

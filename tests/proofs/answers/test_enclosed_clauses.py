@@ -248,6 +248,36 @@ heading = [4, -3]
 """
 
 
+def test_wheels_that_slip_as_slowly_as_places_are_rounded_are_not_held(tmp_path: Path) -> None:
+    """Six wheels with rims along a ring, in thousandths: at rest the body turns so that all slip by some hundred
+    thousandths of their speed.
+    """
+    ring = [(1000, 0), (500, 866), (-500, 866), (-1000, 0), (-500, -866), (500, -866)]
+    wheels = "".join(
+        f'[[wheel]]\nposition = ["{x}/1000", "{y}/1000"]\nheading = "{90 + 60 * k} deg"\nspeed = 1\n'
+        for k, (x, y) in enumerate(ring)
+    )
+    (tmp_path / "ring.toml").write_text(f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n{wheels}')
+    scene = load_scene(tmp_path / "ring.toml", rule="ellipse")
+    rest, check = enclosed_rest(scene), check_smooth(scene)
+    assert rest is not None
+    assert (check.equilibrium.verdict, check.rotation.verdict) == ("holds", "unstable")
+
+    def dissipation(omega: Any) -> Any:
+        total = mpmath.mpf(0)
+        for k, (x, y) in enumerate(ring):
+            angle = mpmath.radians(90 + 60 * k)
+            along = omega * (x * mpmath.sin(angle) - y * mpmath.cos(angle)) / 1000 - 1
+            across = omega * (x * mpmath.cos(angle) + y * mpmath.sin(angle)) / 1000
+            total += mpmath.sqrt(along**2 + across**2 / 4)
+        return total
+
+    with mpmath.workdps(40):
+        spin = mpmath.findroot(lambda omega: mpmath.diff(dissipation, omega), (1, mpmath.mpf("1.00002")))
+        assert all(abs(bound - spin) < 1e-12 for bound in map(float, rest.rates))
+        assert 1e-6 < abs(spin - 1) < 1e-4
+
+
 @few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 def test_whether_a_body_turns_is_undecided_where_some_members_turn_it(rule: str, tmp_path: Path) -> None:
