@@ -177,7 +177,7 @@ def situation_section(place: EllipsePoint) -> Section:
     if place.twist is not None:
         words = "The minimizer there is the twist `xi = (v, omega)` = {}."
         blocks.append(paragraph(words, point(place.twist)))
-    if place.balance.stuck:
+    if place.held:
         blocks += _stuck_blocks(place)
     if place.linearization is not None:
         blocks += _linearization_blocks(place.linearization)
@@ -195,10 +195,9 @@ def _load_table(place: EllipsePoint) -> Block:
 
 def _stuck_blocks(place: EllipsePoint) -> list[Block]:
     rows: list[tuple[Entry, ...]] = [
-        (str(force.wheel), number(force.along), number(force.across), number(force.squared))
-        for force in place.balance.stuck or ()
+        (str(force.wheel), number(force.along), number(force.across), number(force.squared)) for force in place.held
     ]
-    words = paragraph("Forces of the wheels that stick, in units of their friction limits (squared size up to 1):")
+    words = paragraph("Forces of the wheels that are held, in units of their friction limits (squared size up to 1):")
     return [words, table(("wheel", "along the rim", "across it", "squared size"), rows, (1, 2, 2, 2))]
 
 

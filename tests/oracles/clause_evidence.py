@@ -19,7 +19,7 @@ from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.proofs.boxes.linearization import inward_pull
 from nonsmooth.proofs.checker import fan as checker
 from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, motion_with, rest_balance
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, motion_with
 from nonsmooth.proofs.clauses.at_point.every_load import float_loads, is_admissible
 from nonsmooth.proofs.clauses.at_point.mass import (
     PRECISION,
@@ -213,8 +213,8 @@ def _(point: EllipsePoint) -> bool:
         return False
     if point.twist is None:
         return point.linearization is None and point.situation in (Situation.MOVED, Situation.OPEN)
-    found = motion_with(point.scene, point.region, rest_balance(point.scene, point.region), point.twist)
-    if found is None or (found.situation, found.balance) != (point.situation, point.balance):
+    found = motion_with(point.scene, point.region, point.twist)
+    if found is None or (found.situation, found.held) != (point.situation, point.held):
         return False
     return point.linearization in (None, found.linearization)
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.proofs.boxes.linearization import Linearization
-from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, RestBalance, Situation
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, HeldForce, Situation
 from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, independent, inner, roll_row, scaled, total
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
@@ -103,8 +103,11 @@ def verifies(point: EllipsePoint) -> bool:
         return point.situation in (Situation.MOVED, Situation.OPEN)
     if point.situation is Situation.CARRIED:
         return carries(scene, region, twist.velocity, twist.omega)
-    if point.situation is Situation.STICKING:
-        return not any(twist) and rests_by_sticking(scene, region, point.balance)
+    if point.situation in (Situation.STICKING, Situation.HELD):
+        spins = point.situation is Situation.HELD
+        return (
+            not any(twist.velocity) and spins == bool(twist.omega) and is_held(scene, region, twist.omega, point.held)
+        )
     if point.situation is Situation.OPEN:
         return not any(twist.velocity) and balances(scene, region, twist.omega)
     return not any(twist.velocity) and is_smooth_minimum(scene, region, twist.omega, linear)
@@ -159,32 +162,35 @@ def _is_definite(rows: tuple[Triple, ...]) -> bool:
     return c[2].sign() > 0 and (b[1] * c[2] - b[2] * c[1]).sign() > 0 and inner(a, cross_product(b, c)).sign() > 0
 
 
-def rests_by_sticking(scene: Scene, region: LoadRegion, balance: RestBalance) -> bool:
-    """Whether forces of the wheels at rest, strictly inside their friction sets, answer those of the others."""
-    stuck = {force.wheel: force for force in balance.stuck or ()}
+def is_held(scene: Scene, region: LoadRegion, omega: Number, held: Iterable[HeldForce]) -> bool:
+    """Whether forces of wheels that a spin does not slip, or not along, answer those of the others, strictly inside."""
+    known = {force.wheel: force for force in held}
     forces: list[Triple] = []
     spanned: list[Triple] = []
     rule = smooth_rule_of(scene)
     for wheel, form in zip(scene.wheels, region.forces, strict=True):
-        load, limits, d = form[0], rule.friction_set(wheel.friction), _axis(wheel)
-        roll, side = limits.along, limits.across
-        if wheel.index in stuck:
-            own = stuck[wheel.index]
-            inside = own.along * own.along + own.across * own.across < 1 and -limits.cut < own.across < limits.cut
-            if not inside or (roll and wheel.scaled_speed) or (side and wheel.scaled_side_speed):
+        load, limits, d, (x, y), (a, b) = form[0], rule.friction_set(wheel.friction), _axis(wheel), *_at(wheel)
+        if wheel.index not in known:
+            slip = _slip(wheel, form, limits, omega) if load and (limits.along or limits.across) else None
+            if slip is not None:
+                forces.append(scaled(slip.pull, -load / slip.size))
+            elif load and (limits.along or limits.across):
                 return False
-            along, across = _wrench(d, wheel), _wrench(turned(d), wheel)
-            forces += [scaled(along, -load * roll * own.along), scaled(across, -load * side * own.across)]
-            free = ((along, load * roll * (not wheel.scaled_speed)), (across, load * side))
-            spanned += [direction for direction, reach in free if reach]
-        elif wheel.axis is not None and load:
-            slip = _slip(wheel, form, limits, scene.field.zero)
-            if slip is None:
-                return False
-            forces.append(scaled(slip.pull, -load / slip.size))
-        elif wheel.scaled_speed:
-            forces.append(scaled(_wrench(d, wheel), load * roll * wheel.scaled_speed.sign()))
+            continue
+        own, q = known[wheel.index], (-omega * y - a, omega * x - b)
+        along, across = limits.along * dot(d, q), limits.across * cross(d, q)
+        inside = own.along * own.along + own.across * own.across < 1
+        on_side = own.rolls and across and own.across == limits.cut * across.sign()
+        if along or not inside or not (on_side or (not across and -limits.cut < own.across < limits.cut)):
+            return False
+        rows = scaled(_wrench(d, wheel), load * limits.along), scaled(_wrench(turned(d), wheel), load * limits.across)
+        forces += [scaled(rows[0], -own.along), scaled(rows[1], -own.across)]
+        spanned += [row for row in rows[: 1 if own.rolls else 2] if any(row)]
     return not any(total(scene.field.zero, forces)) and len(independent(spanned)) == 3
+
+
+def _at(wheel: Wheel) -> tuple[Vector, Vector]:
+    return wheel.position, _surface(wheel)
 
 
 def carries(scene: Scene, region: LoadRegion, velocity: Vector, omega: Number) -> bool:

@@ -217,7 +217,7 @@ def test_a_slip_across_the_axis_alone_leaves_a_roller_s_force_open() -> None:
     result = check_smooth(scene)
     assert result.check()
     found = result.equilibrium.point
-    assert found.balance.stuck is None
+    assert found.held == ()
     assert found.situation is Situation.OPEN
 
 

@@ -7,6 +7,8 @@ Five situations are told apart, each by exact evidence:
 - *smooth rest* and *smooth spin*: the gradient of D vanishes at ``(0, 0, omega)`` and H is positive definite there: the
   field is smooth, and the eigenvalues of its linearization decide (Hurwitz: exponentially stable);
 - *sticking*: wheels that stick answer the balance strictly inside their friction sets: rest fills a neighbourhood;
+- *held spin*: the same of a spin, at which some wheels stick, or rims do not slip while their rollers turn: near the
+  point the body turns about it, wherever its centre of mass lies;
 - *moved*: the best rotation about the point is enclosed between two rational rates, and over the enclosure the
   gradient of D in the translation directions stays away from zero (balls); or forces that balance a pull back bound the
   speed from below (:mod:`nonsmooth.proofs.boxes.balanced_forces`), wheels that stick and rollers included: no
@@ -14,11 +16,12 @@ Five situations are told apart, each by exact evidence:
 - *at rest within rounding*: a place of rest is enclosed that no printed digit tells from the point
   (:mod:`nonsmooth.proofs.boxes.enclosed_rest`), and what follows holds at it for every member of the box;
 - otherwise the point is not decided, and the reason says why.  So it is, under rule ``roller``, where rollers turn at
-  the motion in question and leave the Hessian singular, or are about to turn, or rims do not slip.
+  the motion in question and leave the Hessian singular, or are about to turn.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -51,6 +54,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
     inner,
     scaled,
     scene_rows,
+    total,
 )
 from nonsmooth.symbolic.mechanics.contact_states import solve_rows
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, FrictionSet
@@ -59,7 +63,7 @@ from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 
-# ---- equilibrium at rest under a rule without cells, exactly -------------------------------------
+# ---- wheels that are held, at rest or at a spin, exactly -----------------------------------------
 #
 # At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with the support functions f_i of the
 # friction sets (:mod:`nonsmooth.symbolic.mechanics.friction_set`; rule ``ellipse``:
@@ -73,73 +77,83 @@ from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 # force.  Wheels that
 # stick at rest (``u_i = 0``) may carry any force in their set.  The least-norm forces that restore balance are tried:
 # inside the sets they prove equilibrium, strictly inside (with rows of rank three) they prove that rest is the only
-# minimizer in a neighbourhood.
+# minimizer in a neighbourhood: any other motion costs more, and so it stays while the loads change a little.
+#
+# The same holds of a spin ``(0, 0, omega)`` at which wheels stick.  A wheel whose rim does not slip while its rollers
+# turn has its force on a straight side of its set, ``(x, kappa sgn s_i)`` with ``|x| < sqrt(1 - kappa^2)``, and is held
+# along its rim alone.
 
 
 @dataclass(frozen=True)
-class StuckForce:
-    """Force of a wheel that sticks at rest, in units of the half-axes of its friction set."""
+class HeldForce:
+    """Force of a wheel that is held, in units of the half-axes of its friction set.
+
+    Attributes:
+        wheel: its number.
+        along, across: the force.
+        limits: the friction set.
+        rolls: whether its rollers turn, so that it is held along its rim alone.
+    """
 
     wheel: int
     along: Number
     across: Number
     limits: FrictionSet
+    rolls: bool
 
     @property
     def squared(self) -> Number:
         """``|f|^2``; admissible up to one."""
         return self.along * self.along + self.across * self.across
 
-
-@dataclass(frozen=True)
-class RestBalance:
-    """Force and moment of the slipping wheels at rest, and the stuck wheels' forces that answer it.
-
-    Attributes:
-        residual: ``-sum N_i pull_i`` over the wheels that slip at rest: with rims ``sum N_i mu_R sgn(u_i) a_i``.
-        stuck: forces of the wheels that stick, of least norm; None where none are determined: their rows have a rank
-            below three, or a wheel slips across its friction axis alone, under a set with a straight side.
-    """
-
-    residual: Triple
-    stuck: tuple[StuckForce, ...] | None
-
     @property
-    def strict(self) -> bool:
-        """Whether rest is shown to be the only minimizer in a neighbourhood of the equilibrium."""
-        return bool(self.stuck) and all(f.limits.holds_strictly(f.along, f.across) for f in self.stuck or ())
+    def is_strict(self) -> bool:
+        """Whether it lies inside the set, or inside the straight side of it on which it is while rollers turn."""
+        return bool(self.squared < 1) if self.rolls else self.limits.holds_strictly(self.along, self.across)
 
 
-def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
-    """Balance of forces at rest at the centred scene's equilibrium, which the load region holds."""
-    zero = scene.field.zero
-    loaded = [slip for slip in slips_at(scene, region, zero) if slip.load[0]]
-    rough = [slip for slip in loaded if slip.piece is BorderPiece.KINK]  # no gradient: no slip that costs
-    residual = scaled(gradient(zero, (slip for slip in loaded if slip.piece is not BorderPiece.KINK)), -1)
-    columns = [column for slip in rough for column in _stuck_rows(slip)]
-    answer = _least_norm([column for _, _, column in columns], residual)
-    if answer is None or any(slip.limits.across * slip.across for slip in rough):
-        return RestBalance(residual, None)
-    shares = {slip.wheel: [zero, zero] for slip in rough}
-    for (wheel, axis, _), share in zip(columns, answer, strict=True):
-        shares[wheel][axis] = share
-    forces = []
+def are_strict(held: Sequence[HeldForce]) -> bool:
+    """Whether forces show that a spin is the only minimizer at the equilibrium, and in a neighbourhood of it."""
+    return bool(held) and all(force.is_strict for force in held)
+
+
+def held_forces(scene: Scene, region: LoadRegion, omega: Number) -> tuple[HeldForce, ...]:
+    """Forces of the wheels that a spin about the equilibrium of a centred scene holds, which balance the others.
+
+    They are of least norm.  None where none are determined: the rows that are held have a rank below three.
+
+    Args:
+        scene: the array.
+        region: whose loads hold at the equilibrium.
+        omega: the rotation rate.
+    """
+    zero, rows, turning = scene.field.zero, [], []
+    along: dict[int, Number] = {}
+    across: dict[int, Number] = {}
+    loaded = [slip for slip in slips_at(scene, region, omega) if slip.load[0]]
+    rough = [slip for slip in loaded if slip.piece is BorderPiece.KINK]  # no gradient: no slip along the axis
     for slip in rough:
-        along, across = shares[slip.wheel]
-        forces.append(StuckForce(slip.wheel, along, across, slip.limits))
-    return RestBalance(residual, tuple(forces))
-
-
-def _stuck_rows(slip: Slip[Number]) -> list[tuple[int, int, Triple]]:
-    """Number of a wheel that sticks, axis, and force with moment of a unit of its half-axis there, where it has one."""
-    sizes = enumerate((slip.limits.along, slip.limits.across))
-    return [(slip.wheel, axis, scaled(slip.rows[axis], slip.load[0] * size)) for axis, size in sizes if size]
+        limits = slip.limits
+        push = limits.cut * (limits.across * slip.across).sign()
+        along[slip.wheel], across[slip.wheel] = zero, push
+        turning.append(scaled(slip.rows[1], slip.load[0] * limits.across * push))
+        free = (limits.along, zero if push else limits.across)
+        rows += [(slip, axis, scaled(slip.rows[axis], slip.load[0] * size)) for axis, size in enumerate(free) if size]
+    if len(rows) < 3:
+        return ()
+    slipping = gradient(zero, (slip for slip in loaded if slip.piece is not BorderPiece.KINK))
+    answer = _least_norm([row for _, _, row in rows], scaled(total(zero, (slipping, *turning)), -1))
+    if answer is None:
+        return ()
+    for (slip, axis, _), share in zip(rows, answer, strict=True):
+        (along, across)[axis][slip.wheel] = share
+    return tuple(
+        HeldForce(slip.wheel, along[slip.wheel], across[slip.wheel], slip.limits, bool(slip.across)) for slip in rough
+    )
 
 
 def _least_norm(columns: Sequence[Triple], target: Triple) -> list[Number] | None:
     """Least-norm f with ``sum f_k columns_k = target``; None where the columns have a rank below three."""
-    if len(columns) < 3:
-        return None
     rows = gram(columns)
     adjugate = cofactors(*rows)
     determinant = inner(rows[0], adjugate[0])
@@ -163,6 +177,7 @@ class Situation(StrEnum):
     CARRIED = "carried by all wheels without slip"
     SMOOTH = "smooth minimizer"
     STICKING = "held at rest by sticking wheels"
+    HELD = "turned by wheels that are held"
     MOVED = "driven away"
     ENCLOSED = "at rest within rounding"
     OPEN = "not decided"
@@ -177,7 +192,7 @@ class EllipsePoint:
         region: the load region that holds the equilibrium (the first, where several meet).
         situation: see :class:`Situation`.
         twist: the exact minimizer at the equilibrium, where it is known.
-        balance: forces at rest.
+        held: forces of the wheels that the twist holds; at rest, where none is known.
         linearization: first-order motion (smooth minimizers whose loads are smooth too).
         reason: one sentence for people.
         rest: the place of rest that is the point within rounding, where no exact one is known.
@@ -187,7 +202,7 @@ class EllipsePoint:
     region: LoadRegion
     situation: Situation
     twist: Twist | None
-    balance: RestBalance
+    held: tuple[HeldForce, ...]
     linearization: Linearization | None
     reason: str
     rest: EnclosedRest | None = None
@@ -213,7 +228,7 @@ class EllipsePoint:
             return self.rest.stability
         if self.equilibrium is not Equilibrium.HOLDS:
             return Translation.UNDECIDED
-        if self.situation in (Situation.CARRIED, Situation.STICKING):
+        if self.situation in (Situation.CARRIED, Situation.STICKING, Situation.HELD):
             return Translation.STABLE
         return Translation.UNDECIDED if self.linearization is None else linear_stability(self.linearization.translation)
 
@@ -234,18 +249,18 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     """Decide the situation at the equilibrium of a centred scene."""
     zero = scene.field.zero
     here = [region for region in regions if region.polygon.contains((zero, zero))]
-    region, balance = here[0], rest_balance(scene, here[0])
+    region = here[0]
     carried = common_twist(scene, region)
-    rates = spin_candidates(scene, region) if carried is None else ()
+    rates = dict.fromkeys((*spin_candidates(scene, region), *_held_rates(scene, region))) if carried is None else ()
     resting = _in_balls(scene, region)
     for twist in [carried] if carried is not None else [Twist(zero, zero, rate) for rate in rates]:
-        found = None if _is_no_minimizer(resting, twist) else motion_with(scene, region, balance, twist)
+        found = None if _is_no_minimizer(resting, twist) else motion_with(scene, region, twist)
         if found is not None and found.linearization is not None and len(here) > 1:
             reason = f"{found.reason}; the loads change their form at the equilibrium, so there is no linearization"
             return replace(found, linearization=None, reason=reason)
         if found is not None:
             return found
-    open_point = EllipsePoint(scene, region, Situation.OPEN, None, balance, None, "")
+    open_point = EllipsePoint(scene, region, Situation.OPEN, None, held_forces(scene, region, zero), None, "")
     if _is_moved(resting):
         reason = "the translation part of the gradient of D stays away from zero for every spin"
         return replace(open_point, situation=Situation.MOVED, reason=reason)
@@ -262,19 +277,22 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     return open_point.undecided(reason)
 
 
-def motion_with(scene: Scene, region: LoadRegion, balance: RestBalance, twist: Twist) -> EllipsePoint | None:
+def motion_with(scene: Scene, region: LoadRegion, twist: Twist) -> EllipsePoint | None:
     """The situation in which the body moves with a twist at the point; None where it is not shown to."""
     zero = scene.field.zero
+    held = held_forces(scene, region, zero if any(twist.velocity) else twist.omega)
 
     def point(situation: Situation, reason: str, linear: Linearization | None = None) -> EllipsePoint:
-        return EllipsePoint(scene, region, situation, twist, balance, linear, reason)
+        return EllipsePoint(scene, region, situation, twist, held, linear, reason)
 
     if is_carried(scene, region, twist):
         text = f"({twist.vx}, {twist.vy}, {twist.omega})"
         return point(Situation.CARRIED, f"the twist {text} satisfies every row of every wheel")
-    if not any(twist) and balance.strict:
-        what = "friction limits" if any(force.limits.is_cut for force in balance.stuck or ()) else "friction ellipses"
-        return point(Situation.STICKING, f"the sticking wheels balance the others strictly inside their {what}")
+    if not any(twist.velocity) and are_strict(held):
+        what = "friction limits" if any(force.limits.is_cut for force in held) else "friction ellipses"
+        which = "wheels that are held" if any(force.rolls for force in held) else "sticking wheels"
+        situation = Situation.HELD if twist.omega else Situation.STICKING
+        return point(situation, f"the {which} balance the others strictly inside their {what}")
     slips = slips_at(scene, region, twist.omega)
     if any(twist.velocity) or not all(slip.is_smooth for slip in slips) or any(gradient(zero, slips)):
         return None
@@ -287,6 +305,14 @@ def motion_with(scene: Scene, region: LoadRegion, balance: RestBalance, twist: T
         return point(Situation.OPEN, reason)
     what = f"a spin at {twist.omega}" if twist.omega else "rest"
     return point(Situation.SMOOTH, f"the gradient of D vanishes at {what} and its Hessian is positive definite", linear)
+
+
+def _held_rates(scene: Scene, region: LoadRegion) -> list[Number]:
+    """The spins at which at least two rims of loaded wheels do not slip: ``omega a_3 = u``."""
+    rims = [slip for slip in slips_at(scene, region, scene.field.zero) if slip.load[0] and slip.limits.along]
+    levers = [(slip.along, slip.rows[0][2]) for slip in rims]
+    rates = Counter(-along * lever / (lever * lever) for along, lever in levers if lever)  # of squares: without roots
+    return [rate for rate, count in rates.items() if count > 1]
 
 
 def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:

@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
 from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried, rest_balance
+from nonsmooth.proofs.clauses.at_point.ellipse import are_strict, common_twist, ellipse_point, held_forces, is_carried
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -278,7 +278,9 @@ def _rests_by_sticking(scene: Scene, loads: LoadSet) -> bool:
     """Whether sticking wheels hold the body at every corner of the set; strictly inside is a convex condition too."""
     if all(wheel.scaled_speed and wheel.friction.roll for wheel in scene.wheels) or loads.bound.corners is None:
         return False
-    return all(rest_balance(scene, under_load(scene, corner)).strict for corner in loads.bound.corners)
+    return all(
+        are_strict(held_forces(scene, under_load(scene, corner), scene.field.zero)) for corner in loads.bound.corners
+    )
 
 
 def _suspects(scene: Scene, loads: LoadSet, rates: Sequence[Number]) -> Iterator[Loads]:
