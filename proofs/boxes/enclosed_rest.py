@@ -8,6 +8,7 @@ one nearby.  Where D bends in every direction the twist is smooth in c, and ``c'
 
 Where D has an edge, held wheels keep it: a rim that does not slip while its rollers turn, or a wheel without any slip.
 Their forces, inside the friction sets, are unknowns beside the twist, and their slips stay zero (:class:`Balance`).
+Three rows that are held fix the twist: near the place of rest the body turns about it wherever its centre of mass is.
 
 All numbers of the scene are boxes, zero wide where they are exact.  So each member of what was rounded has a place of
 rest in the box, and what is true of A all over the box is true of each.
@@ -68,11 +69,12 @@ class Balance:
     """
 
     def __init__(self, scene: Scene, loads: LoadBox, held: Mapping[int, int]) -> None:
-        """For a number of held rows, one or two, of some wheels."""
+        """For a number of held rows, one or two, of some wheels: at most three in all."""
         rule, zero = smooth_rule_of(scene), scene.field.zero
         self._slips = [slip_at_rest(wheel, (zero, zero, zero), rule).map(ball_of) for wheel in scene.wheels]
         self._loads, self._held = loads, held
         self.size = 3 + sum(held.values())
+        self.fixes_twist = self.size == 6
 
     def at(self, unknowns: arb_mat, place: Sequence[arb]) -> tuple[arb_mat, arb_mat, arb_mat] | None:
         """The equations (n, 1), by the unknowns (n, n) and by the place (n, 2).
@@ -85,7 +87,7 @@ class Balance:
         for k, (slip, load, (_, *load_slope)) in enumerate(zip(self._slips, loads, self._loads.forms, strict=True)):
             now, count = slip.moved(twist), self._held.get(k, 0)
             forces = unknowns.entries()[row : row + count]
-            pull = _held_pull(now, forces) if count else now.pull if now.is_smooth else None
+            pull = self._held_pull(now, forces) if count else now.pull if now.is_smooth else None
             if pull is None or not load > 0:
                 return None
             for i in range(3):
@@ -117,19 +119,20 @@ class Balance:
             through[k, 2] = y * by_vx - x * by_vy + by_omega
         return value, through
 
-
-def _held_pull(slip: Slip[arb], forces: Sequence[arb]) -> tuple[arb, arb, arb] | None:
-    """The force of a wheel that is held, along its rim alone or across it too; None where it may begin to slip."""
-    limits, (a, b) = slip.limits, slip.rows
-    if len(forces) == 2:
-        along, across = forces
-        inside = limits.holds_strictly(along / limits.along, across / limits.across)
-    else:
-        (along,), turning = forces, limits.across * slip.across
-        # the straight side ends at the corners, and the rollers turn one way
-        inside = limits.is_cut and bool(abs(along) < limits.along * limits.corner) and bool(turning != 0)
-        across = limits.across * limits.cut * (1 if turning > 0 else -1)
-    return added(scaled(a, along), scaled(b, across)) if inside else None
+    def _held_pull(self, slip: Slip[arb], forces: Sequence[arb]) -> tuple[arb, arb, arb] | None:
+        """The force of a wheel that is held, along its rim alone or across it too; None where it may begin to slip."""
+        limits, (a, b) = slip.limits, slip.rows
+        if len(forces) == 2:
+            along, across = forces
+            inside = limits.holds_strictly(along / limits.along, across / limits.across)
+        else:
+            (along,), turning = forces, limits.across * slip.across
+            push = limits.across * limits.cut
+            # the straight side ends at the corners, and the rollers turn one way, or the twist does not ask how they do
+            inside = limits.is_cut and bool(abs(along) < limits.along * limits.corner)
+            inside = inside and (bool(turning != 0) or self.fixes_twist)
+            across = push if turning > 0 else -push if turning < 0 else push * arb(0, 1)
+        return added(scaled(a, along), scaled(b, across)) if inside else None
 
 
 def unknowns_at_rest(z: arb_mat) -> arb_mat:
@@ -184,7 +187,9 @@ class EnclosedRest:
 
     @property
     def stability(self) -> Translation:
-        """By the trace and the determinant of A."""
+        """By the trace and the determinant of A; stable where the twist is fixed, so that bodies turn about it."""
+        if self.balance.fixes_twist:
+            return Translation.STABLE
         return linear_stability([list(row) for row in self.slope.tolist()])
 
     @property
@@ -236,11 +241,15 @@ def _guesses(scene: Scene) -> Iterator[tuple[Balance, arb_mat]]:
     tried: list[dict[int, int]] = []
     for slowest in HELD:
         along, across = (slip < slowest for slip in slips)
-        slides = across | (forces.sets.cut < 1)  # where its rim does not slip its rollers may turn
-        held = {k: 2 if across[k] else 1 for k in np.flatnonzero(along & slides).tolist()}
-        if held not in tried:
+        turns = forces.sets.cut < 1  # where its rim does not slip its rollers may turn
+        held = {k: 2 if across[k] else 1 for k in np.flatnonzero(along & (across | turns)).tolist()}
+        if sum(held.values()) > 3 == len(held):  # of rims that fix the twist alone
+            held = dict.fromkeys(held, 1)
+        if held not in tried and sum(held.values()) <= 3:
             tried.append(held)
-            start = [0.0, 0.0, float(twist[0, 2]) / forces.length]
+            vx, vy, omega = twist[0, 0], twist[0, 1], twist[0, 2] / forces.length
+            about = [-vy / omega, vx / omega] if sum(held.values()) == 3 and omega else [0.0, 0.0]  # of a fixed twist
+            start = [*map(float, about), float(omega)]
             start += [float(pulls[kind][0, k]) for k, count in held.items() for kind in range(count)]
             yield Balance(scene, loads, held), arb_mat([[arb(entry)] for entry in start])
 

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import Real, brief_text
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
+from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING, either_way
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
@@ -131,7 +131,8 @@ def decide_translation_at(
     if samples and (lemma is None or always):
         from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 
-        sampled = sample_smooth_derivative(point.scene, samples)
+        with either_way(point.scene.field):  # no sample decides anything
+            sampled = sample_smooth_derivative(point.scene, samples)
     linear, mass = point.linearization, None
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and linear is not None:
         mass = decide_mass_limit(linear, squared_radius_of_disc(point.scene))

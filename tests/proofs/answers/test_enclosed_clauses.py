@@ -18,11 +18,14 @@ import pytest
 from flint import arb, arb_mat
 
 import nonsmooth as ns
+from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
+from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust import touching_rings
 from nonsmooth.proofs.robust.ends import COARSE, field_beside, velocity_of
 from nonsmooth.proofs.robust.level_sets import (
@@ -276,6 +279,29 @@ def test_wheels_that_slip_as_slowly_as_places_are_rounded_are_not_held(tmp_path:
         spin = mpmath.findroot(lambda omega: mpmath.diff(dissipation, omega), (1, mpmath.mpf("1.00002")))
         assert all(abs(bound - spin) < 1e-12 for bound in map(float, rest.rates))
         assert 1e-6 < abs(spin - 1) < 1e-4
+
+
+@pytest.mark.parametrize("skew", [60, 75, 90])
+@pytest.mark.parametrize("count", [3, 5])
+def test_three_rims_that_do_not_slip_turn_bodies_about_an_enclosed_place(count: int, skew: int, tmp_path: Path) -> None:
+    """Of rings of rollers in thousandths, wherever the centre of mass is nearby; by an independent minimizer."""
+    angles = [360 * k // count for k in range(count)]
+    wheels = "".join(
+        f'[[wheel]]\nposition = ["{round(1000 * math.cos(math.radians(a)))}/1000", '
+        f'"{round(1000 * math.sin(math.radians(a)))}/1000"]\nheading = "{a + skew} deg"\nspeed = 1\n'
+        for a in angles
+    )
+    (tmp_path / "ring.toml").write_text(f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n{wheels}')
+    scene = load_scene(tmp_path / "ring.toml", rule="roller")
+    rest = enclosed_rest(scene)
+    if rest is None:  # a wheel on the axis of symmetry may roll either way
+        assert (count, skew) == (5, 90)
+        return
+    assert rest.stability is Translation.STABLE
+    x, y, omega = (float(entry.mid()) for entry in (*rest.place, rest.spin))
+    near = np.random.default_rng(count).uniform(-0.02, 0.02, (50, 2))
+    twists = minima_under(smooth_rule_of(scene), scene, near).twists
+    assert twists == pytest.approx(np.tile([omega * y, -omega * x, omega], (50, 1)), abs=1e-9)
 
 
 @few(1)
