@@ -35,7 +35,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, between, gains
 from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheel_forms
 from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, ImposedTwist, rank_of
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, _has_short_paths
-from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, home_disc
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, home_disc, turning_disc
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, _decay
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import (
@@ -229,8 +229,10 @@ def _(result: EllipseTranslation) -> bool:
         and evidence_holds(mass)
     ):
         return False
-    home = home_disc(point.scene, point.region, point.linearization)
-    return result.region_radius in (None, home) and evidence_holds(point)
+    discs = [None, home_disc(point.scene, point.region, point.linearization)]
+    if point.turns_within is not None:
+        discs.append(turning_disc(point, point.turns_within))
+    return result.region_radius in discs and evidence_holds(point)
 
 
 @evidence_holds.register

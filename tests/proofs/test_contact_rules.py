@@ -39,6 +39,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, candidate_twists
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
+from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
@@ -141,7 +142,7 @@ def test_rims_that_do_not_slip_turn_the_body_while_their_rollers_turn(
     file = tmp_path / "ring.toml"
     file.write_text(
         f'[friction]\nmu_roll = 1\nmu_side = "{ratio}"\n[ring]\ncount = {count}\n'
-        f'[field]\nkind = "spiral"\nangle = "{angle}"\n'
+        f'[field]\nkind = "spiral"\nangle = "{angle}"\n[check]\nradius = "7/20"\n'
     )
     scene = load_scene(file, rule="roller")
     point = point_of(scene)
@@ -154,11 +155,16 @@ def test_rims_that_do_not_slip_turn_the_body_while_their_rollers_turn(
         here = least_dissipation(scene, (x, y), np.array([0, 0, spin]))
         for other in np.random.default_rng(count).normal(size=(20, 3)):
             assert least_dissipation(scene, (x, y), np.array([0, 0, spin]) + 0.01 * other) > here
+    radius = decide_translation_at(point, None).region_radius
+    assert radius is not None
+    angles = np.linspace(0, 2 * np.pi, 60)
+    border = 0.999 * float(radius) * np.column_stack([np.cos(angles), np.sin(angles)])
+    assert twists_near(scene, border) == pytest.approx(np.tile([0, 0, spin], (60, 1)), abs=1e-9)
 
 
 def least_dissipation(scene: Scene, centre: tuple[float, float], twist: Floats) -> float:
     """``sum_i N_i min_t (mu_R |(r_i, s_i - t)| + mu_S |t|)`` for a twist about the origin, at a centre of mass."""
-    (region,) = load_regions(scene)
+    region = load_regions(scene, scene.check.equilibrium)[0]
     total, speeds = 0.0, np.linspace(-4, 4, 80_001)
     for wheel, (load, by_x, by_y) in zip(scene.wheels, region.forces, strict=True):
         normal = float(load) + float(by_x) * centre[0] + float(by_y) * centre[1]
@@ -178,7 +184,11 @@ def test_sticking_wheels_hold_the_body_inside_their_cut_discs(arrays: Arrays, ra
     scene = replace(scene, wheels=wheels)
     point = point_of(scene)
     assert (point.situation, point.translation) == (Situation.STICKING, Translation.STABLE)
-    assert np.abs(twists_near(scene, np.array([(0.0, 0.0), (1e-3, -2e-3)]))).max() < 1e-9
+    radius = decide_translation_at(point, None).region_radius
+    assert radius is not None
+    angles = np.linspace(0, 2 * np.pi, 60)
+    border = 0.999 * float(radius) * np.column_stack([np.cos(angles), np.sin(angles)])
+    assert np.abs(twists_near(scene, border)).max() < 1e-9
 
 
 def test_it_is_driven_away_from_an_off_centre_point() -> None:

@@ -41,127 +41,20 @@ from nonsmooth.proofs.boxes.linearization import (
     slips_at,
     spin_candidates,
 )
+from nonsmooth.proofs.clauses.at_point.held_wheels import HeldForce, are_strict, held_forces, radius_of_turning
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     RowKind,
-    Triple,
     Twist,
-    cofactors,
-    combine,
-    gram,
     independent,
-    inner,
-    scaled,
     scene_rows,
-    total,
 )
 from nonsmooth.symbolic.mechanics.contact_states import solve_rows
-from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, FrictionSet
+from nonsmooth.symbolic.mechanics.friction_set import BorderPiece
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
-
-# ---- wheels that are held, at rest or at a spin, exactly -----------------------------------------
-#
-# At the equilibrium (centred scene, c = 0) rest minimizes ``D = sum N_i f_i``, with the support functions f_i of the
-# friction sets (:mod:`nonsmooth.symbolic.mechanics.friction_set`; rule ``ellipse``:
-# ``f_i = sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)``), iff ``0 in dD(0)``.  Where every loaded wheel slips at rest
-# (``u_i != 0``), D is smooth there and that is the balance ::
-#
-#     sum_i N_i mu_R sgn(u_i) a_i = 0,      a_i = [d_i; d_i . J p_i],  b_i = [n_i; n_i . J p_i]
-#
-# because a slip along the rim alone is on the arc of every set: under rule ``roller`` the rollers stand.  A wheel whose
-# friction axis is not its rim slips across the axis too; its force is that of its slip, wherever the set has one such
-# force.  Wheels that
-# stick at rest (``u_i = 0``) may carry any force in their set.  The least-norm forces that restore balance are tried:
-# inside the sets they prove equilibrium, strictly inside (with rows of rank three) they prove that rest is the only
-# minimizer in a neighbourhood: any other motion costs more, and so it stays while the loads change a little.
-#
-# The same holds of a spin ``(0, 0, omega)`` at which wheels stick.  A wheel whose rim does not slip while its rollers
-# turn has its force on a straight side of its set, ``(x, kappa sgn s_i)`` with ``|x| < sqrt(1 - kappa^2)``, and is held
-# along its rim alone.
-
-
-@dataclass(frozen=True)
-class HeldForce:
-    """Force of a wheel that is held, in units of the half-axes of its friction set.
-
-    Attributes:
-        wheel: its number.
-        along, across: the force.
-        limits: the friction set.
-        rolls: whether its rollers turn, so that it is held along its rim alone.
-    """
-
-    wheel: int
-    along: Number
-    across: Number
-    limits: FrictionSet
-    rolls: bool
-
-    @property
-    def squared(self) -> Number:
-        """``|f|^2``; admissible up to one."""
-        return self.along * self.along + self.across * self.across
-
-    @property
-    def is_strict(self) -> bool:
-        """Whether it lies inside the set, or inside the straight side of it on which it is while rollers turn."""
-        return bool(self.squared < 1) if self.rolls else self.limits.holds_strictly(self.along, self.across)
-
-
-def are_strict(held: Sequence[HeldForce]) -> bool:
-    """Whether forces show that a spin is the only minimizer at the equilibrium, and in a neighbourhood of it."""
-    return bool(held) and all(force.is_strict for force in held)
-
-
-def held_forces(scene: Scene, region: LoadRegion, omega: Number) -> tuple[HeldForce, ...]:
-    """Forces of the wheels that a spin about the equilibrium of a centred scene holds, which balance the others.
-
-    They are of least norm.  None where none are determined: the rows that are held have a rank below three.
-
-    Args:
-        scene: the array.
-        region: whose loads hold at the equilibrium.
-        omega: the rotation rate.
-    """
-    zero, rows, turning = scene.field.zero, [], []
-    along: dict[int, Number] = {}
-    across: dict[int, Number] = {}
-    loaded = [slip for slip in slips_at(scene, region, omega) if slip.load[0]]
-    rough = [slip for slip in loaded if slip.piece is BorderPiece.KINK]  # no gradient: no slip along the axis
-    for slip in rough:
-        limits = slip.limits
-        push = limits.cut * (limits.across * slip.across).sign()
-        along[slip.wheel], across[slip.wheel] = zero, push
-        turning.append(scaled(slip.rows[1], slip.load[0] * limits.across * push))
-        free = (limits.along, zero if push else limits.across)
-        rows += [(slip, axis, scaled(slip.rows[axis], slip.load[0] * size)) for axis, size in enumerate(free) if size]
-    if len(rows) < 3:
-        return ()
-    slipping = gradient(zero, (slip for slip in loaded if slip.piece is not BorderPiece.KINK))
-    answer = _least_norm([row for _, _, row in rows], scaled(total(zero, (slipping, *turning)), -1))
-    if answer is None:
-        return ()
-    for (slip, axis, _), share in zip(rows, answer, strict=True):
-        (along, across)[axis][slip.wheel] = share
-    return tuple(
-        HeldForce(slip.wheel, along[slip.wheel], across[slip.wheel], slip.limits, bool(slip.across)) for slip in rough
-    )
-
-
-def _least_norm(columns: Sequence[Triple], target: Triple) -> list[Number] | None:
-    """Least-norm f with ``sum f_k columns_k = target``; None where the columns have a rank below three."""
-    rows = gram(columns)
-    adjugate = cofactors(*rows)
-    determinant = inner(rows[0], adjugate[0])
-    if not determinant:
-        return None
-    multiplier = scaled(combine(target, adjugate), divided(determinant.field.one, determinant))
-    return [inner(column, multiplier) for column in columns]
-
 
 # ---- the situation -------------------------------------------------------------------------------
 
@@ -220,6 +113,15 @@ class EllipsePoint:
         if self.twist is not None:
             return Equilibrium.FAILS if any(self.twist.velocity) else Equilibrium.HOLDS
         return Equilibrium.FAILS if self.situation is Situation.MOVED else Equilibrium.UNDECIDED
+
+    @property
+    def turns_within(self) -> arb | None:
+        """Within what radius bodies move with this twist, where wheels impose it and loads keep their affine forms."""
+        if self.situation is Situation.CARRIED:
+            return arb("inf")
+        if self.situation not in (Situation.HELD, Situation.STICKING) or self.twist is None:
+            return None
+        return radius_of_turning(self.scene, self.region, self.twist.omega, self.held)
 
     @property
     def translation(self) -> Translation:

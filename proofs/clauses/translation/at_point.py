@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from flint import arb
+
 from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import HalfPlane
@@ -17,7 +19,7 @@ from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
 from nonsmooth.proofs.clauses.at_point.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
@@ -72,7 +74,8 @@ class EllipseTranslation(WithoutCells):
         sampled: V* at random points of the square, where it is not known exactly.
         mass: up to which mass a body is attracted under full dynamics; None where the point does not attract, or
             where that is not decided.
-        region_radius: of a disc in which the distance falls strictly, so that every body comes home from it.
+        region_radius: of a disc in which the distance falls strictly, so that every body comes home from it; or of one
+            in which bodies turn about the point, or rest.
     """
 
     point: EllipsePoint
@@ -85,6 +88,11 @@ class EllipseTranslation(WithoutCells):
     def verdict(self) -> Translation:
         """Strong stability of (x, y)."""
         return self.point.translation
+
+    @property
+    def home_radius(self) -> Number | None:
+        """Radius of a disc of starts that come home; None where only starts close by are known to."""
+        return self.region_radius if self.verdict is Translation.ASYMPTOTICALLY_STABLE else None
 
     @property
     def worst_rate(self) -> Number | None:
@@ -136,11 +144,13 @@ def decide_translation_at(
     linear, mass = point.linearization, None
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and linear is not None:
         mass = decide_mass_limit(linear, squared_radius_of_disc(point.scene))
-    home = home_disc(point.scene, point.region, linear) if mass is not None else None
+    disc = home_disc(point.scene, point.region, linear) if mass is not None else None
+    if point.equilibrium is Equilibrium.HOLDS and point.turns_within is not None:
+        disc = turning_disc(point, point.turns_within)
     inertia = point.scene.inertia
     if inertia is not None and inertia.centre_height is not None:
         mass = None  # it is that of a body whose centre of mass is at the wheels; the answer on inertia says more
-    return EllipseTranslation(point, lemma, sampled, mass, region_radius=home)
+    return EllipseTranslation(point, lemma, sampled, mass, region_radius=disc)
 
 
 # ---- a disc by convexity -------------------------------------------------------------------------
@@ -166,10 +176,29 @@ def home_disc(scene: Scene, region: LoadRegion, linearization: Linearization | N
     """
     if linearization is None or inward_pull(linearization.slope) is None:
         return None
+    radius = _disc_of_loads(scene, region)
+    return radius if radius.sign() > 0 else None
+
+
+def _disc_of_loads(scene: Scene, region: LoadRegion) -> Number:
+    """Radius of a disc about the point in the square, in which loads are affine; zero where there is none."""
     radius = scene.check.radius
     for side in region.polygon.sides:
         if (side.offset * side.offset - radius * radius * dot(side.normal, side.normal)).sign() < 0:
             radius = min(radius, _distance_below(scene, side))
+    return radius
+
+
+def turning_disc(point: EllipsePoint, within: arb) -> Number | None:
+    """Radius of the disc in which wheels impose a spin, or rest; None where there is none.
+
+    Args:
+        point: at which they do.
+        within: a radius within which the forces of the wheels allow it.
+    """
+    radius = _disc_of_loads(point.scene, point.region)
+    if not within.lower() >= radius.ball():
+        radius = min(radius, point.scene.field.rational(max(rational_below(within), Fraction(0))))
     return radius if radius.sign() > 0 else None
 
 
