@@ -205,6 +205,14 @@ def test_no_certificate_says_the_opposite() -> None:
     assert refused({**record, "statement": {**record["statement"], "subject": subject}})
 
 
+def test_parts_with_roots_are_refused_by_what_is_missing() -> None:
+    """Not by the names of the roots, which are no states."""
+    result = decide_system(built([f"-{power('x', '1/2')}", "sqrt(Abs(x)) - y"]))
+    assert result.verdict is ATTRACTS
+    with pytest.raises(NoCertificateError, match="parts without roots of states"):
+        certificate_of(result)
+
+
 VELOCITIES = [
     *((own, 2) for own in ("-2*x", "y - x*3", "(x + y)**2 - sqrt(Abs(x))", "x*y + sgn(x)*(x - 2*y)")),
     *((own, 6) for own in ("-2*x", "y - Abs(x)**(2/3)*3", "(x + y)**2 - Abs(x)**(5/6)", "sgn(x)*(x - 2*y)")),
