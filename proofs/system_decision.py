@@ -159,8 +159,9 @@ def _decided(system: SwitchedSystem) -> StabilityResult:
     point = checked_point(system)
     findings = _walk(point).findings or (_open(point),)
     deciding = Known(findings).standing or findings[-1]
-    equilibrium = _equilibrium(point, deciding.verdict)
-    return StabilityResult(point.system, equilibrium, findings, point.given, reach_of(point, deciding))
+    equilibrium, given = _equilibrium(point, deciding.verdict), point.given
+    stated = given if given is not None and point.speaks_of(given) else None
+    return StabilityResult(point.system, equilibrium, findings, stated, reach_of(point, deciding))
 
 
 def checked_point(system: SwitchedSystem) -> CheckedPoint:

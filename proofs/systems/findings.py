@@ -355,6 +355,10 @@ class CheckedPoint(ABC):
         """Whether what a V shows on the checked cube is said of the stated states."""
         return True
 
+    def speaks_of(self, function: ExaminedFunction) -> bool:
+        """Whether what a V shows in the time of the roots is so of the stated states."""
+        return True
+
     def reach(self, found: Finding) -> Reach:
         """What is known of starts and times beside the V that decides."""
         return Reach()

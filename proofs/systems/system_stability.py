@@ -35,6 +35,7 @@ from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_ce
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     CheckedPoint,
+    ExaminedFunction,
     Finding,
     Known,
     Method,
@@ -185,6 +186,13 @@ class PlanePoint(CheckedPoint):
         """Whether solutions cross the axes of roots on the whole square."""
         return axes_are_crossed_within(self.system, self.system.check.radius)
 
+    def speaks_of(self, function: ExaminedFunction) -> bool:
+        """Whether solutions cross the axes of roots where a V does not increase; one that falls shows that they do.
+
+        On such an axis the scaled field rests wherever a solution may stay: V is kept there, whatever the states do.
+        """
+        return function.decrease is not Decrease.WEAK or axes_are_crossed_within(self.system, function.domain.radius)
+
     def reach(self, found: Finding) -> Reach:
         """Whether every start of the plane comes to the point, and those near it in time."""
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
@@ -277,7 +285,7 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
         return Finding(Method.GROWTH, Translation.UNSTABLE, "a positive V grows along every solution", function)
     if function.decrease is Decrease.STRICT:
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
-    if function.decrease is not Decrease.WEAK:
+    if function.decrease is not Decrease.WEAK or not point.speaks_of(function):
         return None
     rest = next((str(ray) for ray in point.rays if ray.kind is RayKind.REST), "")
     refutes = rest or (KEPT if function.is_kept else "")
