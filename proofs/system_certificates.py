@@ -315,7 +315,7 @@ def _by_parts(parts: Parts, system: System) -> Draft:
     slide = parts.slide
     if slide is None:
         pairs = zip(parts.results, entries, strict=True)
-        listed = [{"states": list(own.scene.states), "entry": entry} for own, entry in pairs]
+        listed = [{"states": list(own.scene.stated_states), "entry": entry} for own, entry in pairs]
         entry, statements = Search().entry(system, "cascade", {"parts": listed})
     else:
         hypotheses = {"cells": slide.cells, "surface": slide.number, "state": slide.state, "entry": entries[0]}

@@ -159,8 +159,10 @@ def _decided(system: SwitchedSystem) -> StabilityResult:
     point = checked_point(system)
     findings = _walk(point).findings or (_open(point),)
     deciding = Known(findings).standing or findings[-1]
-    equilibrium = _equilibrium(point, deciding.verdict)
-    return StabilityResult(point.system, equilibrium, findings, point.given, reach_of(point, deciding))
+    equilibrium, given = _equilibrium(point, deciding.verdict), point.given
+    if given is not None and given.decrease is Decrease.WEAK and not point.is_covered_within(given.domain.radius):
+        given = None  # it may grow along solutions that stay where a root of a state is zero
+    return StabilityResult(point.system, equilibrium, findings, given, reach_of(point, deciding))
 
 
 def checked_point(system: SwitchedSystem) -> CheckedPoint:
@@ -357,7 +359,7 @@ def _reach_by_function(point: CheckedPoint, found: Finding, known: Reach) -> Rea
     reach = Reach()
     if function is not None and (function.decrease is Decrease.STRICT or found.entry is None):
         reach = _reach_of_function(system, function)
-    if not point.speaks_of_states:
+    if not point.is_covered_within(system.check.radius):
         reach = Reach(in_finite_time=reach.in_finite_time)
     entry = found.entry if found.is_global else None
     if not known.everywhere and entry is None:

@@ -24,7 +24,7 @@ from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -350,9 +350,8 @@ class CheckedPoint(ABC):
         """Of a system in roots of states, whether what is proved of the roots holds for the states; else true."""
         return True
 
-    @property
-    def speaks_of_states(self) -> bool:
-        """Whether what a V shows on the checked cube is said of the stated states."""
+    def is_covered_within(self, radius: Number | None) -> bool:
+        """The same on a whole cube about it, or in the space (None)."""
         return True
 
     def reach(self, found: Finding) -> Reach:

@@ -84,10 +84,10 @@ def turn_growth(fan: TangentFan) -> TurnGrowth | None:
     if len(senses) != 1 or 0 in senses:
         return None
     sense = senses.pop()
-    total = arb(0)
+    total, whole = arb(0), (Fraction(0), Fraction(1))
     for bits in PRECISIONS:
         with ctx.workprec(bits):
-            total = sum((_integral(cone, sense) for cone in fan.cones), arb(0))
+            total = sum((_integral_between(growth_on_chord(cone, sense), *whole) for cone in fan.cones), arb(0))
             if total > 0 or total < 0:
                 break
     return growth_of_logarithm(total, sense)
@@ -105,10 +105,6 @@ def _sense(cone: TangentCone) -> int:
     across = turning(cone.leading)[0]
     signs = {sign(across(ray)) for ray in (cone.start, cone.inner, cone.end)}
     return signs.pop() if len(signs) == 1 else 0
-
-
-def _integral(cone: TangentCone, sense: int) -> arb:
-    return _integral_between(growth_on_chord(cone, sense), Fraction(0), Fraction(1))
 
 
 def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
@@ -133,6 +129,7 @@ def _on_chord(form: Polynomial, cone: TangentCone) -> acb_poly:
 Rate: TypeAlias = Callable[[acb], acb]
 
 PRECISION = 128  # bits of all balls
+EVALUATIONS = 10**6  # of an integrand: forms of high degree take a tenth of them
 WIDTH = Fraction(1, 2**40)  # of the pieces around roots
 
 
@@ -235,7 +232,8 @@ def _integral_of_largest(rates: Sequence[Rate], low: Fraction, high: Fraction) -
 
 
 def _integral_between(rate: Rate, low: Fraction, high: Fraction) -> arb:
-    return arb(acb.integral(lambda u, _: rate(u), acb(rational_ball(low)), acb(rational_ball(high))).real)
+    start, end = acb(rational_ball(low)), acb(rational_ball(high))
+    return arb(acb.integral(lambda u, _: rate(u), start, end, eval_limit=EVALUATIONS).real)
 
 
 def _enclosed_on(rates: Sequence[Rate], low: Fraction, high: Fraction) -> arb:

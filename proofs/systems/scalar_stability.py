@@ -204,7 +204,7 @@ def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
     ends = at - left, at + right
     low, high = ends if scene.by_roots is None else (scene.by_roots.roots.stated(state, end) for end in ends)
     words = f"every start with {brief_text(low)} < {state} < {brief_text(high)} reaches the equilibrium"
-    record = {"from": Quantity(ends[0]), "to": Quantity(ends[1]), "text": words}
+    record = {"from": Quantity(low), "to": Quantity(high), "text": words}
     return Fact("region", record, words, row="region")
 
 

@@ -63,10 +63,8 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.systems.leading_terms import LeadingTerms
 
 
-def holds_everywhere(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> bool:
+def holds_everywhere(cells: Sequence[FieldCell]) -> bool:
     """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
-    if not axes_are_crossed_within(scene, None):
-        return False
     degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
     return are_cones(cells) and len(degrees) <= 1
 
@@ -112,7 +110,7 @@ class PlanePoint(CheckedPoint):
     @cached_property
     def is_covered(self) -> bool:
         """Whether solutions cross the axes of roots near the point."""
-        return axes_are_crossed(self.system)
+        return all(_is_crossed(self.system, axis, half) for axis in _axes(self.system) for half in (1, -1))
 
     @cached_property
     def fan(self) -> ConstantFan | None:
@@ -180,16 +178,19 @@ class PlanePoint(CheckedPoint):
 
     # ---- how far a finding carries ---------------------------------------------------------------
 
-    @property
-    def speaks_of_states(self) -> bool:
-        """Whether solutions cross the axes of roots on the whole square."""
-        return axes_are_crossed_within(self.system, self.system.check.radius)
+    def is_covered_within(self, radius: Number | None) -> bool:
+        """Whether they do so on a whole square about it, or on the plane."""
+        system = self.system
+        if radius is None and any(system.check.equilibrium[place].sign() for place in _rooted_places(system)):
+            return False
+        within = (_keeps_sign(member, axis, radius) for member in _unscaled(system) for axis in _axes(system))
+        return self.is_covered and all(within)
 
     def reach(self, found: Finding) -> Reach:
         """Whether every start of the plane comes to the point, and those near it in time."""
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return Reach()
-        everywhere = holds_everywhere(self.system, self.cells)
+        everywhere = self.is_covered_within(None) and holds_everywhere(self.cells)
         return Reach(everywhere=everywhere, in_finite_time=arrives_in_time(self.system, self.cells))
 
 
@@ -277,7 +278,7 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
         return Finding(Method.GROWTH, Translation.UNSTABLE, "a positive V grows along every solution", function)
     if function.decrease is Decrease.STRICT:
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
-    if function.decrease is not Decrease.WEAK:
+    if function.decrease is not Decrease.WEAK or not point.is_covered_within(function.domain.radius):
         return None
     rest = next((str(ray) for ray in point.rays if ray.kind is RayKind.REST), "")
     refutes = rest or (KEPT if function.is_kept else "")
@@ -341,25 +342,11 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
 # sign.  Then every solution crosses at single instants, in both times (``|x|`` grows like t, so
 # ``ds = dt/(2 sqrt(|x|))`` is integrable), and solutions correspond one to one until they meet the checked point.
 # Near it that suffices for the verdict; for a region and for the plane it is required on all of it
-# (docs/theory.md).
+# (docs/theory.md).  Where a V falls in the scaled field solutions cross: that field rests wherever one may stay on the
+# axis.  A V that does not increase there may grow along one that stays: crossing is required where it is stated.
 
 
 LINE = ("s",)
-
-
-def axes_are_crossed(system: SwitchedSystem) -> bool:
-    """Whether near the checked point solutions cross every axis on which the root of a state is zero."""
-    return all(_is_crossed(system, axis, half) for axis in _axes(system) for half in (1, -1))
-
-
-def axes_are_crossed_within(system: SwitchedSystem, radius: Number | None) -> bool:
-    """Whether they do so on a whole square about it, or on the plane (None)."""
-    if system.by_roots is None:
-        return True
-    if any(system.check.equilibrium[place].sign() for place in _rooted_places(system)) and radius is None:
-        return False
-    within = (_keeps_sign(member, axis, radius) for member in _unscaled(system) for axis in _axes(system))
-    return axes_are_crossed(system) and all(within)
 
 
 @effort_of_its_own(EFFORT)

@@ -91,6 +91,15 @@ def test_random_systems_are_not_contradicted(seed: int) -> None:
         assert last > 0.9
 
 
+def test_a_turn_and_its_mirror_image_grow_by_one_factor() -> None:
+    """The integral over a quadrant takes many evaluations in one sense alone."""
+    damping = f"5/2*{power('x', '5/4')} + 6*Abs(x)**(5/4)"
+    for sense in ("", "-"):
+        result = decide_system(built([f"{sense}{power('y', '5/2')} - ({damping})", f"-5*{sense}{power('x', '3/4')}"]))
+        assert result.verdict is ATTRACTS
+        assert "a factor of 0.085352535," in result.reason  # of the root of y
+
+
 def test_a_path_arrives_when_its_closed_form_does() -> None:
     """``x' = -x^(1/3)``: ``x^(2/3)`` falls at 2/3, so from 8 the time is 6."""
     system = built([f"-{power('x', '1/3')}", "1"])
@@ -203,6 +212,14 @@ def test_no_certificate_says_the_opposite() -> None:
     assert turned != record["statement"]["subject"]["rhs"]
     subject = {**record["statement"]["subject"], "rhs": turned}
     assert refused({**record, "statement": {**record["statement"], "subject": subject}})
+
+
+def test_parts_with_roots_are_refused_by_what_is_missing() -> None:
+    """Not by the names of the roots, which are no states."""
+    result = decide_system(built([f"-{power('x', '1/2')}", "sqrt(Abs(x)) - y"]))
+    assert result.verdict is ATTRACTS
+    with pytest.raises(NoCertificateError, match="parts without roots of states"):
+        certificate_of(result)
 
 
 VELOCITIES = [

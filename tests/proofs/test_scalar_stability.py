@@ -46,6 +46,7 @@ ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE,
         ("-x + 20*Max(Min(x - 1/4, 1/40), 0)", ATTRACTS, -0.5, 5 / 19),  # a dip between two switchings
         ("sin(x) - x", ATTRACTS, -0.5, 0.5),
         ("-x/(1 - x)", ATTRACTS, -0.5, 0.5),
+        ("-Abs(x)**(1/3)*sgn(x) + 16*x", ATTRACTS, -1 / 64, 1 / 64),  # of x, not of its root
         ("sgn(x)", LEAVES, None, None),
         ("x**2", LEAVES, None, None),
         ("2 - sgn(x)", LEAVES, None, None),

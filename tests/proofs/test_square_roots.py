@@ -106,6 +106,28 @@ BY_THEMSELVES = [
 ]
 
 
+AWAY = "relu(y - 1/4)"  # beyond 1/4 solutions slide along x = 0, and y grows there
+
+
+@pytest.mark.parametrize(
+    ("rhs", "verdict", "radius"),
+    [
+        (["-sqrt(Abs(x))*sgn(x) - sgn(x)", "y"], Translation.UNSTABLE, None),
+        (
+            [f"y - 8*{AWAY}*sgn(x) - sqrt(Abs(x))*sgn(x)", f"-sgn(x)/2 + 4*{AWAY}"],
+            Translation.ASYMPTOTICALLY_STABLE,
+            0.3,
+        ),
+        ([f"y - 8*{AWAY}*sgn(x) - {AWAY}*sqrt(Abs(x))", f"-sgn(x)/2 + 4*{AWAY}"], Translation.STABLE, 0.25),
+    ],
+)
+def test_a_v_is_not_kept_where_time_stands_still(rhs: list[str], verdict: Translation, radius: float | None) -> None:
+    """Of the scaled field V does not increase on the square of 1/2; of the states it does on x = 0."""
+    result = decide_system(built(rhs, lyapunov="root_x**2 + y**2"))
+    assert (result.verdict, result.given) == (verdict, None)
+    assert radius is None or 0 < float(result.function.domain.radius) <= radius
+
+
 @few(4)
 @pytest.mark.parametrize(("rhs", "at", "truth"), BY_THEMSELVES)
 def test_states_that_no_other_one_moves_are_decided_by_themselves(
