@@ -25,9 +25,6 @@ from nonsmooth.symbolic.numbers.number_text import place_text, short_text
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from nonsmooth.reports.studies.result import Result
-    from nonsmooth.symbolic.mechanics.scene import Scene
-
 
 @dataclass(frozen=True, kw_only=True)
 class PartitionOptions(Options):
