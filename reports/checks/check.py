@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.reports.output.progress import notice, progress, steps
 from nonsmooth.reports.output.refusals import RefusedError, UnwrittenError, bad_input, refusals_named
-from nonsmooth.reports.output.study_options import FAIL, LawName, Options, RegionSearch, option
+from nonsmooth.reports.output.study_options import FAIL, LawName, Options, RegionSearch, SceneTexts, option
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown
@@ -106,6 +106,7 @@ class CheckOptions(Options):
 class CheckStudy(SceneStudy[CheckOptions]):
     """A check of one scene or of many."""
 
+    argument = SceneTexts
     options = CheckOptions
     changes = (*SceneStudy.changes, "accuracy")
 

@@ -9,7 +9,6 @@ from nonsmooth.reports.output.refusals import RefusedError, refusals_named
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import SceneStudy
-from nonsmooth.reports.studies.study_command import command
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,11 +39,4 @@ class Audit(SceneStudy[AuditOptions]):
             return AuditedFunction(audit(scene, function))
 
 
-audit = command(
-    Audit(),
-    "audit",
-    """Decide whether somebody's function is a Lyapunov function on the checked square.
-
-    Exit status: 0 valid, 1 invalid, 2 bad input, 3 undecided.
-    """,
-)
+AUDIT = Audit()

@@ -16,7 +16,6 @@ from nonsmooth.reports.output.study_options import Drawing, Options, option
 from nonsmooth.reports.output.terminal import later_notes
 from nonsmooth.reports.studies.result import DataTable, Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.reports.studies.study_command import command
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
@@ -25,9 +24,6 @@ from nonsmooth.symbolic.numbers.number_text import place_text, short_text
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from nonsmooth.reports.studies.result import Result
-    from nonsmooth.symbolic.mechanics.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,17 +117,7 @@ def _leaves_motions_open(scene: Scene) -> bool:
     return scene.contact.rule == "box" and scene.contact.loads == UnknownLoads()
 
 
-partition = command(
-    PartitionStudy(),
-    "partition",
-    """List or draw the cells of the plane, each with its contact state and twist, or a sampled field.
-
-    Under rule box with loads = "any": where each motion is possible under some load.
-    Of a plain system in two states: its cells, what solutions do on their borders, and with -o its phase portrait.
-
-    Exit status: 0 done, 2 bad input.
-    """,
-)
+PARTITION = PartitionStudy()
 
 
 # ---- motions that are possible -------------------------------------------------------------------

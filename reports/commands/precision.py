@@ -11,7 +11,6 @@ from nonsmooth.reports.output.refusals import RefusedError
 from nonsmooth.reports.output.study_options import Options, complete_study, option
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.reports.studies.study_command import command
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
@@ -75,11 +74,4 @@ def _studies(names: Sequence[str] | None, kind: SceneKind) -> tuple[Study, ...]:
     return tuple(study for study in studies if not names or study.name in names)
 
 
-precision = command(
-    PrecisionStudy(),
-    "precision",
-    """Measure methods against exact answers: error, time, and how one depends on the other.
-
-    Exit status: 0 done, 2 bad input, 130 interrupted (finished rows are kept).
-    """,
-)
+PRECISION = PrecisionStudy()

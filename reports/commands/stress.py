@@ -7,7 +7,6 @@ from typing import Any
 from nonsmooth.reports.output.study_options import Options
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import SceneStudy
-from nonsmooth.reports.studies.study_command import command
 
 
 class StressStudy(SceneStudy[Options]):
@@ -27,11 +26,4 @@ class StressStudy(SceneStudy[Options]):
             return Stress(measure(measurable(scene), CASES, report=report))
 
 
-stress = command(
-    StressStudy(),
-    "stress",
-    """Stress a scene: extreme scales, ratios, gains and starts, with the error of every result.
-
-    Exit status: 0 all rows ok, 1 not, 2 bad input, 130 interrupted (finished rows are kept).
-    """,
-)
+STRESS = StressStudy()

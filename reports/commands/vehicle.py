@@ -12,7 +12,6 @@ from nonsmooth.reports.output.refusals import RefusedError, refusals_named
 from nonsmooth.reports.output.study_options import Options, VehicleText, option
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.reports.studies.study_command import command
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +26,7 @@ class VehicleOptions(Options):
 class VehicleStudy(SceneStudy[VehicleOptions]):
     """The motion of a vehicle."""
 
+    argument = VehicleText
     options = VehicleOptions
     changes = ("rule",)
     files = "Picture: .svg, .png or .pdf; .csv, .json; parameters of the vehicle's diff_drive_controller: .yaml."
@@ -59,12 +59,4 @@ class VehicleStudy(SceneStudy[VehicleOptions]):
         return result
 
 
-vehicle = command(
-    VehicleStudy(),
-    "vehicle",
-    """Predict how a vehicle on its own wheels moves and turns: twist, slips, forces, effective track.
-
-    Exit status: 0 done, 2 bad input.
-    """,
-    VehicleText,
-)
+VEHICLE = VehicleStudy()

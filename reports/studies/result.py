@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-    from nonsmooth.reports.output.document import Block
 
 Record: TypeAlias = dict[str, Any]
 Formats: TypeAlias = Mapping[str, Callable[[Any, str], bytes]]  # from a result, and an ending, to a file

@@ -4,8 +4,8 @@ A study has a dataclass of options.  Each field states its default, its help and
 options, the keywords of Python, their documentation and their refusals follow.  ``run`` takes a scene and the options
 to a :class:`nonsmooth.reports.studies.result.Result`, which the command shows and Python users hold.
 
-To add an option of a study, write a field.  To add a command, write a study and make its command by
-:func:`nonsmooth.reports.studies.study_command.command`.
+To add an option of a study, write a field.  To add a command, write a study and its entry in
+:mod:`nonsmooth.reports.commands.registry`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from nonsmooth.reports.output.refusals import OptionError, RefusedError, in_keywords
-from nonsmooth.reports.output.study_options import Options, SceneOptions, flag_of, options_of
+from nonsmooth.reports.output.study_options import Options, SceneOptions, SceneText, flag_of, options_of
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ class StudyRequest(Generic[Chosen]):
 class SceneStudy(ABC, Generic[Chosen]):
     """Something that is done with a scene."""
 
+    argument: ClassVar[Any] = SceneText  # how the command offers what the study is about
     options: ClassVar[type[Any]]
     files: ClassVar[str] = ""  # help of ``-o``; without it no file is written
     changes: ClassVar[Sequence[str]] = tuple(options_of(SceneOptions))  # what may be changed of the scene

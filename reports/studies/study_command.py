@@ -15,21 +15,20 @@ from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.messages.scene_error import is_meant
 
 
-def command(study: SceneStudy[Any], name: str, words: str, scene: Any = shared.SceneText) -> Callable[..., int]:
+def command(study: SceneStudy[Any], name: str, words: str) -> Callable[..., int]:
     """The function of a command.
 
     Args:
         study: what the command does.
         name: of the command.
         words: its help, as a docstring: a summary first, the exit statuses last.
-        scene: how its argument is offered.
     """
 
     def run_command(context: Any, scene: Any, **given: Any) -> int:
         return _run_command(study, context, scene, given)
 
     run_command.__name__, run_command.__doc__ = name, words
-    parameters = _parameters(study, scene)
+    parameters = _parameters(study)
     run_command.__signature__ = inspect.Signature(parameters, return_annotation=int)  # type: ignore[attr-defined]
     run_command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return run_command
@@ -89,9 +88,9 @@ def _meant(own: OfferedOption, typed: Any) -> Any:
 # ---- what is offered -----------------------------------------------------------------------------
 
 
-def _parameters(study: SceneStudy[Any], scene: Any) -> list[inspect.Parameter]:
+def _parameters(study: SceneStudy[Any]) -> list[inspect.Parameter]:
     """The parameters of a command: scene, options, file, what may be changed of the scene, and JSON."""
-    found = [_parameter("context", typer.Context), _parameter("scene", scene), *_offered(study.options)]
+    found = [_parameter("context", typer.Context), _parameter("scene", study.argument), *_offered(study.options)]
     if study.files:
         output = typer.Option("-o", "--output", metavar="FILE", help=study.files)
         found.append(_parameter("output", Annotated[str | None, output], None))

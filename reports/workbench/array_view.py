@@ -47,7 +47,6 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.reports.interface.array import Array
 
 Announce: TypeAlias = Callable[[str], None]
 Stage: TypeAlias = Record
