@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.choice import BY_ONE, MAX_NESTED, chosen
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.theorems import UNSTABLE
+from nonsmooth.proofs.falling_function import growth_hypotheses
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, build_inclusion, started, stated_cells
 from nonsmooth.proofs.kernel.escapes import show_escape_of
@@ -29,7 +30,6 @@ from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
-from nonsmooth.proofs.stated_functions import growth_hypotheses
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.search import search_lyapunov

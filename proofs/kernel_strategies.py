@@ -113,7 +113,7 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
 
 def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
-    from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
+    from nonsmooth.proofs.kernel.quotients import find_weighted_function
 
     found = find_weighted_function(with_known_numbers(point.system)) if known.attraction_is_open else None
     return None if found is None else _of_entry(point, found[0])
@@ -162,7 +162,7 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
     system, standing = with_known_numbers(point.system), known.standing
     if system.only_encloses or not known.attraction_is_open:
         return None
-    from nonsmooth.proofs.many_states.curve_of_rest import beside_curve_of_rest
+    from nonsmooth.proofs.many_states.rest_beside import beside_curve_of_rest
 
     curve = beside_curve_of_rest(system, with_function=standing is None)
     if curve is None:
@@ -175,7 +175,7 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
 def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
     """A positive polynomial that solutions keep."""
     from nonsmooth.proofs.many_states.decision import conclude_function
-    from nonsmooth.proofs.many_states.first_integrals import find_kept_function
+    from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 
     found = find_kept_function(with_known_numbers(point.system)) if known.standing is None else None
     return None if found is None else conclude_function(known, found)

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, row_fact, text_fact, unsaid
 from nonsmooth.proofs.kernel.quotients import quotient_text
-from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Supremum
-from nonsmooth.proofs.systems.domain import Domain, cube_text
+from nonsmooth.proofs.systems.domain import DecayKind, DecayRate, Domain, ReshapedRegion, SublevelRegion, cube_text
 from nonsmooth.proofs.systems.findings import (
     DERIVATIVES,
     DecidedSystem,

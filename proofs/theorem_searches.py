@@ -22,10 +22,9 @@ from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.many_states.first_integrals import find_kept_function
 from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growing_product, find_growth
 from nonsmooth.proofs.many_states.relay_degree import show_relay_of
-from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
+from nonsmooth.proofs.many_states.weak_functions import find_kept_function, find_weak_growth
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.systems.scalar_stability import clear_distance, within
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem

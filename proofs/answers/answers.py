@@ -14,7 +14,7 @@ from nonsmooth.proofs.answers.pose import pose_answer
 from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.proofs.theorem4 import Theorem4Result
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import part_of, tell

@@ -24,7 +24,7 @@ from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
-from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.proofs.theorem4 import Theorem4Result
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text

@@ -29,6 +29,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
 from nonsmooth.proofs.kernel.cells import (
     StatedCells,
     build_inclusion,
@@ -47,7 +48,6 @@ from nonsmooth.proofs.kernel.search import (
     stability_hypotheses,
 )
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.proofs.kernel.written import coefficient_text
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction

@@ -35,7 +35,7 @@ from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, form
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.decay_rate import ReshapedRegion, SublevelRegion
+from nonsmooth.proofs.systems.domain import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms

@@ -35,12 +35,13 @@ from nonsmooth.proofs.inequalities.real_roots import (
     RealRoot,
     along_ray,
     between_rays,
+    form_lines,
     germ_sign,
+    lowest_form,
     positive_roots,
     samples_between,
     value,
 )
-from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import sign

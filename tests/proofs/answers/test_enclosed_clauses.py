@@ -43,8 +43,7 @@ from nonsmooth.proofs.robust.rest_points import (
     refined_rates,
 )
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, FIRST_PIECES, least_rate, piece_rates
-from nonsmooth.proofs.theorem4 import check_smooth
-from nonsmooth.proofs.theorem4_result import SmoothCheck
+from nonsmooth.proofs.theorem4 import SmoothCheck, check_smooth
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -33,8 +33,8 @@ from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
+from nonsmooth.proofs.systems.domain import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
