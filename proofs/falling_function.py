@@ -26,7 +26,7 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, rational, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.search import Collected, Functions, decide_claim
+from nonsmooth.proofs.kernel.search import Collected, Functions, decide_claim, instability_hypotheses
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
 from nonsmooth.proofs.kernel.subject import (
     NoCertificateError,
@@ -401,8 +401,7 @@ def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> dic
         NoCertificateError: where V cannot be written, and where no direction leads into a cell.
     """
     stated, cells = stated_function(system, function.domain.radius or system.check.radius, function)
-    direction = _open_direction(system, cells.surfaces)
-    return {"cells": cells.record, "function": _negated(stated), "second": None, "direction": direction}
+    return instability_hypotheses(cells.record, _negated(stated), _open_direction(system, cells.surfaces))
 
 
 def _sides(system: SwitchedSystem, piece: PotentialPiece) -> list[tuple[Form, int]]:
@@ -420,12 +419,12 @@ def _negated(function: str | list[list[str]]) -> Any:
     return [[signs, f"-({own})"] for signs, own in function]
 
 
-def _open_direction(system: SwitchedSystem, surfaces: Sequence[Form]) -> list[str]:
+def _open_direction(system: SwitchedSystem, surfaces: Sequence[Form]) -> Sequence[int]:
     """A direction that leads from the point into a cell: no surface vanishes along it."""
     for size in range(1, 20):
         for direction in product(range(-size, size + 1), repeat=len(system.states)):
             if any(direction) and all(_varies(surface, direction) for surface in surfaces):
-                return list(map(str, direction))
+                return direction
     raise NoCertificateError("a certificate needs a direction that leads into a cell, found none")
 
 

@@ -20,7 +20,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, sharpen
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growing_product, find_growth
 from nonsmooth.proofs.many_states.relay_degree import show_relay_of
@@ -203,7 +203,7 @@ def _leaving(result: DecidedSystem, name: str, stated: StatedCells, radius: Frac
     turn, outward = (1, right) if max(right) > 0 else (-1, left)
     if abs(sum(left)) == len(left) and abs(sum(right)) == len(right):
         function = f"-{name}" if sum(left) < sum(right) else name if sum(left) > sum(right) else f"-Abs({name})"
-        return "instability", {"cells": cells, "function": function, "second": None, "direction": [str(turn)]}
+        return "instability", instability_hypotheses(cells, function, [turn])
     if result.scene.only_encloses:
         raise NoCertificateError("one solution of fields that are only enclosed says nothing of the stated one")
     signs = pattern(surface((turn * radius / 2,)).sign() for surface in stated.surfaces)

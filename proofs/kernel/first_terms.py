@@ -28,7 +28,7 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -126,12 +126,9 @@ def show_linearization_of(system: SwitchedSystem, verdict: str, search: Search |
         matrix = common_jacobian(fields_around(stated, subject, search))
         proposed = quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE) if matrix is not None else ()
         for quadratic, direction in proposed:
-            theorem, hypotheses = _written(stated, quadratic, direction, verdict, subject)
-            try:
-                SampledProofs().entry(subject, theorem, hypotheses)
-                return search.entry(subject, theorem, hypotheses)
-            except NotShownError:
-                continue
+            found = search.tried(subject, *_written(stated, quadratic, direction, verdict, subject))
+            if found is not None:
+                return found
     raise NotShownError("no quadratic function was found that shows it near the point")
 
 
@@ -141,8 +138,7 @@ def _written(
     cells, function = stated.record, formula_text(quadratic, subject.states)
     if verdict == ASYMPTOTICALLY_STABLE:
         return "lyapunov", stability_hypotheses(cells, function, verdict)
-    own = {"cells": cells, "function": function, "second": None, "direction": list(map(str, direction))}
-    return "instability", own
+    return "instability", instability_hypotheses(cells, function, direction)
 
 
 def common_jacobian(fields: Sequence[Field]) -> Floats | None:

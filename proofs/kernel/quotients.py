@@ -9,13 +9,12 @@ linear program proposes P by samples.  (Ahmadi and El Khadir 2018: ``V = (x^4 + 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from fractions import Fraction
 from itertools import permutations
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
@@ -31,6 +30,7 @@ from nonsmooth.proofs.kernel.search import (
     NotShownError,
     SampledProofs,
     Search,
+    instability_hypotheses,
     sample_points,
     stability_hypotheses,
 )
@@ -38,7 +38,7 @@ from nonsmooth.proofs.kernel.written import formula_text, null_basis
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -135,18 +135,13 @@ def kept_forms(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
     falls = [[own.value.terms for claim in same for own in claim.inequalities] for same in falling]
     lowest = min((sum(e) for own in falls for terms in own for e in terms), default=0)
     places = sorted({(k, e) for own in falls for k, terms in enumerate(own) for e in terms if sum(e) == lowest})
-    return null_basis(fmpq_mat([[flint(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
+    return null_basis(fmpq_mat([[as_fmpq(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
 
 
 def coefficients_of(basis: fmpq_mat, chosen: Sequence[Fraction]) -> list[Fraction]:
     """Those of a sum of the columns of a basis."""
-    own = basis * fmpq_mat([[flint(c)] for c in chosen])
+    own = basis * fmpq_mat([[as_fmpq(c)] for c in chosen])
     return list(map(as_fraction, own.entries()))
-
-
-def flint(value: Fraction) -> fmpq:
-    """A fraction as that library has it."""
-    return fmpq(value.numerator, value.denominator)
 
 
 def _rows(claims: Sequence[Sequence[Claim]]) -> Floats:
@@ -216,7 +211,7 @@ WEIGHTS = (3, 4)  # q, tried in turn
 WEIGHTED_SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked square
 SMALL, ANGLES = 2.0**-8, 64  # size of l at samples, and how many there are in each half
 WEIGHTED_WORK = 2_000  # coefficients looked at for one claim
-DIRECTIONS = ("1", "9"), ("9", "1"), ("-1", "9"), ("-9", "1")
+DIRECTIONS = (1, 9), (9, 1), (-1, 9), (-9, 1)
 
 
 def find_weighted_function(system: SwitchedSystem) -> Entry | None:
@@ -272,7 +267,7 @@ def _proposals(claims: Sequence[Sequence[Claim]], functions: Sequence[str], heav
 
     below = [[part(claim.inequalities[0].value.terms, 0, q - 1) for claim in own] for own in claims]
     places = sorted({(k, e) for own in below for k, terms in enumerate(own) for e in terms})
-    table = [[flint(own[k].get(e, Fraction(0))) for own in below] for k, e in places]
+    table = [[as_fmpq(own[k].get(e, Fraction(0))) for own in below] for k, e in places]
     kept = null_basis(fmpq_mat(table)) if table else None
     if kept is None or not kept.ncols():
         return
@@ -294,10 +289,6 @@ def _samples(heavy: int) -> Floats:
 def _shown(subject: System, cells: Record, function: str) -> Entry | None:
     """What a V shows: that the point attracts, or, where it is negative somewhere, that it is unstable."""
     attracts = stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE)
-    leaves = {"cells": cells, "function": function, "second": None}
-    ways = [("lyapunov", attracts), *(("instability", {**leaves, "direction": list(own)}) for own in DIRECTIONS)]
-    for theorem, hypotheses in ways:
-        with suppress(NotShownError):
-            SampledProofs().entry(subject, theorem, hypotheses)
-            return Search(WEIGHTED_WORK).entry(subject, theorem, hypotheses)
-    return None
+    leaves = (("instability", instability_hypotheses(cells, function, own)) for own in DIRECTIONS)
+    tries = (Search(WEIGHTED_WORK).tried(subject, *own) for own in (("lyapunov", attracts), *leaves))
+    return next(filter(None, tries), None)

@@ -19,7 +19,7 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from nonsmooth.proofs.checker import tower
 from nonsmooth.proofs.checker.polynomials import Coefficient, Exponents, Polynomial, constant, variable
 from nonsmooth.proofs.kernel.subject import number_in_names
-from nonsmooth.symbolic.numbers.coefficients import as_fraction, bits
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction, bits
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 
@@ -41,7 +41,7 @@ def exact(value: Coefficient) -> Any:
     """A number of the checker as the program computes with it."""
     if isinstance(value, tower.Number):
         return _in_twin(value, twin(value.field))
-    return fmpq(value.numerator, value.denominator)
+    return as_fmpq(value)
 
 
 @lru_cache(maxsize=KNOWN_FIELDS)

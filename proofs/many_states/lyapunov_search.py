@@ -41,7 +41,7 @@ from nonsmooth.proofs.kernel.cells import (
     rational_terms,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Functions
+from nonsmooth.proofs.kernel.search import Functions, instability_hypotheses
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
 from nonsmooth.proofs.kernel.written import as_checked, terms_of
 from nonsmooth.proofs.many_states.examination import (
@@ -61,6 +61,7 @@ from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -323,9 +324,7 @@ class GrowthEvidence:
     @property
     def entry(self) -> Record:
         """As a certificate holds it."""
-        direction = [str(x) for x in self.direction]
-        cells, function = self.stated.record, self.formula.text
-        hypotheses = {"cells": cells, "function": function, "second": None, "direction": direction}
+        hypotheses = instability_hypotheses(self.stated.record, self.formula.text, self.direction)
         hypotheses |= {} if self.speed is None else {"speed": str(self.speed)}
         return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**self.stated.proofs, **self.proofs}}
 
@@ -393,7 +392,7 @@ def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
     drawn = np.random.default_rng(0).normal(size=(DIRECTIONS, conditions.count))
     for candidate in (*_curved(conditions), *drawn):
         direction = _rounded_direction(candidate)
-        if any(direction) and conditions.is_negative_along([Fraction(int(x.p), int(x.q)) for x in direction]):
+        if any(direction) and conditions.is_negative_along(list(map(as_fraction, direction))):
             return direction
     return None
 

@@ -28,10 +28,10 @@ from flint import fmpq, fmpq_mat
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative
 from nonsmooth.proofs.kernel.bounds import formula
 from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, started, stated_cells
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.written import as_checked
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
@@ -97,8 +97,8 @@ def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = 
         function, *others = (formula(own, system.states) for own in (-relay.rising, *products))
         second = find_second(subject, stated.record, function, search, below=Fraction(0), others=others)
         for shift in SHIFTS if second is not None else ():
-            direction = [str(x + k * shift) for k, x in enumerate(relay.direction, 1)]
-            hypotheses = {"cells": stated.record, "function": function, "second": second, "direction": direction}
+            direction = (x + k * shift for k, x in enumerate(relay.direction, 1))
+            hypotheses = instability_hypotheses(stated.record, function, direction, second)
             with suppress(NotShownError):
                 return search.entry(subject, "instability", hypotheses)
     raise NotShownError("no relay was found whose relative degree shows it")
@@ -157,7 +157,7 @@ def _direction(ladder: Sequence[Polynomial], sense: int) -> tuple[Fraction, ...]
     """The d with ``grad h_0 . d = 1``, ``grad h_(r-1) . d = sense`` and zero between; None for dependent gradients."""
     count = ladder[0].count
     slopes = [[h.slope(k) for k in range(count)] for h in ladder]
-    rows = fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in slopes])
+    rows = fmpq_mat([list(map(as_fmpq, row)) for row in slopes])
     gram = rows * rows.transpose()
     if not gram.det():
         return None

@@ -35,7 +35,7 @@ from nonsmooth.proofs.many_states.center_manifold import (
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_SURFACES = 8  # through the point, whose subsets are tried
@@ -55,7 +55,7 @@ def ray_of_rest(system: SwitchedSystem) -> tuple[Fraction, ...] | None:
     for ray in _rays(cells):
         fields = _beside(cells, ray)
         if fields and _rests(fields):
-            return tuple(Fraction(int(value.p), int(value.q)) for value in ray)
+            return tuple(map(as_fraction, ray))
     return None
 
 
@@ -138,7 +138,7 @@ def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
     if solved.status != 0 or solved.x[-1] <= 0:
         return False
     rounded = [Fraction(float(value)).limit_denominator(WEIGHT_DENOMINATOR) for value in solved.x[:columns]]
-    weights = kept * fmpq_mat([[fmpq(value.numerator, value.denominator)] for value in rounded])
+    weights = kept * fmpq_mat([[as_fmpq(value)] for value in rounded])
     return all(value > 0 for (value,) in weights.tolist())
 
 

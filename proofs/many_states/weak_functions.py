@@ -33,7 +33,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
-from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search, instability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second, gradient, rounded, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
@@ -205,7 +205,7 @@ def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None
             direction = _negative(stated) if second is not None else None
             if direction is None:
                 continue
-            hypotheses = {"cells": cells, "function": text, "second": second, "direction": list(map(str, direction))}
+            hypotheses = instability_hypotheses(cells, text, direction, second)
             with suppress(NotShownError):
                 return search.entry(subject, "instability", hypotheses), text, radius
     return None
