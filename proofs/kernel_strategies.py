@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, Translation, row_fact
+from nonsmooth.proofs.findings.verdicts import Fact, Translation, function_facts, row_fact
 from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -124,7 +124,7 @@ def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
     hypotheses, states = entry["hypotheses"], point.system.states
     within = hypotheses["cells"]["within"]
     where = "the whole space" if within is None else cube_text(point.system.field(Fraction(within)), states)
-    facts = row_fact("with", f"V = {quotient_text(hypotheses)}"), row_fact("on", where)
+    facts = function_facts(quotient_text(hypotheses), where)
     if entry["theorem"] == "instability":
         reason = "V falls along every solution, from negative values at all distances"
         return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
@@ -281,7 +281,7 @@ def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None
     reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
     direction = ", ".join(entry["hypotheses"]["direction"])
     where = f"{cube_text(radius, point.system.states)}; V < 0 in the direction ({direction})"
-    facts = row_fact("with", f"V = {text}"), row_fact("on", where)
+    facts = function_facts(text, where)
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 

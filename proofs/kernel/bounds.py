@@ -23,7 +23,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import float_values
+from nonsmooth.symbolic.numbers.polynomial import float_values, written_powers
 
 LEAST = 2.0**-10  # of a ratio to a power that is worth to be stated
 POWERS = (2, 4, 6, 8)
@@ -192,7 +192,7 @@ def formula(value: Polynomial, names: Sequence[str]) -> str:
     """A polynomial as a text."""
     parts = []
     for exponents, c in sorted(value.terms.items(), reverse=True):
-        powers = [name if e == 1 else f"{name}**{e}" for name, e in zip(names, exponents, strict=True) if e]
+        powers = written_powers(names, exponents)
         number = str(abs(c)) if abs(c) != 1 or not powers else ""
         parts.append(f"{'-' if c < 0 else '+'} {'*'.join([*([number] if number else []), *powers])}")
     joined = " ".join(parts)

@@ -19,7 +19,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import least_sum
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     StatedCells,
@@ -93,13 +93,9 @@ def leading_direction(velocities: Floats) -> Floats | None:
     Returns:
         None where there is none in floats.
     """
-    count = velocities.shape[1]
     scaled = velocities / max(float(np.abs(velocities).max()), np.finfo(float).tiny)
-    found = solve_program(np.ones(2 * count), A_ub=-np.hstack([scaled, -scaled]), b_ub=-np.ones(len(scaled)))
-    if not found.success:
-        return None
-    entries = found.x[:count] - found.x[count:]
-    return np.asarray(entries / np.abs(entries).max())
+    found = least_sum(-scaled, -np.ones(len(scaled)), np.ones(velocities.shape[1]), None)
+    return None if found is None else np.asarray(found / np.abs(found).max())
 
 
 # ---- linearization -------------------------------------------------------------------------------

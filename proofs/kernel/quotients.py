@@ -22,7 +22,7 @@ from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import with_margin
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import (
     Entry,
@@ -45,8 +45,6 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DEGREES = (4, 6)  # of P
 MOST_FORMS = 60  # monomials of P
-KEPT = 0.5  # of the largest margin, with the least sum of sizes
-LEAST = 2.0**-20  # margin, of the largest value in a row, that is proposed
 DENOMINATORS = (1, 4, 16, 64)  # of the coefficients over the largest, tried in turn
 WORK = 4_000  # coefficients looked at for one claim
 MOST_TRIED = 6  # quotients that no sample refutes: what is shown is shown of the first ones
@@ -178,15 +176,9 @@ def proposed(rows: Floats) -> Iterator[list[Fraction]]:
     rows = rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0]
     if not len(rows):  # nothing changes: none is better than another
         return
-    table = np.hstack([-rows, np.ones((len(rows), 1))])
-    costs = [*np.zeros(rows.shape[1]), -1.0]
-    found = solve_program(costs, A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1))
-    if found.status or found.x[-1] < LEAST:
+    chosen = with_margin(rows, np.ones(rows.shape[1]))
+    if chosen is None:
         return
-    both = np.hstack([-rows, rows])
-    limits = np.full(len(rows), -KEPT * found.x[-1])
-    least = solve_program(np.ones(both.shape[1]), A_ub=both, b_ub=limits, bounds=(0, 1))
-    chosen = least.x[: rows.shape[1]] - least.x[rows.shape[1] :] if least.status == 0 else found.x[:-1]
     scaled = chosen / np.abs(chosen).max()
     seen = []
     for denominator in DENOMINATORS:

@@ -31,7 +31,7 @@ from flint import fmpq, fmpq_mat
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, unit, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.findings.verdicts import Fact, row_fact
+from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.cells import StatedCells, fields_seen, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import (
@@ -467,7 +467,7 @@ class ShownByManifold:
         frame = None if self.entry is None else self.entry["hypotheses"]["cells"].get("frame")
         if frame is not None:
             where = cube_text(self.radius, [_form_text(row, states) for row in frame[1]])
-        return row_fact("with", f"V = {one_line(self.formula.text)}"), row_fact("on", where)
+        return function_facts(one_line(self.formula.text), where)
 
 
 def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownByManifold | None:

@@ -47,11 +47,11 @@ from nonsmooth.proofs.many_states.lyapunov_search import (
     LARGE,
     SCALES,
     GrowthEvidence,
-    PiecewiseFunction,
     find_growing_product,
     find_growth,
     find_lyapunov,
     formula_text,
+    monomials,
 )
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, is_definite, simplest
@@ -307,12 +307,7 @@ def _short_quadratic(matrix: RationalMatrix) -> RationalMatrix | None:
 def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
     """``x^T P x`` as a formula."""
     pairs = combinations_with_replacement(range(len(states)), 2)
-    functions, coefficients = [], []
-    for i, j in pairs:
-        text = f"{states[i]}**2" if i == j else f"{states[i]}*{states[j]}"
-        functions.append(PiecewiseFunction(text, 2))
-        coefficients.append(quadratic[i][j] * (1 if i == j else 2))
-    return formula_text(functions, coefficients)
+    return formula_text(monomials(states, 2), [quadratic[i][j] * (1 if i == j else 2) for i, j in pairs])
 
 
 def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> RationalMatrix:

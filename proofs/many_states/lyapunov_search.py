@@ -20,19 +20,19 @@ there and the border of the cube V falls at a rate that is bounded from below, s
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 from flint import fmpq
 
-from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, row_fact
+from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     SignCells,
@@ -53,18 +53,19 @@ from nonsmooth.proofs.many_states.examination import (
     functions_on,
 )
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries, monomials_of
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
+from nonsmooth.proofs.systems.lyapunov_rows import term_text
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
@@ -84,7 +85,7 @@ class PiecewiseFunction:
 def families(cells: SignCells) -> Iterator[tuple[PiecewiseFunction, ...]]:
     """Bases to try in turn."""
     states = cells.states
-    quadratic = _monomials(states, 2)
+    quadratic = monomials(states, 2)
     lines = [s for s in cells.surfaces if s.degree == 1 and s.is_homogeneous]
     jumps = [s for s in lines if field_jumps(cells, s)]
     first = tuple(PiecewiseFunction(_abs(line), 1) for line in jumps)
@@ -97,29 +98,24 @@ def families(cells: SignCells) -> Iterator[tuple[PiecewiseFunction, ...]]:
     if second or beside:
         yield (*first, *quadratic, *second, *beside)
     if _degree(cells) > 1:
-        yield (*first, *quadratic, *_monomials(states, 4))
+        yield (*first, *quadratic, *monomials(states, 4))
 
 
 def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq]) -> str:
     """The sum, functions of low degree first."""
     used = [(c, f) for c, f in zip(coefficients, functions, strict=True) if c]
     used.sort(key=lambda term: term[1].degree)
-    return " + ".join(_term(c, f.text) for c, f in used).replace("+ -", "- ") or "0"
+    return " + ".join(term_text(as_fraction(c), f.text) for c, f in used).replace("+ -", "- ") or "0"
 
 
-def _term(coefficient: fmpq, text: str) -> str:
-    top, bottom = int(coefficient.p), int(coefficient.q)
-    factor = {1: "", -1: "-"}.get(top, f"{top}*")
-    return f"{factor}{text}" + (f"/{bottom}" if bottom != 1 else "")
+def monomial(states: Sequence[str], exponents: Exponents) -> PiecewiseFunction:
+    """A product of powers of states."""
+    return PiecewiseFunction("*".join(written_powers(states, exponents)), sum(exponents))
 
 
-def _monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
-    found = []
-    for chosen in combinations_with_replacement(states, degree):
-        powers = {name: chosen.count(name) for name in chosen}
-        text = "*".join(name if k == 1 else f"{name}**{k}" for name, k in powers.items())
-        found.append(PiecewiseFunction(text, degree))
-    return tuple(found)
+def monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
+    """All of a degree."""
+    return tuple(monomial(states, own) for own in monomials_of(len(states), degree))
 
 
 def _abs(line: Polynomial) -> str:
@@ -319,7 +315,7 @@ class GrowthEvidence:
         """V, and where it falls."""
         direction = ", ".join(map(str, self.direction))
         where = f"{cube_text(self.radius, states)}; V < 0 in the direction ({direction})"
-        return row_fact("with", f"V = {one_line(self.formula.text)}"), row_fact("on", where)
+        return function_facts(one_line(self.formula.text), where)
 
     @property
     def entry(self) -> Record:
@@ -400,14 +396,15 @@ def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
 def _curved(conditions: Functions) -> Iterator[Floats]:
     """Directions in which the quadratic part of a piece is least."""
     for cell in conditions.inclusion.cells:
-        vectors = np.linalg.eigh(_hessian(conditions.potential(cell)))[1]
+        vectors = np.linalg.eigh(hessian(conditions.potential(cell).terms, conditions.count))[1]
         yield vectors[:, 0]
         yield -vectors[:, 0]
 
 
-def _hessian(potential: CheckedPolynomial) -> Floats:
-    matrix = np.zeros((potential.count, potential.count))
-    for exponents, value in potential.terms.items():
+def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
+    """The second derivatives of a polynomial at the origin."""
+    matrix = np.zeros((count, count))
+    for exponents, value in terms.items():
         if sum(exponents) == 2:
             i, j = (k for k, e in enumerate(exponents) for _ in range(e))
             matrix[i, j] += float(value)

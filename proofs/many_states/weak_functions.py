@@ -29,7 +29,7 @@ from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import least_sum
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
@@ -153,11 +153,8 @@ class LinearProgram:
         for matrix, limits in asked:
             rows = np.vstack([self.rates, matrix])
             bounds = np.r_[np.zeros(len(self.rates)), limits]
-            costs = np.r_[self.costs, self.costs]
-            solved = solve_program(costs, A_ub=np.hstack([rows, -rows]), b_ub=bounds, bounds=(0, MOST))
-            if solved.status == 0:
-                size = len(self.costs)
-                values = solved.x[:size] - solved.x[size:]
+            values = least_sum(rows, bounds, self.costs, MOST)
+            if values is not None:
                 found = rounded(values, lambda own: bool(np.all(self.rates @ own <= SLACK)))
                 if found is not None:
                     yield found

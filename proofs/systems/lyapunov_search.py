@@ -34,7 +34,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.proofs.inequalities.forms import Sense
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import least_sum, solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain
@@ -504,11 +504,6 @@ def _weak_proposals(
 def _shortest(positive: Floats, falling: Floats, widest: Floats) -> Floats:
     """Coefficients of least sum of sizes that keep a part of the margin: energies have few terms."""
     margin = np.min(positive @ widest) * KEPT_MARGIN
-    above, below = (np.hstack([-rows, rows]) for rows in (positive, falling))
-    limits = np.concatenate([np.full(len(above), -margin), np.zeros(len(below))])
-    costs = np.ones(2 * positive.shape[1])
-    found = solve_program(costs, A_ub=np.vstack([above, below]), b_ub=limits, bounds=(0, None))
-    if found.status != 0:
-        return widest
-    first, second = np.split(found.x, 2)
-    return np.asarray(first - second)
+    limits = np.concatenate([np.full(len(positive), -margin), np.zeros(len(falling))])
+    found = least_sum(-np.vstack([positive, falling]), limits, np.ones(positive.shape[1]), None)
+    return widest if found is None else found
