@@ -209,7 +209,7 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     system = with_known_numbers(point.system)
     if known.standing is not None or system.only_encloses or not system.others:
         return None
-    from nonsmooth.proofs.choices import choice_words, show_choice_of
+    from nonsmooth.proofs.theorem_searches import choice_words, show_choice_of
 
     try:
         entry, _ = show_choice_of(system)

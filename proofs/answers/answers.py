@@ -21,8 +21,7 @@ from nonsmooth.symbolic.messages.under_way import part_of, tell
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.answers.best_point import RestPoint
-    from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.destinations import Destinations, RestPoint
     from nonsmooth.proofs.answers.heading import HeadingsOfRest
 
 

@@ -2,7 +2,7 @@
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
 2. A velocity that leads from the point into a cell, and the linearization, where there is one; a relay of relative
-   degree three or more (:mod:`nonsmooth.proofs.many_states.relay_degree`).
+   degree three or more (:mod:`nonsmooth.proofs.many_states.lyapunov_search`).
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
@@ -51,12 +51,12 @@ from nonsmooth.proofs.many_states.lyapunov_search import (
     find_growth,
     find_lyapunov,
     formula_text,
+    high_degree_relay,
     monomials,
 )
-from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.derivatives import Decrease, Staying
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -67,7 +67,6 @@ from nonsmooth.proofs.systems.findings import (
     Reach,
     weak_finding,
 )
-from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -10,7 +10,7 @@ rows.  In reversed time the same search finds a function that grows along every 
 
 *A V that does not increase*, where none is found that falls everywhere: energies of damped systems.  The program
 maximizes the margin of V > 0 while V' <= 0 may hold with equality.  Energies have simple coefficients, so rounding
-meets the equalities.  What stays where V' = 0 is asked of :mod:`nonsmooth.proofs.systems.invariance`.
+meets the equalities.  What stays where V' = 0 is asked of :mod:`nonsmooth.proofs.systems.derivatives`.
 
 (HiGHS; what comes out of it is a proposal.)
 """
@@ -36,11 +36,10 @@ from nonsmooth.analysis.cells.switched_cells import (
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.linear_program import least_sum, solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, attracts, examine, inhabited, resting_place
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.energies import energy_near, falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
-from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
     Sides,

@@ -24,8 +24,7 @@ from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, place_text, real_text, short_text
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.answers.best_point import RestPoint
-    from nonsmooth.proofs.answers.destinations import Destination, Destinations
+    from nonsmooth.proofs.answers.destinations import Destination, Destinations, RestPoint
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.symbolic.mechanics.scene import Scene
 

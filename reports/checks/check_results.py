@@ -33,8 +33,7 @@ if TYPE_CHECKING:
 
     from nonsmooth.analysis.bodies.continuum import Prediction
     from nonsmooth.proofs.answers.array_basin import ArrayBasin, NoBasin
-    from nonsmooth.proofs.answers.best_point import RestPoint
-    from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.destinations import Destinations, RestPoint
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.proofs.answers.heading import HeadingsOfRest
     from nonsmooth.reports.laws.law_languages import LawResult

@@ -28,8 +28,7 @@ from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth
-from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
+from nonsmooth.proofs.systems.leading_terms import FusedFocus, TurnGrowth, decide_leading_terms
 from nonsmooth.proofs.systems.ray_moves import build_tangent_fan, conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem_searches import show_verdict

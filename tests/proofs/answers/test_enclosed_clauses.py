@@ -19,7 +19,7 @@ from flint import arb, arb_mat
 
 import nonsmooth as ns
 from nonsmooth.proofs.answers.answers import answers_of
-from nonsmooth.proofs.answers.best_point import best_point
+from nonsmooth.proofs.answers.destinations import best_point
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals

@@ -26,8 +26,7 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import build_cells, is_empty
 from nonsmooth.proofs.many_states.decision import Spectrum, first_cells, spectrum_of
 from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, find_slide
-from nonsmooth.proofs.many_states.lyapunov_search import proposals
-from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
+from nonsmooth.proofs.many_states.lyapunov_search import high_degree_relay, proposals
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
