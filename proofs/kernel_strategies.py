@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, Translation, function_facts, row_fact
-from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
+from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
@@ -113,8 +113,6 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
 
 def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
-    from nonsmooth.proofs.kernel.quotients import find_weighted_function
-
     found = find_weighted_function(with_known_numbers(point.system)) if known.attraction_is_open else None
     return None if found is None else _of_entry(point, found[0])
 

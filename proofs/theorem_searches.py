@@ -1,4 +1,4 @@
-"""The registry of searches for theorems that show verdicts on plain systems, in the order of their trial.
+"""Searches for theorems that show verdicts on plain systems, and their registry in the order of their trial.
 
 A search looks for hypotheses of a theorem of :mod:`nonsmooth.proofs.checker.theorems` and for the evidence of its
 claims.  A new one is a function with the signature of :data:`Show` and a line of :data:`THEOREM_SEARCHES`; its theorem

@@ -1,7 +1,8 @@
 """Where do bodies go that start all over the checked square?
 
 Exact: every rest point, rest line and rest area of the square, and every point about which the body turns, with what a
-body near it does.  Sampled: the share of starts that ends there, from paths of a grid of starts.
+body near it does.  Sampled: the share of starts that ends there, from paths of a grid of starts.  Of
+the rest points the one with the largest certified disc of starts is worth checking (:func:`best_point`).
 """
 
 from __future__ import annotations

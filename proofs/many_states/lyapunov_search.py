@@ -15,7 +15,8 @@ is negative.
 
 *Instability.*  Where V falls along every solution and is negative at some points at every distance, a solution from
 such a point has ``V < V(start) < 0`` from then on, so it stays away from the equilibrium, where V is zero; between
-there and the border of the cube V falls at a rate that is bounded from below, so it leaves.
+there and the border of the cube V falls at a rate that is bounded from below, so it leaves.  Relays of too high a
+degree need no V (:func:`show_relay_of`).
 """
 
 from __future__ import annotations

@@ -12,6 +12,8 @@ or undecided.  Then along every solution
 - < 0 everywhere but at the equilibrium: no solution stays where 0 is in the set, so it is asymptotically stable
   (invariance principle: Bacciotti and Ceragioli 1999, thm. 3).
 
+Where 0 is in the set, :func:`attracts` asks LaSalle's principle whether a solution stays there.
+
 On closed cells < 0 is demanded also on sides where V bends: more than the theorem asks, and never too little.  A corner
 at which V bends twice and the set is positive refutes nothing by itself (no solution need stay there): undecided.
 

@@ -6,7 +6,7 @@ In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i
 
 its *control vector fields* g_i and g_j span the motions that inputs can give: rank 2.  With a side row in third place
 u_i acts alone: rank 1 (the paper's "not locally controllable").  On a side, and at the equilibrium, Filippov mixtures
-of the neighbours' fields are available too.
+of the neighbours' fields are available too.  Which control Lyapunov functions serve all of them is decided below.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Clause 2 under a rule without cells: exact linearization at the point, or rest.
 
 V* over the square is exact only where the lemma on inward rims covers it; otherwise it is sampled with the numerical
-minimizer and said to be sampled.
+minimizer and said to be sampled.  Where loads are unknown, stability is shown under every load, or a
+load that throws the body out.
 """
 
 from __future__ import annotations
