@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.inequalities.prover import prove as prove
     from nonsmooth.proofs.system_audit import audit as audit
     from nonsmooth.proofs.system_decision import decide_system as decide_system
+    from nonsmooth.proofs.theorem4 import CellCheck as CellCheck
+    from nonsmooth.proofs.theorem4 import SmoothCheck as SmoothCheck
     from nonsmooth.proofs.theorem4 import check_theorem4 as check_theorem4
-    from nonsmooth.proofs.theorem4_result import CellCheck as CellCheck
-    from nonsmooth.proofs.theorem4_result import SmoothCheck as SmoothCheck
 
 __getattr__ = on_demand(
     __name__,
@@ -29,7 +29,7 @@ __getattr__ = on_demand(
         "audit": "system_audit",
         "decide_system": "system_decision",
         "check_theorem4": "theorem4",
-        "CellCheck": "theorem4_result",
-        "SmoothCheck": "theorem4_result",
+        "CellCheck": "theorem4",
+        "SmoothCheck": "theorem4",
     },
 )

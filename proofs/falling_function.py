@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,21 +25,27 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
-from nonsmooth.proofs.kernel.cells import BeyondReachError, rational
-from nonsmooth.proofs.kernel.search import Collected, Functions, decide_claim
+from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, rational, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.search import Collected, Functions, decide_claim, instability_hypotheses
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
-from nonsmooth.proofs.kernel.subject import NoCertificateError, subjects_of
+from nonsmooth.proofs.kernel.subject import (
+    NoCertificateError,
+    exact_text,
+    formula_in_names,
+    polynomial_in_names,
+    subjects_of,
+)
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import functions_on
-from nonsmooth.proofs.stated_functions import stated_function
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.decay_rate import (
+from nonsmooth.proofs.systems.domain import (
     GAIN_SHARES,
     SLACK,
     WIDTH,
     DecayKind,
     DecayRate,
     DisturbanceGain,
+    Domain,
     RegionRate,
     SublevelRegion,
     gain_above,
@@ -46,13 +53,13 @@ from nonsmooth.proofs.systems.decay_rate import (
     simple_below,
     slowest_ratio,
 )
-from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.findings import ExaminedFunction
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.proofs.systems.findings import ExaminedFunction, PotentialPiece
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, float_values
+from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- where inequalities of a claim are least -----------------------------------------------------
@@ -357,3 +364,77 @@ def first_shown(
             low = k
         k = (low + high) // 2 if found else len(numbers) - 1
     return found
+
+
+# ---- a V as hypotheses of a certificate ----------------------------------------------------------
+#
+# Its formulas, and the cells of the system and of V.
+
+
+def stated_function(
+    system: SwitchedSystem, radius: Number | None, function: ExaminedFunction | PiecewiseExpression
+) -> tuple[str | list[list[str]], StatedCells]:
+    """V as a certificate states it, and the cells of the system and of V.
+
+    Args:
+        system: in any number of states.
+        radius: half the side of the cube; None for the whole space.
+        function: V, known on cones or as one formula.
+    """
+    if radius is not None:
+        exact_text(radius)
+    pieces = () if isinstance(function, PiecewiseExpression) else function.pieces
+    if len(pieces) <= 1:
+        own = parse_piecewise(str(pieces[0].potential) if pieces else function.text, system.states)
+        return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)
+    sides = [_sides(system, piece) for piece in pieces]
+    cells = stated_cells(system, radius, [line for own in sides for line, _ in own], irrational=True)
+    return [
+        [cells.signs(own), polynomial_in_names(piece.potential)] for own, piece in zip(sides, pieces, strict=True)
+    ], cells
+
+
+def growth_hypotheses(system: SwitchedSystem, function: ExaminedFunction) -> dict[str, Any]:
+    """Of theorem ``instability``, by a V that grows: where it does on all of the plane a square is enough, and bounded.
+
+    Raises:
+        NoCertificateError: where V cannot be written, and where no direction leads into a cell.
+    """
+    stated, cells = stated_function(system, function.domain.radius or system.check.radius, function)
+    return instability_hypotheses(cells.record, _negated(stated), _open_direction(system, cells.surfaces))
+
+
+def _sides(system: SwitchedSystem, piece: PotentialPiece) -> list[tuple[Form, int]]:
+    """The lines through both rays of a cone, each with its sign inside."""
+    if piece.start is None or piece.end is None:
+        raise NoCertificateError("a certificate needs a V on cones with both rays")
+    x, y = system.coordinates()
+    first, last = (y * ray[0] - x * ray[1] for ray in (piece.start, piece.end))
+    return [(first, 1), (last, -1)]
+
+
+def _negated(function: str | list[list[str]]) -> Any:
+    if isinstance(function, str):
+        return f"-({function})"
+    return [[signs, f"-({own})"] for signs, own in function]
+
+
+def _open_direction(system: SwitchedSystem, surfaces: Sequence[Form]) -> Sequence[int]:
+    """A direction that leads from the point into a cell: no surface vanishes along it."""
+    for size in range(1, 20):
+        for direction in product(range(-size, size + 1), repeat=len(system.states)):
+            if any(direction) and all(_varies(surface, direction) for surface in surfaces):
+                return direction
+    raise NoCertificateError("a certificate needs a direction that leads into a cell, found none")
+
+
+def _varies(surface: Form, direction: Sequence[int]) -> bool:
+    """Whether a polynomial is not zero along a ray from the origin: the sums of terms of one degree decide."""
+    by_degree: dict[int, Number] = {}
+    for exponents, coefficient in surface.terms.items():
+        factor = 1
+        for x, exponent in zip(direction, exponents, strict=True):
+            factor *= x**exponent
+        degree = sum(exponents)
+        by_degree[degree] = by_degree.get(degree, surface.field.zero) + coefficient * factor
+    return any(by_degree.values())

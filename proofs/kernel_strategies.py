@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, Translation, row_fact
-from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
+from nonsmooth.proofs.findings.verdicts import Fact, Translation, function_facts, row_fact
+from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
@@ -113,8 +113,6 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
 
 def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
-    from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
-
     found = find_weighted_function(with_known_numbers(point.system)) if known.attraction_is_open else None
     return None if found is None else _of_entry(point, found[0])
 
@@ -124,7 +122,7 @@ def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
     hypotheses, states = entry["hypotheses"], point.system.states
     within = hypotheses["cells"]["within"]
     where = "the whole space" if within is None else cube_text(point.system.field(Fraction(within)), states)
-    facts = row_fact("with", f"V = {quotient_text(hypotheses)}"), row_fact("on", where)
+    facts = function_facts(quotient_text(hypotheses), where)
     if entry["theorem"] == "instability":
         reason = "V falls along every solution, from negative values at all distances"
         return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
@@ -162,7 +160,7 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
     system, standing = with_known_numbers(point.system), known.standing
     if system.only_encloses or not known.attraction_is_open:
         return None
-    from nonsmooth.proofs.many_states.curve_of_rest import beside_curve_of_rest
+    from nonsmooth.proofs.many_states.rest_beside import beside_curve_of_rest
 
     curve = beside_curve_of_rest(system, with_function=standing is None)
     if curve is None:
@@ -175,7 +173,7 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
 def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
     """A positive polynomial that solutions keep."""
     from nonsmooth.proofs.many_states.decision import conclude_function
-    from nonsmooth.proofs.many_states.first_integrals import find_kept_function
+    from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 
     found = find_kept_function(with_known_numbers(point.system)) if known.standing is None else None
     return None if found is None else conclude_function(known, found)
@@ -209,7 +207,7 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     system = with_known_numbers(point.system)
     if known.standing is not None or system.only_encloses or not system.others:
         return None
-    from nonsmooth.proofs.choices import choice_words, show_choice_of
+    from nonsmooth.proofs.theorem_searches import choice_words, show_choice_of
 
     try:
         entry, _ = show_choice_of(system)
@@ -281,7 +279,7 @@ def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None
     reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
     direction = ", ".join(entry["hypotheses"]["direction"])
     where = f"{cube_text(radius, point.system.states)}; V < 0 in the direction ({direction})"
-    facts = row_fact("with", f"V = {text}"), row_fact("on", where)
+    facts = function_facts(text, where)
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 

@@ -19,7 +19,7 @@ from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, lyapunov_cells
 from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.inequalities.linear_program import solve_program
-from nonsmooth.proofs.systems.decay_rate import SublevelRegion
+from nonsmooth.proofs.systems.domain import SublevelRegion
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
     Sides,

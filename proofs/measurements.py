@@ -39,8 +39,7 @@ from nonsmooth.analysis.measurements.studies import BOX_MINIMIZERS, DERIVATION, 
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
+from nonsmooth.proofs.theorem4 import CellCheck, Check, SmoothCheck, check_theorem4
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene

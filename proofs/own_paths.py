@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.theorem4_result import Contradiction
+from nonsmooth.proofs.theorem4 import Contradiction
 from nonsmooth.symbolic.numbers.plane import XY
 
 STARTS = 4

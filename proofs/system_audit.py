@@ -33,10 +33,17 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import RISES, Decrease, Refutation, examine, refutations
+from nonsmooth.proofs.systems.derivatives import (
+    RISES,
+    Decrease,
+    Refutation,
+    Staying,
+    decide_staying,
+    examine,
+    refutations,
+)
 from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise

@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
+from nonsmooth.proofs.falling_function import growth_hypotheses, stated_function
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
@@ -35,7 +36,6 @@ from nonsmooth.proofs.kernel.subject import (
 )
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.parts import Parts
-from nonsmooth.proofs.stated_functions import growth_hypotheses, stated_function
 from nonsmooth.proofs.system_facts import (
     gain_words,
     rate_words,
@@ -44,9 +44,8 @@ from nonsmooth.proofs.system_facts import (
     rewriting_words,
 )
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
-from nonsmooth.proofs.systems.decay_rate import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import Domain, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, Reach
 from nonsmooth.proofs.systems.scalar_stability import distance_hypotheses
 from nonsmooth.proofs.theorem_searches import scalar_theorem, show_verdict

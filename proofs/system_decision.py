@@ -12,9 +12,8 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import DecayKind, Domain
 from nonsmooth.proofs.systems.findings import (
     CheckedPoint,
     DecidedSystem,

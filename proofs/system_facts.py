@@ -9,11 +9,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, row_fact, text_fact, unsaid
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, function_facts, row_fact, text_fact, unsaid
 from nonsmooth.proofs.kernel.quotients import quotient_text
-from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Supremum
-from nonsmooth.proofs.systems.domain import Domain, cube_text
+from nonsmooth.proofs.systems.domain import DecayKind, DecayRate, Domain, ReshapedRegion, SublevelRegion, cube_text
 from nonsmooth.proofs.systems.findings import (
     DERIVATIVES,
     DecidedSystem,
@@ -52,7 +51,8 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if check.quotient is not None and (function is not None or not result.deciding.entry):
         top, bottom = (one_line(part.text) for part in check.quotient)
         yield row_fact(f"tried: V = ({top})/({bottom})", "it was not shown to be positive and to fall")
-    yield from () if function is None else _named(function, states)  # before what is said of this V on this domain
+    if function is not None:  # before what is said of this V on this domain
+        yield from function_facts(function.text, function.domain.text(states))
     yield Fact("lyapunov", tuple(_potential(result)) or None)
     yield Fact("translation", tuple(_stability(result)))
     yield from result.deciding.facts
@@ -83,11 +83,6 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
         yield Fact("gain", _gain_record(reach, states), gain_words(reach, states), row="disturbed")
     elif reach.gain is not None:
         yield row_fact("disturbed", gain_words(reach, states))
-
-
-def _named(function: ExaminedFunction, states: Sequence[str]) -> tuple[Fact, Fact]:
-    """A V, and where it is looked at."""
-    return row_fact("with", f"V = {function.text}"), row_fact("on", function.domain.text(states))
 
 
 def _stability(result: DecidedSystem) -> Iterator[Fact]:

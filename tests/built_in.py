@@ -6,8 +6,7 @@ from dataclasses import replace
 from functools import cache
 
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck, check_cells, check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_systems
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.figures.cells import cell_map

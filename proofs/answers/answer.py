@@ -28,7 +28,7 @@ from nonsmooth.symbolic.numbers.number_text import lower_text, numbers_text, upp
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.theorem4_result import Theorem4Result
+    from nonsmooth.proofs.theorem4 import Theorem4Result
 
 UNDECIDED = "undecided"
 WHY_BELOW = "; why: below"  # at the end of an answer beside which the clauses stand

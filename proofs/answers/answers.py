@@ -14,15 +14,14 @@ from nonsmooth.proofs.answers.pose import pose_answer
 from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.proofs.theorem4 import Theorem4Result
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import part_of, tell
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.answers.best_point import RestPoint
-    from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.destinations import Destinations, RestPoint
     from nonsmooth.proofs.answers.heading import HeadingsOfRest
 
 

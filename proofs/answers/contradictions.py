@@ -24,7 +24,7 @@ from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.proofs.own_paths import CLOSE, FAR, paths_from, starts_around, starts_on_borders
-from nonsmooth.proofs.theorem4_result import CellCheck, Check, Contradiction
+from nonsmooth.proofs.theorem4 import CellCheck, Check, Contradiction
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number

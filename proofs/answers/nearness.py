@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.answers.answer import Results, angle_at_least
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, EveryLoadEquilibrium
-from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
+from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation

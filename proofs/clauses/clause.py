@@ -38,7 +38,7 @@ class JudgedEquilibrium(ShortRepr):
 class CheckedArray(Protocol):
     """What a clause may speak of beside its own result: the array, and what was found outside the clauses.
 
-    Its members are those of :class:`nonsmooth.proofs.theorem4_result.Theorem4Result`.
+    Its members are those of :class:`nonsmooth.proofs.theorem4.Theorem4Result`.
     """
 
     @property

@@ -128,6 +128,11 @@ def row_fact(row: str, words: str, *shown: Any) -> Fact:
     return Fact(words=words, shown=shown, row=row)
 
 
+def function_facts(formula: str, where: str) -> tuple[Fact, Fact]:
+    """A V, and where it is looked at."""
+    return row_fact("with", f"V = {formula}"), row_fact("on", where)
+
+
 def unsaid(facts: Iterable[Fact]) -> tuple[Fact, ...]:
     """The same facts as data only."""
     return tuple(replace(fact, words="", shown=(), row="") for fact in facts)

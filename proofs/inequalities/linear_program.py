@@ -18,7 +18,7 @@ import numpy as np
 from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, independent, inner
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, divided
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 if TYPE_CHECKING:
@@ -272,3 +272,41 @@ def solve_program(costs: Any, **stated: Any) -> OptimizeResult:
         if found.status != TOO_MANY:
             break
     return found
+
+
+def least_sum(rows: Floats, limits: Floats, costs: Floats, most: float | None) -> Floats | None:
+    """The c with ``rows . c <= limits`` of the least ``sum_k costs_k |c_k|``; None where there is none.
+
+    Args:
+        rows: shape (m, k).
+        limits: shape (m,).
+        costs: positive, shape (k,).
+        most: of an ``|c_k|``; None without a bound.
+    """
+    found = solve_program(np.r_[costs, costs], A_ub=np.hstack([rows, -rows]), b_ub=limits, bounds=(0, most))
+    if found.status != 0:
+        return None
+    above, below = np.split(found.x, 2)
+    return np.asarray(above - below)
+
+
+KEPT = 0.5  # of the largest margin, with the least sum of sizes
+LEAST_MARGIN = 2.0**-20  # of rows, each in units of its largest entry, that is proposed
+
+
+def with_margin(rows: Floats, costs: Floats) -> Floats | None:
+    """The c, at most 1 in size, of the least weighted sum of sizes that keeps half of the largest margin.
+
+    Args:
+        rows: r, where the margin is the least ``r . c``.
+        costs: of the sizes.
+
+    Returns:
+        None without a margin.
+    """
+    table = np.hstack([-rows, np.ones((len(rows), 1))])
+    found = solve_program([*np.zeros(rows.shape[1]), -1.0], A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1))
+    if found.status or found.x[-1] < LEAST_MARGIN:
+        return None
+    least = least_sum(-rows, np.full(len(rows), -KEPT * found.x[-1]), costs, 1)
+    return np.asarray(found.x[:-1]) if least is None else least

@@ -16,14 +16,14 @@ from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from flint import Ordering, fmpq_mpoly_ctx
 
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import float_values
+from nonsmooth.symbolic.numbers.polynomial import float_values, written_powers
 
 LEAST = 2.0**-10  # of a ratio to a power that is worth to be stated
 POWERS = (2, 4, 6, 8)
@@ -192,7 +192,7 @@ def formula(value: Polynomial, names: Sequence[str]) -> str:
     """A polynomial as a text."""
     parts = []
     for exponents, c in sorted(value.terms.items(), reverse=True):
-        powers = [name if e == 1 else f"{name}**{e}" for name, e in zip(names, exponents, strict=True) if e]
+        powers = written_powers(names, exponents)
         number = str(abs(c)) if abs(c) != 1 or not powers else ""
         parts.append(f"{'-' if c < 0 else '+'} {'*'.join([*([number] if number else []), *powers])}")
     joined = " ".join(parts)
@@ -205,7 +205,7 @@ def factorized(value: Polynomial) -> tuple[Fraction, list[tuple[Polynomial, int]
         return value.at_origin, []
     names = tuple(f"u{k}" for k in range(value.count))
     context = fmpq_mpoly_ctx.get(names, Ordering.lex)
-    number, parts = context.from_dict({e: fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}).factor()
+    number, parts = context.from_dict({e: as_fmpq(c) for e, c in value.terms.items()}).factor()
     found = []
     for part, exponent in parts:
         terms = {tuple(map(int, e)): as_fraction(c) for e, c in part.to_dict().items()}

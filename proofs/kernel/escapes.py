@@ -21,7 +21,7 @@ from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, rational_terms, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -125,12 +125,10 @@ def show_escape_of(system: SwitchedSystem, verdict: str, search: Search | None =
     for motion in motions(cells):
         for region in regions(motion):
             for k in range(RADII if _may_leave(cells, motion, region) else 0):
-                hypotheses = _hypotheses(cells, motion, region, Fraction(str(cells.radius)) / 4**k)
-                try:
-                    SampledProofs().entry(subject, "escape", hypotheses)
-                    return search.entry(subject, "escape", hypotheses)
-                except NotShownError:
-                    continue
+                radius = Fraction(str(cells.radius)) / 4**k
+                found = search.tried(subject, "escape", _hypotheses(cells, motion, region, radius))
+                if found is not None:
+                    return found
     raise NotShownError("no solution was found that leaves inside a cell or along a face")
 
 

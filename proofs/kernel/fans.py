@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import permutations
@@ -29,6 +30,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
 from nonsmooth.proofs.kernel.cells import (
     StatedCells,
     build_inclusion,
@@ -41,13 +43,12 @@ from nonsmooth.proofs.kernel.cells import (
 from nonsmooth.proofs.kernel.search import (
     Entry,
     NotShownError,
-    SampledProofs,
     Search,
+    instability_hypotheses,
     sample_points,
     stability_hypotheses,
 )
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.proofs.kernel.written import coefficient_text
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
@@ -105,12 +106,9 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
 
     def shown(stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction]) -> Entry | None:
         """The entry of a certificate; None where it is not shown."""
-        try:
-            theorem, hypotheses = _written(stated, cones, values, verdict, subject.states)
-            SampledProofs().entry(subject, theorem, hypotheses)
-            return search.entry(subject, theorem, hypotheses)
-        except NotShownError:
-            return None
+        with suppress(NotShownError):
+            return search.tried(subject, *_written(stated, cones, values, verdict, subject.states))
+        return None
 
     for lines in _line_sets(system):
         smallest = cells(lines, RADII[-1])
@@ -298,8 +296,7 @@ def _written(
         pieces.append([cone.mark, formula])
     if verdict != UNSTABLE:
         return "lyapunov", stability_hypotheses(stated.record, pieces, verdict)
-    direction = list(map(str, _downward(cones, values)))
-    return "instability", {"cells": stated.record, "function": pieces, "second": None, "direction": direction}
+    return "instability", instability_hypotheses(stated.record, pieces, _downward(cones, values))
 
 
 def _gradient(cone: FanCone, value: Fraction, after: Fraction) -> Ray:
@@ -327,7 +324,7 @@ WEIGHT_RADII = (Fraction(1, 4), Fraction(1, 16))  # half-widths of cubes, over t
 WEIGHT_DENOMINATORS = (1 << 2, 1 << 5, 1 << 9)  # of the coefficients, tried in turn
 LEAST_SHARE, MOST = 1 / 16, 64.0  # of c over d, and of both
 SLACK = 2.0**-20  # by which V may rise in floats
-DIRECTION = ["3", "7"]  # in which V is negative near an unstable point
+DIRECTION = (3, 7)  # in which V is negative near an unstable point
 
 
 def show_by_weights(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
@@ -370,7 +367,7 @@ def show_by_weights(system: SwitchedSystem, verdict: str, search: Search | None 
 
 def _hypotheses(cells: Record, function: str, second: Record, *, grows: bool) -> Record:
     if grows:
-        return {"cells": cells, "function": function, "second": second, "direction": DIRECTION}
+        return instability_hypotheses(cells, function, DIRECTION, second)
     return stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE, second)
 
 

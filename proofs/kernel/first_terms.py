@@ -19,7 +19,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import least_sum
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     StatedCells,
@@ -28,7 +28,7 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -93,13 +93,9 @@ def leading_direction(velocities: Floats) -> Floats | None:
     Returns:
         None where there is none in floats.
     """
-    count = velocities.shape[1]
     scaled = velocities / max(float(np.abs(velocities).max()), np.finfo(float).tiny)
-    found = solve_program(np.ones(2 * count), A_ub=-np.hstack([scaled, -scaled]), b_ub=-np.ones(len(scaled)))
-    if not found.success:
-        return None
-    entries = found.x[:count] - found.x[count:]
-    return np.asarray(entries / np.abs(entries).max())
+    found = least_sum(-scaled, -np.ones(len(scaled)), np.ones(velocities.shape[1]), None)
+    return None if found is None else np.asarray(found / np.abs(found).max())
 
 
 # ---- linearization -------------------------------------------------------------------------------
@@ -126,12 +122,9 @@ def show_linearization_of(system: SwitchedSystem, verdict: str, search: Search |
         matrix = common_jacobian(fields_around(stated, subject, search))
         proposed = quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE) if matrix is not None else ()
         for quadratic, direction in proposed:
-            theorem, hypotheses = _written(stated, quadratic, direction, verdict, subject)
-            try:
-                SampledProofs().entry(subject, theorem, hypotheses)
-                return search.entry(subject, theorem, hypotheses)
-            except NotShownError:
-                continue
+            found = search.tried(subject, *_written(stated, quadratic, direction, verdict, subject))
+            if found is not None:
+                return found
     raise NotShownError("no quadratic function was found that shows it near the point")
 
 
@@ -141,8 +134,7 @@ def _written(
     cells, function = stated.record, formula_text(quadratic, subject.states)
     if verdict == ASYMPTOTICALLY_STABLE:
         return "lyapunov", stability_hypotheses(cells, function, verdict)
-    own = {"cells": cells, "function": function, "second": None, "direction": list(map(str, direction))}
-    return "instability", own
+    return "instability", instability_hypotheses(cells, function, direction)
 
 
 def common_jacobian(fields: Sequence[Field]) -> Floats | None:

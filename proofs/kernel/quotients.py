@@ -1,4 +1,4 @@
-"""A V that is a quotient ``P/Q`` of forms, for fields that no polynomial V serves.
+"""A V that is a quotient ``P/Q`` of forms, and one with terms of weight, for fields that no polynomial V serves.
 
 With ``Q = |x|^2`` and forms P of degree 4, or ``|x|^4`` and degree 6, the claims of the checker about P are affine in
 its coefficients.  Where the lowest terms of the field turn about the point without coming nearer, they must leave V as
@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
+from itertools import permutations
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
@@ -21,29 +22,29 @@ from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.inequalities.linear_program import solve_program
-from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells
+from nonsmooth.proofs.inequalities.linear_program import with_margin
+from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import (
     Entry,
     Functions,
     NotShownError,
     SampledProofs,
     Search,
+    instability_hypotheses,
     sample_points,
     stability_hypotheses,
 )
 from nonsmooth.proofs.kernel.written import formula_text, null_basis
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DEGREES = (4, 6)  # of P
 MOST_FORMS = 60  # monomials of P
-KEPT = 0.5  # of the largest margin, with the least sum of sizes
-LEAST = 2.0**-20  # margin, of the largest value in a row, that is proposed
 DENOMINATORS = (1, 4, 16, 64)  # of the coefficients over the largest, tried in turn
 WORK = 4_000  # coefficients looked at for one claim
 MOST_TRIED = 6  # quotients that no sample refutes: what is shown is shown of the first ones
@@ -132,18 +133,13 @@ def kept_forms(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
     falls = [[own.value.terms for claim in same for own in claim.inequalities] for same in falling]
     lowest = min((sum(e) for own in falls for terms in own for e in terms), default=0)
     places = sorted({(k, e) for own in falls for k, terms in enumerate(own) for e in terms if sum(e) == lowest})
-    return null_basis(fmpq_mat([[flint(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
+    return null_basis(fmpq_mat([[as_fmpq(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
 
 
 def coefficients_of(basis: fmpq_mat, chosen: Sequence[Fraction]) -> list[Fraction]:
     """Those of a sum of the columns of a basis."""
-    own = basis * fmpq_mat([[flint(c)] for c in chosen])
+    own = basis * fmpq_mat([[as_fmpq(c)] for c in chosen])
     return list(map(as_fraction, own.entries()))
-
-
-def flint(value: Fraction) -> fmpq:
-    """A fraction as that library has it."""
-    return fmpq(value.numerator, value.denominator)
 
 
 def _rows(claims: Sequence[Sequence[Claim]]) -> Floats:
@@ -180,15 +176,9 @@ def proposed(rows: Floats) -> Iterator[list[Fraction]]:
     rows = rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0]
     if not len(rows):  # nothing changes: none is better than another
         return
-    table = np.hstack([-rows, np.ones((len(rows), 1))])
-    costs = [*np.zeros(rows.shape[1]), -1.0]
-    found = solve_program(costs, A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1))
-    if found.status or found.x[-1] < LEAST:
+    chosen = with_margin(rows, np.ones(rows.shape[1]))
+    if chosen is None:
         return
-    both = np.hstack([-rows, rows])
-    limits = np.full(len(rows), -KEPT * found.x[-1])
-    least = solve_program(np.ones(both.shape[1]), A_ub=both, b_ub=limits, bounds=(0, 1))
-    chosen = least.x[: rows.shape[1]] - least.x[rows.shape[1] :] if least.status == 0 else found.x[:-1]
     scaled = chosen / np.abs(chosen).max()
     seen = []
     for denominator in DENOMINATORS:
@@ -196,3 +186,101 @@ def proposed(rows: Floats) -> Iterator[list[Fraction]]:
         if own not in seen and (rows @ np.array(own, dtype=float) > 0).all():
             seen.append(own)
             yield own
+
+
+# ---- a V whose fall is decided by terms of weight ------------------------------------------------
+#
+# Beside a relay that keeps an energy to first order.
+#
+# Let one state h have the weight 2 and the other one, l, the weight 1, as ``h' = l, l' = -c sign(h)`` has with the
+# energy ``c |h| + l^2/2``, which it keeps.  V is a sum of ``|h|^a h^b l^c`` of weights 2 to q + 1; all terms of V' of
+# weights below q must vanish, which is a linear system, solved exactly, and those of weight q fall on both sides, which
+# a linear program proposes by samples.  So terms are found that make ``-2 l^4`` of an energy definite: ``h |h| l`` has
+# ``2 |h| l^2 - c h^2`` as its derivative.  The checker's claims about V, on small squares, show what they propose.
+
+
+WEIGHTS = (3, 4)  # q, tried in turn
+WEIGHTED_SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked square
+SMALL, ANGLES = 2.0**-8, 64  # size of l at samples, and how many there are in each half
+WEIGHTED_WORK = 2_000  # coefficients looked at for one claim
+DIRECTIONS = (1, 9), (9, 1), (-1, 9), (-9, 1)
+
+
+def find_weighted_function(system: SwitchedSystem) -> Entry | None:
+    """The entry of a certificate that shows that the point attracts, or is unstable; None where neither is found.
+
+    Args:
+        system: in two states, with rational numbers.
+    """
+    if system.by_roots is not None:
+        return None
+    try:
+        subject, _ = started(system, None)
+        for heavy, light in permutations(system.states):
+            for q in WEIGHTS:
+                functions = _functions(heavy, light, q + 1)
+                bent = surfaces_of(system, parse_piecewise(f"Abs({heavy})", system.states))
+                squares = [stated_cells(system, system.check.radius * share, bent).record for share in WEIGHTED_SHARES]
+                claims = _falling_claims(subject, squares[0], functions)
+                for function in _proposals(claims, functions, subject.states.index(heavy), q):
+                    for cells in squares:
+                        found = _shown(subject, cells, function)
+                        if found is not None:
+                            return found
+    except (BeyondReachError, NotShownError, RejectedError, SceneError):
+        return None
+    return None
+
+
+def _functions(heavy: str, light: str, most: int) -> list[str]:
+    """Products of weights 2 to a largest one."""
+    found = []
+    for k in range(most // 2 + 1):
+        power = f"*{heavy}**{k - 1}" if k > 1 else ""
+        sides = [f"{heavy}{power}", f"Abs({heavy}){power}"] if k else [""]
+        for left in range(max(2 - 2 * k, 0), most - 2 * k + 1):
+            tail = [f"{light}**{left}"] if left else []
+            found += ["*".join([*filter(None, [side]), *tail]) for side in sides]
+    return found
+
+
+def _falling_claims(subject: System, cells: Record, functions: Sequence[str]) -> list[list[Claim]]:
+    """That each function falls on each cell, in one order."""
+    own = Functions(subject, {**cells, "empty": []}, functions)
+    every = (own.claims(k, positive=False) for k in range(len(functions)))
+    return [[claim for claim in claims if claim.name.startswith("cell")] for claims in every]
+
+
+def _proposals(claims: Sequence[Sequence[Claim]], functions: Sequence[str], heavy: int, q: int) -> Iterator[str]:
+    """Sums of the functions whose derivatives have no terms below a weight, and fall by those of it."""
+
+    def part(terms: Any, low: int, high: int) -> dict[Any, Any]:
+        return {e: c for e, c in terms.items() if low <= sum(e) + e[heavy] <= high}
+
+    below = [[part(claim.inequalities[0].value.terms, 0, q - 1) for claim in own] for own in claims]
+    places = sorted({(k, e) for own in below for k, terms in enumerate(own) for e in terms})
+    table = [[as_fmpq(own[k].get(e, Fraction(0))) for own in below] for k, e in places]
+    kept = null_basis(fmpq_mat(table)) if table else None
+    if kept is None or not kept.ncols():
+        return
+    points = _samples(heavy)
+    rows = [values_inside(same, 0, points, lambda terms: part(terms, q, q)) for same in zip(*claims, strict=True)]
+    for chosen in proposed(np.vstack(rows) @ np.array(kept.tolist(), dtype=float)):
+        pairs = zip(coefficients_of(kept, chosen), functions, strict=True)
+        yield " + ".join(f"({c})*{own}" for c, own in pairs if c)
+
+
+def _samples(heavy: int) -> Floats:
+    """Small points in all directions of weight."""
+    angles = np.linspace(0, 2 * np.pi, 2 * ANGLES, endpoint=False) + 0.01
+    points = np.stack([np.cos(angles), np.sin(angles)], axis=1) * SMALL
+    points[:, heavy] *= SMALL
+    return points
+
+
+def _shown(subject: System, cells: Record, function: str) -> Entry | None:
+    """What a V shows: that the point attracts, or, where it is negative somewhere, that it is unstable."""
+    attracts = stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE)
+    leaves = (("instability", instability_hypotheses(cells, function, own)) for own in DIRECTIONS)
+    tries = (Search(WEIGHTED_WORK).tried(subject, *own) for own in (("lyapunov", attracts), *leaves))
+    return next(filter(None, tries), None)

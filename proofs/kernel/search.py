@@ -14,7 +14,8 @@ before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -116,6 +117,13 @@ class Search(Proofs):
         proofs = {name: self.found[name][1] for name in self.used}
         return {"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}, shown
 
+    def tried(self, system: System, theorem: str, hypotheses: Record) -> Entry | None:
+        """The same, of hypotheses that no sample refutes; None where one is not shown."""
+        with suppress(NotShownError):
+            SampledProofs().entry(system, theorem, hypotheses)
+            return self.entry(system, theorem, hypotheses)
+        return None
+
 
 def stability_hypotheses(cells: Record, function: Any, verdict: str, second: Record | None = None) -> Record:
     """Of theorem ``lyapunov``, with nothing stated beyond the verdict.
@@ -128,6 +136,20 @@ def stability_hypotheses(cells: Record, function: Any, verdict: str, second: Rec
     """
     stated = {"cells": cells, "function": function, "second": second, "verdict": verdict}
     return {**stated, "everywhere": False, "level": None, "below": False, "rate": None}
+
+
+def instability_hypotheses(
+    cells: Record, function: Any, direction: Iterable[object], second: Record | None = None
+) -> Record:
+    """Of theorem ``instability``.
+
+    Args:
+        cells: as a certificate states them.
+        function: V, likewise.
+        direction: in which V is negative near the point.
+        second: further functions with bounds of their rates, where V does not fall everywhere.
+    """
+    return {"cells": cells, "function": function, "second": second, "direction": list(map(str, direction))}
 
 
 @dataclass(frozen=True)

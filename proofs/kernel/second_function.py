@@ -26,7 +26,7 @@ from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program, with_margin
 from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
@@ -47,7 +47,6 @@ WEIGHTS = {2: ((1, 1), (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))}  # of th
 MOST_HELPFUL = 3  # functions that make the places fewer, tried at each step
 MOST_BENDING = 4  # surfaces
 SLOWEST = 2.0**-80  # velocities below that are called zero
-LEAST_MARGIN = 2.0**-20  # of rates along the velocities that are left, each in units of its largest term
 DENOMINATORS = (1, 2, 3, 4, 6, 8, 16, 64)
 MOST_TRIES = 24  # lists of functions
 
@@ -444,16 +443,8 @@ def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
         yield [Fraction(sign * int(i == k)) for i in range(size)]
     if alone:
         return
-    ones = np.ones((len(rows), 1))
-    margin = solve_program(
-        [*np.zeros(size), -1.0], A_ub=np.hstack([-rows, ones]), b_ub=np.zeros(len(rows)), bounds=(-1, 1)
-    )
-    if margin.status or margin.x[-1] < LEAST_MARGIN:
-        return
-    limits = np.full(len(rows), -margin.x[-1] / 2)
-    least = solve_program(np.r_[weights, weights], A_ub=np.hstack([-rows, rows]), b_ub=limits, bounds=(0, 1))
-    values = margin.x[:size] if least.status else least.x[:size] - least.x[size:]
-    found = rounded(values, lambda own: bool(np.all(rows @ own > SMALL)))
+    values = with_margin(rows, weights)
+    found = None if values is None else rounded(values, lambda own: bool(np.all(rows @ own > SMALL)))
     if found is not None:
         yield found
 

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.formulas.sine_enclosures import in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, written_powers
 from nonsmooth.symbolic.systems.enclosed_numbers import MOST_PLACES, NoEnclosureError, bounds_of, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
@@ -196,8 +196,7 @@ def polynomial_in_names(polynomial: Polynomial) -> str:
         return str(polynomial)
     parts = []
     for exponents, number in polynomial.terms.items():
-        pairs = [(name, k) for name, k in zip(polynomial.variables, exponents, strict=True) if k]
-        powers = [name if k == 1 else f"{name}**{k}" for name, k in pairs]
+        powers = written_powers(polynomial.variables, exponents)
         parts.append("*".join([*powers, *([f"({number_in_names(number)})"] if number != 1 or not powers else [])]))
     return " + ".join(parts)
 

@@ -9,7 +9,6 @@ field are forms on cones, the conditions on the cube say enough
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, combinations, product
 from math import lcm
@@ -41,7 +40,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import (
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parameters, solve_inside
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms, written_powers
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -174,7 +173,7 @@ def _formula(
     terms = []
     for powers, own in zip(exponents, coefficients, strict=True):
         if own:
-            factors = "*".join(x if e == 1 else f"{x}**{e}" for x, e in zip(states, powers, strict=True) if e)
+            factors = "*".join(written_powers(states, powers))
             size = abs(int(own * whole))
             terms.append(("-" if own < 0 else "+") + (factors if size == 1 else f"{size}*{factors}"))
     return parse_piecewise("".join(terms).removeprefix("+"), tuple(states))
@@ -294,7 +293,7 @@ class WholeSpace:
         """The entry for hypotheses, with a bound that shows that level sets are bounded."""
         for bound, factor in product(BOUNDS, FACTORS):
             hypotheses = {**own, "everywhere": True, bound: str(factor)}
-            with suppress(NotShownError):
-                SampledProofs().entry(self.subject, "lyapunov", hypotheses)
-                return search.entry(self.subject, "lyapunov", hypotheses)[0]
+            found = search.tried(self.subject, "lyapunov", hypotheses)
+            if found is not None:
+                return found[0]
         return None

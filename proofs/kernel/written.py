@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from itertools import combinations_with_replacement
 from math import acos, pi
 from typing import Any
 
@@ -19,9 +18,11 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from nonsmooth.proofs.checker import tower
 from nonsmooth.proofs.checker.polynomials import Coefficient, Exponents, Polynomial, constant, variable
 from nonsmooth.proofs.kernel.subject import number_in_names
-from nonsmooth.symbolic.numbers.coefficients import as_fraction, bits
+from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction, bits
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.polynomial import written_powers
 
 KNOWN_FIELDS = 64  # towers that are kept
 PRECISION = 64  # bits to which a generator of the base is told
@@ -41,7 +42,7 @@ def exact(value: Coefficient) -> Any:
     """A number of the checker as the program computes with it."""
     if isinstance(value, tower.Number):
         return _in_twin(value, twin(value.field))
-    return fmpq(value.numerator, value.denominator)
+    return as_fmpq(value)
 
 
 @lru_cache(maxsize=KNOWN_FIELDS)
@@ -95,7 +96,7 @@ def formula_text(value: Polynomial, names: Sequence[str]) -> str:
     """A polynomial with rational coefficients as a formula, such as ``-3/4*x**2*y + 1``."""
     written = []
     for exponents, coefficient in sorted(value.terms.items(), reverse=True):
-        powers = [name if k == 1 else f"{name}**{k}" for name, k in zip(names, exponents, strict=True) if k]
+        powers = written_powers(names, exponents)
         factor = [] if coefficient == 1 and powers else [str(coefficient)]
         written.append("*".join([*factor, *powers]))
     return " + ".join(written) or "0"
@@ -126,12 +127,7 @@ def formula_in_states(value: Polynomial, radius: Fraction, states: Sequence[str]
 
 def powers_between(count: int, least: int, most: int) -> list[Polynomial]:
     """Products of powers of variables, by their degrees."""
-    found = []
-    for degree in range(least, most + 1):
-        for chosen in combinations_with_replacement(range(count), degree):
-            exponents = tuple(chosen.count(k) for k in range(count))
-            found.append(Polynomial(count, {exponents: Fraction(1)}))
-    return found
+    return [Polynomial(count, {own: Fraction(1)}) for own in monomials_between(count, least, most)]
 
 
 def vanishing_combinations(columns: Sequence[Sequence[Polynomial]]) -> Iterator[list[Fraction]]:

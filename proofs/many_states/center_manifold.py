@@ -29,13 +29,19 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.cells import System
-from nonsmooth.proofs.checker.polynomials import Polynomial, constant, unit, variable
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, unit, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.findings.verdicts import Fact, row_fact
+from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.cells import StatedCells, fields_seen, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
-from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.written import formula_text, null_basis
+from nonsmooth.proofs.kernel.search import (
+    NotShownError,
+    SampledProofs,
+    Search,
+    instability_hypotheses,
+    stability_hypotheses,
+)
+from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -43,6 +49,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -138,7 +145,7 @@ class Split:
 
     def frame(self, scale: Fraction) -> Frame:
         """A basis of both subspaces in columns, that of the stable one scaled, and its inverse."""
-        stable = null_basis(self.left) * _flint(scale)
+        stable = null_basis(self.left) * as_fmpq(scale)
         basis = fmpq_mat([left + right for left, right in zip(self.right.tolist(), stable.tolist(), strict=True)])
         return basis, basis.inv()
 
@@ -154,7 +161,7 @@ def split_at(field: Sequence[Polynomial]) -> Split | None:
     Of a pair ``+-i w`` the number ``w^2`` has to be rational.
     """
     count = len(field)
-    matrix = fmpq_mat([[_flint(part.slope(k)) for k in range(count)] for part in field])
+    matrix = fmpq_mat([[as_fmpq(part.slope(k)) for k in range(count)] for part in field])
     values = np.linalg.eigvals(np.array([[float(part.slope(k)) for k in range(count)] for part in field]))
     size = max(float(np.abs(values).max()), np.finfo(float).tiny)
     still = [value for value in values if abs(value.real) <= STILL * size]
@@ -164,7 +171,7 @@ def split_at(field: Sequence[Polynomial]) -> Split | None:
         return _split_by(matrix, matrix, 1)
     if len(still) == 2 and min(abs(value.imag) for value in still) > STILL * size:
         square = Fraction(float(abs(still[0]) ** 2)).limit_denominator(1 << 16)
-        return _split_by(matrix, matrix * matrix + _identity(count) * _flint(square), 2)
+        return _split_by(matrix, matrix * matrix + _identity(count) * as_fmpq(square), 2)
     return None
 
 
@@ -182,14 +189,6 @@ def _split_by(matrix: fmpq_mat, vanishing: fmpq_mat, size: int) -> Split | None:
 
 def _identity(count: int) -> fmpq_mat:
     return fmpq_mat([[fmpq(int(i == j)) for j in range(count)] for i in range(count)])
-
-
-def _flint(value: Fraction) -> fmpq:
-    return fmpq(value.numerator, value.denominator)
-
-
-def _fraction(value: fmpq) -> Fraction:
-    return Fraction(int(value.p), int(value.q))
 
 
 # ---- the reduced field ---------------------------------------------------------------------------
@@ -247,10 +246,7 @@ class Reduction:
 
     def _carried(self, value: Polynomial, moved: Sequence[Polynomial], degree: int) -> Polynomial:
         """``grad(value) . L f`` up to a degree."""
-        total = constant(self.split.size, 0)
-        for k, speed in enumerate(times(self.split.left, moved)):
-            total += value.derivative(k) * speed
-        return _cut(total, degree)
+        return _cut(lie_derivative(value, times(self.split.left, moved)), degree)
 
     def _homological(self, missing: Sequence[Polynomial], degree: int) -> Vector:
         """The forms h in the stable subspace with ``Dh A_c u - A h = r``, for r there."""
@@ -263,22 +259,18 @@ class Reduction:
             rotated = self._rotated(Polynomial(split.size, {key: Fraction(1)}))
             for k in range(count):
                 for other, value in rotated.terms.items():
-                    rows[k * width + place[other]][k * width + j] += _flint(value)
+                    rows[k * width + place[other]][k * width + j] += as_fmpq(value)
                 for i in range(count):
                     rows[i * width + j][k * width + j] -= split.hurwitz[i, k]
-        right = [_flint(own.terms.get(key, Fraction(0))) for own in missing for key in monomials]
+        right = [as_fmpq(own.terms.get(key, Fraction(0))) for own in missing for key in monomials]
         solved = fmpq_mat(rows).solve(fmpq_mat(len(right), 1, right))
-        parts = [[_fraction(solved[k * width + j, 0]) for j in range(width)] for k in range(count)]
+        parts = [[as_fraction(solved[k * width + j, 0]) for j in range(width)] for k in range(count)]
         return [Polynomial(split.size, dict(zip(monomials, part, strict=True))) for part in parts]
 
     def _rotated(self, value: Polynomial) -> Polynomial:
         """``grad(value) . A_c u``."""
         size = self.split.size
-        turning = times(self.split.center, [variable(size, k) for k in range(size)])
-        total = constant(size, 0)
-        for k, speed in enumerate(turning):
-            total += value.derivative(k) * speed
-        return total
+        return lie_derivative(value, times(self.split.center, [variable(size, k) for k in range(size)]))
 
     # -- what it does
 
@@ -317,7 +309,7 @@ class Reduction:
 
     def _kept(self) -> Polynomial:
         """The form ``u_1^2 + ...`` that the linear rotation ``A_c = (a, b; c, -a)`` keeps, where ``b c < -a^2``."""
-        a, b, c = (_fraction(self.split.center[i, j]) for i, j in ((0, 0), (0, 1), (1, 0)))
+        a, b, c = (as_fraction(self.split.center[i, j]) for i, j in ((0, 0), (0, 1), (1, 0)))
         form = Polynomial(2, {(2, 0): c, (1, 1): -2 * a, (0, 2): -b})
         return form.times(1 / c)
 
@@ -334,8 +326,8 @@ class Reduction:
         monomials = monomials_between(2, degree, degree)
         columns = [self._rotated(Polynomial(2, {key: Fraction(1)})) for key in monomials]
         columns += [kept] if kept is not None else []
-        rows = [[_flint(own.terms.get(key, Fraction(0))) for own in columns] for key in monomials]
-        right = [_flint(missing.terms.get(key, Fraction(0))) for key in monomials]
+        rows = [[as_fmpq(own.terms.get(key, Fraction(0))) for own in columns] for key in monomials]
+        right = [as_fmpq(missing.terms.get(key, Fraction(0))) for key in monomials]
         if kept is not None:  # multiples of it may be added to F
             rows.append([fmpq(1), *[fmpq(0)] * len(monomials)])
             right.append(fmpq(0))
@@ -343,7 +335,7 @@ class Reduction:
             solved = fmpq_mat(rows).solve(fmpq_mat(len(right), 1, right))
         except ZeroDivisionError:
             return None
-        values = [_fraction(solved[i, 0]) for i in range(len(rows))]
+        values = [as_fraction(solved[i, 0]) for i in range(len(rows))]
         form = Polynomial(2, dict(zip(monomials, values, strict=False)))
         return form, values[-1] if kept is not None else Fraction(0)
 
@@ -371,12 +363,12 @@ class Reduction:
     def _direction(self, leading: Leading) -> tuple[Fraction, ...]:
         """Of the centre subspace, in which W is least near the point."""
         side = 1 if leading.potential.slope(0) <= 0 else -1
-        return tuple(side * _fraction(self.split.right[i, 0]) for i in range(self.split.count))
+        return tuple(side * as_fraction(self.split.right[i, 0]) for i in range(self.split.count))
 
     def _square(self, off: Sequence[Polynomial]) -> Polynomial:
         """``w^T P w`` with ``A^T P + P A = -I`` on the stable subspace, rounded."""
         count, hurwitz = self.split.count, self.split.hurwitz
-        floats: Floats = np.array([[float(_fraction(hurwitz[i, j])) for j in range(count)] for i in range(count)])
+        floats: Floats = np.array([[float(as_fraction(hurwitz[i, j])) for j in range(count)] for i in range(count)])
         solution = lyapunov_solution(floats, 0.0, np.eye(count))
         if solution is None:
             return constant(count, 0)
@@ -418,13 +410,7 @@ class Reduction:
 
 def times(matrix: fmpq_mat, vector: Sequence[Polynomial]) -> Vector:
     """A matrix times a vector of polynomials."""
-    found = []
-    for i in range(matrix.nrows()):
-        total = constant(vector[0].count, 0)
-        for k, own in enumerate(vector):
-            total += own.times(_fraction(matrix[i, k]))
-        found.append(total)
-    return found
+    return [combined(vector, list(map(as_fraction, row))) for row in matrix.tolist()]
 
 
 def _cut(value: Polynomial, degree: int) -> Polynomial:
@@ -481,7 +467,7 @@ class ShownByManifold:
         frame = None if self.entry is None else self.entry["hypotheses"]["cells"].get("frame")
         if frame is not None:
             where = cube_text(self.radius, [_form_text(row, states) for row in frame[1]])
-        return row_fact("with", f"V = {one_line(self.formula.text)}"), row_fact("on", where)
+        return function_facts(one_line(self.formula.text), where)
 
 
 def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownByManifold | None:
@@ -539,7 +525,7 @@ def smooth_fields(
 
 def unscaled(field: Sequence[Polynomial], stated: StatedCells) -> Vector:
     """A field of the displacement, from one of the displacement in units of half the side of the cube."""
-    size = _fraction(stated.cells.radius)
+    size = as_fraction(stated.cells.radius)
     return [Polynomial(part.count, {e: c / size ** sum(e) for e, c in part.terms.items()}) for part in field]
 
 
@@ -555,8 +541,7 @@ def _shown(
         theorem, hypotheses = "lyapunov", stability_hypotheses(record, text, ASYMPTOTICALLY_STABLE)
         if not proposal.attracts:
             along = _column(proposal.direction) if frame is None else frame[1] * _column(proposal.direction)
-            theorem, direction = "instability", [str(value) for (value,) in along.tolist()]
-            hypotheses = {"cells": record, "function": text, "second": None, "direction": direction}
+            theorem, hypotheses = "instability", instability_hypotheses(record, text, along.entries())
         try:
             SampledProofs().entry(subject, theorem, hypotheses)
             if not proposal.attracts or frame is not None:
@@ -570,7 +555,7 @@ def _shown(
 
 
 def _column(values: Sequence[Fraction]) -> fmpq_mat:
-    return fmpq_mat([[_flint(value)] for value in values])
+    return fmpq_mat([[as_fmpq(value)] for value in values])
 
 
 def _written(matrix: fmpq_mat) -> list[list[str]]:

@@ -2,7 +2,7 @@
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
 2. A velocity that leads from the point into a cell, and the linearization, where there is one; a relay of relative
-   degree three or more (:mod:`nonsmooth.proofs.many_states.relay_degree`).
+   degree three or more (:mod:`nonsmooth.proofs.many_states.lyapunov_search`).
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
@@ -47,16 +47,16 @@ from nonsmooth.proofs.many_states.lyapunov_search import (
     LARGE,
     SCALES,
     GrowthEvidence,
-    PiecewiseFunction,
     find_growing_product,
     find_growth,
     find_lyapunov,
     formula_text,
+    high_degree_relay,
+    monomials,
 )
-from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.derivatives import Decrease, Staying
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -67,7 +67,6 @@ from nonsmooth.proofs.systems.findings import (
     Reach,
     weak_finding,
 )
-from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -307,12 +306,7 @@ def _short_quadratic(matrix: RationalMatrix) -> RationalMatrix | None:
 def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
     """``x^T P x`` as a formula."""
     pairs = combinations_with_replacement(range(len(states)), 2)
-    functions, coefficients = [], []
-    for i, j in pairs:
-        text = f"{states[i]}**2" if i == j else f"{states[i]}*{states[j]}"
-        functions.append(PiecewiseFunction(text, 2))
-        coefficients.append(quadratic[i][j] * (1 if i == j else 2))
-    return formula_text(functions, coefficients)
+    return formula_text(monomials(states, 2), [quadratic[i][j] * (1 if i == j else 2) for i, j in pairs])
 
 
 def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> RationalMatrix:

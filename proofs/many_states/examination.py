@@ -178,7 +178,7 @@ def _largest_rise(
     if mixture is None or mixture.value.sign() <= 0 or len(mixture.weights) <= len(normals):
         return None
     rise = mixture.value.as_rational()
-    return None if rise is None else as_fractions([rise])[0]
+    return None if rise is None else as_fraction(rise)
 
 
 def _value(polynomial: Polynomial, point: Sequence[fmpq]) -> fmpq:
@@ -469,10 +469,10 @@ def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> R
 
 
 def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> Refutation:
-    place, (at_point,) = as_fractions([x * cells.radius for x in point]), as_fractions([value])
+    place, at_point = as_fractions([x * cells.radius for x in point]), as_fraction(value)
     if positive:
         return Refutation(place, at_point, "V is not positive")
-    return Refutation(place, -at_point / as_fractions([cells.radius])[0], RISES)
+    return Refutation(place, -at_point / as_fraction(cells.radius), RISES)
 
 
 def _open_words(own: Asked) -> str:

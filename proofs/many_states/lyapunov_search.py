@@ -15,33 +15,40 @@ is negative.
 
 *Instability.*  Where V falls along every solution and is negative at some points at every distance, a solution from
 such a point has ``V < V(start) < 0`` from then on, so it stays away from the equilibrium, where V is zero; between
-there and the border of the cube V falls at a rate that is bounded from below, so it leaves.
+there and the border of the cube V falls at a rate that is bounded from below, so it leaves.  Relays of too high a
+degree need no V (:func:`show_relay_of`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
+from nonsmooth.proofs.checker.polynomials import constant, lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, row_fact
+from nonsmooth.proofs.findings.verdicts import Fact, function_facts
+from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     SignCells,
     StatedCells,
+    adjoining,
     build_cells,
     rational_terms,
+    started,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Functions
+from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search, instability_hypotheses
+from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
 from nonsmooth.proofs.kernel.written import as_checked, terms_of
 from nonsmooth.proofs.many_states.examination import (
@@ -53,17 +60,19 @@ from nonsmooth.proofs.many_states.examination import (
     functions_on,
 )
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries, monomials_of
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
+from nonsmooth.proofs.systems.lyapunov_rows import term_text
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
@@ -83,7 +92,7 @@ class PiecewiseFunction:
 def families(cells: SignCells) -> Iterator[tuple[PiecewiseFunction, ...]]:
     """Bases to try in turn."""
     states = cells.states
-    quadratic = _monomials(states, 2)
+    quadratic = monomials(states, 2)
     lines = [s for s in cells.surfaces if s.degree == 1 and s.is_homogeneous]
     jumps = [s for s in lines if field_jumps(cells, s)]
     first = tuple(PiecewiseFunction(_abs(line), 1) for line in jumps)
@@ -96,29 +105,24 @@ def families(cells: SignCells) -> Iterator[tuple[PiecewiseFunction, ...]]:
     if second or beside:
         yield (*first, *quadratic, *second, *beside)
     if _degree(cells) > 1:
-        yield (*first, *quadratic, *_monomials(states, 4))
+        yield (*first, *quadratic, *monomials(states, 4))
 
 
 def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq]) -> str:
     """The sum, functions of low degree first."""
     used = [(c, f) for c, f in zip(coefficients, functions, strict=True) if c]
     used.sort(key=lambda term: term[1].degree)
-    return " + ".join(_term(c, f.text) for c, f in used).replace("+ -", "- ") or "0"
+    return " + ".join(term_text(as_fraction(c), f.text) for c, f in used).replace("+ -", "- ") or "0"
 
 
-def _term(coefficient: fmpq, text: str) -> str:
-    top, bottom = int(coefficient.p), int(coefficient.q)
-    factor = {1: "", -1: "-"}.get(top, f"{top}*")
-    return f"{factor}{text}" + (f"/{bottom}" if bottom != 1 else "")
+def monomial(states: Sequence[str], exponents: Exponents) -> PiecewiseFunction:
+    """A product of powers of states."""
+    return PiecewiseFunction("*".join(written_powers(states, exponents)), sum(exponents))
 
 
-def _monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
-    found = []
-    for chosen in combinations_with_replacement(states, degree):
-        powers = {name: chosen.count(name) for name in chosen}
-        text = "*".join(name if k == 1 else f"{name}**{k}" for name, k in powers.items())
-        found.append(PiecewiseFunction(text, degree))
-    return tuple(found)
+def monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
+    """All of a degree."""
+    return tuple(monomial(states, own) for own in monomials_of(len(states), degree))
 
 
 def _abs(line: Polynomial) -> str:
@@ -318,14 +322,12 @@ class GrowthEvidence:
         """V, and where it falls."""
         direction = ", ".join(map(str, self.direction))
         where = f"{cube_text(self.radius, states)}; V < 0 in the direction ({direction})"
-        return row_fact("with", f"V = {one_line(self.formula.text)}"), row_fact("on", where)
+        return function_facts(one_line(self.formula.text), where)
 
     @property
     def entry(self) -> Record:
         """As a certificate holds it."""
-        direction = [str(x) for x in self.direction]
-        cells, function = self.stated.record, self.formula.text
-        hypotheses = {"cells": cells, "function": function, "second": None, "direction": direction}
+        hypotheses = instability_hypotheses(self.stated.record, self.formula.text, self.direction)
         hypotheses |= {} if self.speed is None else {"speed": str(self.speed)}
         return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**self.stated.proofs, **self.proofs}}
 
@@ -393,7 +395,7 @@ def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
     drawn = np.random.default_rng(0).normal(size=(DIRECTIONS, conditions.count))
     for candidate in (*_curved(conditions), *drawn):
         direction = _rounded_direction(candidate)
-        if any(direction) and conditions.is_negative_along([Fraction(int(x.p), int(x.q)) for x in direction]):
+        if any(direction) and conditions.is_negative_along(list(map(as_fraction, direction))):
             return direction
     return None
 
@@ -401,14 +403,15 @@ def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
 def _curved(conditions: Functions) -> Iterator[Floats]:
     """Directions in which the quadratic part of a piece is least."""
     for cell in conditions.inclusion.cells:
-        vectors = np.linalg.eigh(_hessian(conditions.potential(cell)))[1]
+        vectors = np.linalg.eigh(hessian(conditions.potential(cell).terms, conditions.count))[1]
         yield vectors[:, 0]
         yield -vectors[:, 0]
 
 
-def _hessian(potential: CheckedPolynomial) -> Floats:
-    matrix = np.zeros((potential.count, potential.count))
-    for exponents, value in potential.terms.items():
+def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
+    """The second derivatives of a polynomial at the origin."""
+    matrix = np.zeros((count, count))
+    for exponents, value in terms.items():
         if sum(exponents) == 2:
             i, j = (k for k, e in enumerate(exponents) for _ in range(e))
             matrix[i, j] += float(value)
@@ -419,3 +422,155 @@ def _hessian(potential: CheckedPolynomial) -> Floats:
 def _rounded_direction(values: Floats) -> tuple[fmpq, ...]:
     size = float(np.abs(values).max())
     return tuple(fmpq(round(float(x) / size * FINE), FINE) for x in values)
+
+
+# ---- a relay whose sign shows late in the derivatives of its switching function ------------------
+#
+# Then the point is unstable.
+#
+# Let s be a switching surface through the point, ``h_0 = s`` and ``h_i`` its derivatives along the field, the same
+# polynomial on all cells near the point for ``i < r``, while ``h_r`` at the point has the sign ``-e`` on every cell
+# where s has the sign e (or e on every one).  Along a solution ``s h_r`` can be integrated by parts::
+#
+#     r = 2 m + 1:   B = sum_{i<m} (-1)^i h_i h_(2m-i) + (-1)^m h_m^2/2,    B' = s h_r
+#     r = 2 m:       B = sum_{i<m} (-1)^i h_i h_(2m-1-i),                   B' = s h_r - (-1)^m h_m^2
+#
+# Near the point ``s h_r`` is ``-k abs(s)`` (or ``k abs(s)``) with k bounded away from zero, whatever else the field
+# does. Where the signs of both terms agree, always for odd r, ``W = -B`` or ``W = B`` never falls.  For ``r > 1`` it
+# takes positive values at all distances, as the gradients of ``h_0, ..., h_(r-1)`` are independent.  A solution that
+# started there and stayed near would have a limit set of solutions on which W is a positive constant: then ``s = 0``
+# all the time, so all ``h_i = 0`` and ``W = 0``.  Of relays and integrators in a row this is known since Anosov (1959);
+# here the rest of the field is arbitrary.
+
+
+SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
+RADII = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # half-widths of cubes, over that of the scene
+
+
+@dataclass(frozen=True)
+class RelayDegree:
+    """A surface with its relative degree, and a function that shows instability.
+
+    Attributes:
+        surface: number of the surface s.
+        degree: r, the first derivative of s that depends on its sign.
+        rising: W, which never falls near the point, and rises where s is not zero.
+        direction: d with ``W(t d) > 0`` for small t.
+    """
+
+    surface: int
+    degree: int
+    rising: CheckedPolynomial
+    direction: tuple[Fraction, ...]
+
+
+def high_degree_relay(system: SwitchedSystem, cells: SignCells) -> RelayDegree | None:
+    """A surface that shows instability; None where none does.
+
+    Args:
+        system: right-hand sides that only enclose the field say nothing here.
+        cells: of a cube about the point.
+    """
+    if system.only_encloses:
+        return None
+    return next(_found(cells), None)
+
+
+def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+    """Evidence that the point is unstable by W and by functions that rise where W is kept.
+
+    Where ``s = h_0 = 0`` and W is kept, ``(h_0 h_1)' = h_1^2 + h_0 h_2`` is not negative, and zero where ``h_1 = 0``;
+    there ``(h_1 h_2)' = h_2^2``, and so on up to ``h_(r-1)``.  Where all of these are zero W is zero, and points at
+    which W is not positive do not count.
+
+    Args:
+        system: in any number of states.
+        verdict: unstable.
+        search: with what was shown before.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where no surface shows it, or no such functions are found.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    subject, search = started(system, search)
+    for share in RADII:
+        stated = stated_cells(system, system.check.radius * share)
+        relay = high_degree_relay(system, stated.cells)
+        if relay is None:
+            continue
+        ladder = _ladder(stated.cells, relay.surface)
+        products = (before * after for before, after in pairwise(ladder))
+        function, *others = (polynomial_text(own, system.states) for own in (-relay.rising, *products))
+        second = find_second(subject, stated.record, function, search, below=Fraction(0), others=others)
+        for shift in SHIFTS if second is not None else ():
+            direction = (x + k * shift for k, x in enumerate(relay.direction, 1))
+            hypotheses = instability_hypotheses(stated.record, function, direction, second)
+            with suppress(NotShownError):
+                return search.entry(subject, "instability", hypotheses)
+    raise NotShownError("no relay was found whose relative degree shows it")
+
+
+def _found(cells: SignCells) -> Iterator[RelayDegree]:
+    for number in range(len(cells.surfaces)):
+        ladder = _ladder(cells, number)
+        degree = len(ladder)
+        sense = _sense(cells, number, ladder[-1]) if 2 <= degree <= len(cells.states) else 0
+        if not sense or (degree % 2 == 0 and sense != -((-1) ** (degree // 2))):
+            continue
+        direction = _direction(ladder, sense)
+        if direction is not None:
+            yield RelayDegree(number, degree, _by_parts(ladder).times(sense), direction)
+
+
+def _fields(cells: SignCells, number: int) -> Iterator[tuple[int, tuple[CheckedPolynomial, ...]]]:
+    """The fields of all cells near the point, each with the sign of a surface there."""
+    count = len(cells.states)
+    for cell in adjoining(cells):
+        for field in cell.velocities:
+            yield cell.signs[number], tuple(as_checked(part, count) for part in field)
+
+
+def _ladder(cells: SignCells, number: int) -> list[CheckedPolynomial]:
+    """``h_0, ..., h_(r-1)``: as long as they vanish at the point and the next one is the same on all cells near it."""
+    ladder: list[CheckedPolynomial] = []
+    following = as_checked(rational_terms(cells.surfaces[number]), len(cells.states))
+    while following and not following.at_origin and len(ladder) <= len(cells.states):
+        ladder.append(following)
+        first, *others = (lie_derivative(following, field) for _, field in _fields(cells, number))
+        if any(other != first for other in others):
+            return ladder
+        following = first
+    return []
+
+
+def _sense(cells: SignCells, number: int, last: CheckedPolynomial) -> int:
+    """Whether the field pushes s away from zero in its last derivative (1) or back (-1) on all cells; else 0."""
+    values = [sign * lie_derivative(last, field).at_origin for sign, field in _fields(cells, number)]
+    return 1 if all(v > 0 for v in values) else -1 if all(v < 0 for v in values) else 0
+
+
+def _by_parts(ladder: Sequence[CheckedPolynomial]) -> CheckedPolynomial:
+    """B."""
+    top, total = len(ladder) - 1, constant(ladder[0].count, 0)
+    for i in range((top + 1) // 2):
+        total += (ladder[i] * ladder[top - i]).times((-1) ** i)
+    if top % 2 == 0:
+        total += ladder[top // 2].power(2).times(Fraction((-1) ** (top // 2), 2))
+    return total
+
+
+def _direction(ladder: Sequence[CheckedPolynomial], sense: int) -> tuple[Fraction, ...] | None:
+    """The d with ``grad h_0 . d = 1``, ``grad h_(r-1) . d = sense`` and zero between; None for dependent gradients."""
+    count = ladder[0].count
+    slopes = [[h.slope(k) for k in range(count)] for h in ladder]
+    rows = fmpq_mat([list(map(as_fmpq, row)) for row in slopes])
+    gram = rows * rows.transpose()
+    if not gram.det():
+        return None
+    wanted = [[fmpq(0)] for _ in ladder]
+    wanted[0], wanted[-1] = [fmpq(1)], [fmpq(sense)]
+    found = rows.transpose() * gram.inv() * fmpq_mat(wanted)
+    return tuple(as_fraction(found[k, 0]) for k in range(count))

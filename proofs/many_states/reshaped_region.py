@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import combinations_with_replacement
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -31,11 +30,11 @@ from nonsmooth.proofs.kernel.search import Collected, stability_hypotheses
 from nonsmooth.proofs.kernel.squares import condition_of, find
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import functions_on
-from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, formula_text
-from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks
+from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, formula_text, hessian, monomial
+from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.decay_rate import ReshapedRegion, SublevelRegion
+from nonsmooth.proofs.systems.domain import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
@@ -118,14 +117,7 @@ class _Shape:
     @property
     def hessian(self) -> Floats:
         """P of the quadratic part ``x' P x``."""
-        count = len(self.exponents[0])
-        matrix = np.zeros((count, count))
-        for exponents, value in zip(self.exponents, self.values, strict=True):
-            if sum(exponents) == 2:
-                i, j = (k for k, e in enumerate(exponents) for _ in range(e))
-                matrix[i, j] += value / 2
-                matrix[j, i] += value / 2
-        return matrix
+        return hessian(dict(zip(self.exponents, self.values, strict=True)), len(self.exponents[0])) / 2
 
 
 def find_reshaped_region(
@@ -194,26 +186,14 @@ class _Iteration:
 
     # -- conditions in floats
 
-    def exponents(self, degree: int) -> tuple[Exponents, ...]:
-        """The monomials of V up to an even degree."""
-        found = []
-        for own in range(2, degree + 1):
-            for chosen in combinations_with_replacement(range(self.count), own):
-                found.append(tuple(chosen.count(k) for k in range(self.count)))
-        return tuple(found)
-
     def monomials(self, exponents: Sequence[Exponents]) -> list[PiecewiseFunction]:
         """Monomials as functions."""
-        found = []
-        for own in exponents:
-            powers = [x if e == 1 else f"{x}**{e}" for x, e in zip(self.system.states, own, strict=True) if e]
-            found.append(PiecewiseFunction("*".join(powers), sum(own)))
-        return found
+        return [monomial(self.system.states, own) for own in exponents]
 
     def falls(self, degree: int) -> list[Condition]:
         """``-V' > 0`` cell by cell and field by field, affine in the coefficients of V, without the cube."""
         if degree not in self._falls:
-            monomials = self.exponents(degree)
+            monomials = monomials_between(self.count, 2, degree)
             texts = [own.text for own in self.monomials(monomials)]
             stated = stated_cells(self.system, self.system.field(self.radius))
             functions = functions_on(self.system, stated, texts)
@@ -250,7 +230,7 @@ class _Iteration:
         degree = max(map(sum, scaled))
         if degree % 2 or min(map(sum, scaled)) < 2:
             return None
-        exponents = self.exponents(degree)
+        exponents = monomials_between(self.count, 2, degree)
         size = max(abs(float(c)) for c in scaled.values())
         values = np.array([float(scaled.get(e, 0)) / size for e in exponents])
         return _Shape(exponents, values)
@@ -262,7 +242,7 @@ class _Iteration:
 
     def work_of(self, degree: int) -> int:
         """That of a V with all monomials up to a degree."""
-        exponents = self.exponents(degree)
+        exponents = monomials_between(self.count, 2, degree)
         return self.work(_Shape(exponents, np.ones(len(exponents))))
 
     def level(self, shape: _Shape) -> _Level | None:
@@ -341,7 +321,7 @@ class _Iteration:
     def improved(self, before: _Level, degree: int) -> _Level | None:
         """A V of a degree that reaches farther; None where none is found."""
         degree = max(degree, *map(sum, before.shape.exponents))
-        exponents = self.exponents(degree)
+        exponents = monomials_between(self.count, 2, degree)
         problems: list[tuple[Condition, Blocks]] = []
         for condition, square in zip(self.falls(degree), before.squares, strict=True):
             slopes = dict(condition.slopes)

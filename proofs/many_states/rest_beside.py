@@ -1,4 +1,4 @@
-"""Rays of equilibria from the checked point, which therefore does not attract: in any number of states.
+"""Rays and curves of equilibria through the checked point, which therefore does not attract: in any number of states.
 
 On a ray from the point, which may lie in switching surfaces, the fields f_i of all cells beside it act.  *If 0 is a
 mixture of all f_i at the point with positive weights, and along the ray the f_i stay in the space that they span at the
@@ -9,19 +9,37 @@ stays for small changes of the f_i.  Coulomb friction is an example, and relays 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
+from math import comb
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.inequalities.linear_program import solve_program
-from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational_terms
-from nonsmooth.proofs.kernel.written import null_basis
+from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational, rational_terms, started
+from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
+from nonsmooth.proofs.kernel.search import NotShownError
+from nonsmooth.proofs.kernel.written import formula_text, null_basis
+from nonsmooth.proofs.many_states.center_manifold import (
+    DENOMINATOR,
+    Reduction,
+    Split,
+    smooth_fields,
+    split_at,
+    times,
+)
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_SURFACES = 8  # through the point, whose subsets are tried
-DENOMINATOR = 1 << 12  # of weights
+WEIGHT_DENOMINATOR = 1 << 12  # of weights
 
 Ray = tuple[fmpq, ...]
 Along = dict[int, list[fmpq]]  # a field along a ray: a vector for each power of the distance
@@ -37,7 +55,7 @@ def ray_of_rest(system: SwitchedSystem) -> tuple[Fraction, ...] | None:
     for ray in _rays(cells):
         fields = _beside(cells, ray)
         if fields and _rests(fields):
-            return tuple(Fraction(int(value.p), int(value.q)) for value in ray)
+            return tuple(map(as_fraction, ray))
     return None
 
 
@@ -119,6 +137,190 @@ def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
     )
     if solved.status != 0 or solved.x[-1] <= 0:
         return False
-    rounded = [Fraction(float(value)).limit_denominator(DENOMINATOR) for value in solved.x[:columns]]
-    weights = kept * fmpq_mat([[fmpq(value.numerator, value.denominator)] for value in rounded])
+    rounded = [Fraction(float(value)).limit_denominator(WEIGHT_DENOMINATOR) for value in solved.x[:columns]]
+    weights = kept * fmpq_mat([[as_fmpq(value)] for value in rounded])
     return all(value > 0 for (value,) in weights.tolist())
+
+
+# ---- curves of equilibria ------------------------------------------------------------------------
+#
+# A function V for a point on a curve of equilibria beside which everything falls back to the curve (Malkin 1952).
+#
+# Let ``x' = f(x)`` be smooth near the point, its Jacobian have one eigenvalue zero and else stable ones, and let the
+# curve ``x = R u + h(u)`` rest, u one number, h a polynomial with values in the stable subspace.  With
+# ``u = L x`` and ``w = K (x - h(u))``, where ``[R S]`` is a basis of both subspaces and ``[L; K]`` its inverse,
+#
+#     ``u' = a(u) w + ...``,    ``w' = B(u) w + ...``
+#
+# up to terms of degree two in w, with ``a = L Df S`` and ``B = (K - K h' L) Df S`` on the curve.  Let
+#
+#     ``V = W(u) - (2 u / det B(0)) a(u) adj B(u) w + k w^T P w``,    ``W' = 2 u det B(u) / det B(0)``.
+#
+# Then W falls and rises as the second term rises and falls, up to terms of degree two in w, which ``k w^T P w``
+# outweighs near the point, for k large.  So V is positive and does not increase: the epidemic ``S' = -S I, I' = S I -
+# I`` is stable where S is below one.  V is a proposal in rational numbers; the claims of the theorem on stability are
+# proved of it.
+
+
+SHARES = tuple(Fraction(1, 8**k) for k in range(3))  # of the checked cube, tried in turn
+GAINS = (1, 16)  # k, tried in turn
+MOST_MONOMIALS = 20  # up to half of the degree of V': beyond that squares take too long
+NAMES = tuple("urstpqkmn")  # of a number along the curve, one more than a system has states
+
+Vector: TypeAlias = list[Polynomial]
+Matrix: TypeAlias = list[Vector]
+
+
+@dataclass(frozen=True)
+class RestingCurve:
+    """A curve of equilibria near which a point is stable.
+
+    Attributes:
+        function: V, which shows that; None where it was not asked for.
+        words: the curve.
+    """
+
+    function: ExaminedLyapunov | None
+    words: str
+
+
+def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> RestingCurve | None:
+    """The curve, and a V that is proved to be positive and not to increase; None where one is not found.
+
+    Args:
+        system: in two states or more.
+        with_function: whether V is asked for.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    try:
+        subject, search = started(system, None)
+        for number, _, field in smooth_fields(system, subject, search, SHARES):
+            curve = curve_of_rest(field)
+            if curve is None:
+                return None
+            if not with_function:
+                return RestingCurve(None, curve.words(system))
+            for function in curve.functions():
+                formula = parse_piecewise(formula_text(function, system.states).replace("+ -", "- "), system.states)
+                examined = examine(system, formula, system.check.radius * SHARES[number])
+                if examined.decrease is Decrease.WEAK:
+                    return RestingCurve(examined, curve.words(system))
+    except NotShownError:
+        return None
+    return None
+
+
+def curve_of_rest(field: Sequence[Polynomial]) -> Curve | None:
+    """The curve of equilibria of a polynomial field through the origin; None without one, and for other eigenvalues."""
+    split = split_at(field)
+    if split is None or split.size != 1 or split.count == 1:
+        return None
+    manifold = Reduction(split, field).manifold
+    along = times(split.right, [variable(1, 0)])
+    places = [own + more for own, more in zip(along, manifold, strict=True)]
+    if any(part.on(places, 1) for part in field):
+        return None
+    return Curve(split, tuple(field), tuple(places), tuple(manifold))
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve of equilibria through the origin.
+
+    Attributes:
+        split: the line along it at the origin, and the stable subspace.
+        field: f, which vanishes on it.
+        places: ``R u + h(u)``.
+        manifold: h.
+    """
+
+    split: Split
+    field: tuple[Polynomial, ...]
+    places: tuple[Polynomial, ...]
+    manifold: tuple[Polynomial, ...]
+
+    def words(self, system: SwitchedSystem) -> str:
+        """Its equations, each state as a function of one number, under a name that no state has."""
+        name = next(name for name in NAMES if name not in system.states)
+        centre = [rational(value) for value in system.check.equilibrium]
+        parts = []
+        for state, value, own in zip(system.states, centre, self.places, strict=True):
+            place = constant(1, as_fraction(value)) + own
+            parts.append(f"{state} = {formula_text(place, [name])}")
+        return ", ".join(parts).replace("+ -", "- ")
+
+    def functions(self) -> Iterator[Polynomial]:
+        """V for some k, of no large degree."""
+        split, count = self.split, self.split.count
+        stable = null_basis(split.left)
+        basis = fmpq_mat([left + right for left, right in zip(split.right.tolist(), stable.tolist(), strict=True)])
+        onto_stable = fmpq_mat(basis.inv().tolist()[1:])
+        slopes, rates = self._first_terms(stable, onto_stable)
+        adjugate, determinant = _adjugate(rates)
+        scale = 1 / determinant.at_origin
+        u = variable(1, 0, 2)
+        rising = _integral(u * determinant.times(scale))
+        mixed = [(u * own).times(-scale) for own in _row_times(slopes, adjugate)]
+        (centre,) = times(split.left, [variable(count, k) for k in range(count)])
+        off = [variable(count, k) - own.on([centre], count) for k, own in enumerate(self.manifold)]
+        beside = times(onto_stable, off)
+        base = rising.on([centre], count)
+        for row, own in zip(mixed, beside, strict=True):
+            base += row.on([centre], count) * own
+        floats = np.array([[float(own.at_origin) for own in row] for row in rates])
+        solution = lyapunov_solution(floats, 0.0, np.eye(count - 1))
+        degree = base.degree - 1 + max(part.degree for part in self.field)
+        if solution is None or comb(count + (degree + 1) // 2, count) > MOST_MONOMIALS:
+            return
+        square = quadratic_form(solution, DENOMINATOR).on(beside, count)
+        for gain in GAINS:
+            yield base + square.times(gain)
+
+    def _first_terms(self, stable: fmpq_mat, onto_stable: fmpq_mat) -> tuple[Vector, Matrix]:
+        """``a(u)`` and ``B(u)``."""
+        count = self.split.count
+        jacobian = [[part.derivative(k).on(self.places, 1) for k in range(count)] for part in self.field]
+        by_stable = [times(stable.transpose(), row) for row in jacobian]  # Df S
+        columns = [[row[j] for row in by_stable] for j in range(count - 1)]
+        slopes = [times(self.split.left, column)[0] for column in columns]
+        bend = times(onto_stable, [own.derivative(0) for own in self.manifold])  # K h'
+        moved = [times(onto_stable, column) for column in columns]
+        rates = [
+            [moved[j][i] - bend[i] * slopes[j] for j in range(count - 1)]  # entry i, j of B
+            for i in range(count - 1)
+        ]
+        return slopes, rates
+
+
+def _adjugate(matrix: Matrix) -> tuple[Matrix, Polynomial]:
+    """The adjugate and the determinant of a matrix of polynomials (Faddeev and LeVerrier)."""
+    size = len(matrix)
+    found = [[constant(1, int(i == j)) for j in range(size)] for i in range(size)]
+    for step in range(1, size + 1):
+        product = [_row_times(row, found) for row in matrix]
+        trace = constant(1, 0)
+        for i in range(size):
+            trace += product[i][i]
+        last = trace.times(Fraction(-1, step))
+        if step == size:
+            sign = 1 if size % 2 else -1
+            return [[own.times(sign) for own in row] for row in found], last.times(-sign)
+        found = [[own + last if i == j else own for j, own in enumerate(row)] for i, row in enumerate(product)]
+    raise AssertionError("required a matrix with rows")
+
+
+def _row_times(row: Sequence[Polynomial], matrix: Matrix) -> Vector:
+    found = []
+    for j in range(len(matrix[0])):
+        total = constant(1, 0)
+        for own, other in zip(row, matrix, strict=True):
+            total += own * other[j]
+        found.append(total)
+    return found
+
+
+def _integral(value: Polynomial) -> Polynomial:
+    """The polynomial in one variable that is zero at the origin and has a derivative."""
+    return Polynomial(1, {(power + 1,): factor / (power + 1) for (power,), factor in value.terms.items()})

@@ -17,23 +17,37 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
+from math import comb
 
 import numpy as np
 from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
+from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
+from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import least_sum
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.first_terms import fields_around
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
-from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search, instability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second, gradient, rounded, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+from nonsmooth.proofs.kernel.written import (
+    combined,
+    formula_in_states,
+    powers_between,
+    terms_of,
+    vanishing_combinations,
+)
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
 from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks
+from nonsmooth.proofs.sums_of_squares.conic_program import round_parameters, solve_inside
+from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.proofs.systems.energies import energy_near
@@ -41,7 +55,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.sine_enclosures import Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
@@ -139,11 +153,8 @@ class LinearProgram:
         for matrix, limits in asked:
             rows = np.vstack([self.rates, matrix])
             bounds = np.r_[np.zeros(len(self.rates)), limits]
-            costs = np.r_[self.costs, self.costs]
-            solved = solve_program(costs, A_ub=np.hstack([rows, -rows]), b_ub=bounds, bounds=(0, MOST))
-            if solved.status == 0:
-                size = len(self.costs)
-                values = solved.x[:size] - solved.x[size:]
+            values = least_sum(rows, bounds, self.costs, MOST)
+            if values is not None:
                 found = rounded(values, lambda own: bool(np.all(self.rates @ own <= SLACK)))
                 if found is not None:
                     yield found
@@ -191,7 +202,7 @@ def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None
             direction = _negative(stated) if second is not None else None
             if direction is None:
                 continue
-            hypotheses = {"cells": cells, "function": text, "second": second, "direction": list(map(str, direction))}
+            hypotheses = instability_hypotheses(cells, text, direction, second)
             with suppress(NotShownError):
                 return search.entry(subject, "instability", hypotheses), text, radius
     return None
@@ -316,3 +327,79 @@ def _text(side: PiecewiseExpression, waves: Mapping[str, Polynomial], others: Se
     if not used <= set(others):
         raise ExpressionError("required angles under sines and cosines alone")
     return in_place_of_names(text, {name: f"({value})" for name, value in waves.items()})
+
+
+# ---- polynomials that all solutions near a point keep --------------------------------------------
+#
+# Of these one that is positive shows that the point is stable.
+#
+# Where one polynomial field f acts near the point, ``grad I . f = 0`` is linear in the coefficients of I: the integrals
+# of some degree are a linear space, with the products of integrals of lower degree.  Those without linear terms are
+# sought whose quadratic form is positive definite, as energies with their Casimir functions are (Arnold 1966), or that
+# are sums of squares, as energies of springs without a linear part are: V is kept exactly, and positive near the point.
+
+
+MOST_DEGREE = 6
+MOST_UNKNOWNS = 250  # coefficients of an integral
+DENOMINATORS = (1, 8, 64)  # of the coefficients of integrals in V
+INTEGRAL_SHARES = (Fraction(1), Fraction(1, 8), Fraction(1, 64))  # of the checked cube
+
+
+def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
+    """A positive V that solutions keep; None where none is found.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    try:
+        subject, search = started(system, None)
+        stated = stated_cells(system, system.check.radius)
+        around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
+    except NotShownError:
+        return None
+    if len(around) != 1 or system.by_roots is not None:
+        return None
+    radius = as_fraction(stated.cells.radius)
+    for proposal in _positive_integrals(around.pop()):
+        text = formula_in_states(proposal, radius, system.states).replace("+ -", "- ")
+        formula = parse_piecewise(text, system.states)
+        for share in INTEGRAL_SHARES:
+            examined = examine(system, formula, system.check.radius * share, effort=Effort.FULL)
+            if examined.decrease is Decrease.WEAK:
+                return examined
+    return None
+
+
+def _positive_integrals(field: Sequence[CheckedPolynomial]) -> list[CheckedPolynomial]:
+    """Integrals of least degree with a positive definite quadratic form, or that are positive as they are."""
+    count = len(field)
+    for degree in range(2, MOST_DEGREE + 1):
+        if comb(count + degree, degree) > MOST_UNKNOWNS:
+            break
+        monomials = powers_between(count, 2, degree)
+        kept = list(vanishing_combinations([[lie_derivative(own, field)] for own in monomials]))
+        integrals = [combined(monomials, own) for own in kept]
+        forms = [CheckedPolynomial(count, {e: c for e, c in own.terms.items() if sum(e) == 2}) for own in integrals]
+        for parts in (forms, integrals):
+            found = _definite(integrals, parts, count)
+            if found:
+                return found
+    return []
+
+
+def _definite(
+    integrals: Sequence[CheckedPolynomial], parts: Sequence[CheckedPolynomial], count: int
+) -> list[CheckedPolynomial]:
+    """Sums of integrals in which the sum of these parts is positive, as a semidefinite program proposes them."""
+    condition = Condition({}, dict(enumerate(map(terms_of, parts))), (), (), count)
+    if not condition.support:
+        return []
+    solved = solve_inside([(condition, build_blocks(condition))], len(parts), bounded=True)
+    if solved is None:
+        return []
+    found = []
+    for denominator in DENOMINATORS:
+        values = round_parameters(*solved, denominator)
+        if values is not None and any(values):
+            found.append(combined(integrals, list(map(as_fraction, values))))
+    return found

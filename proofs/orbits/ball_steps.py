@@ -19,6 +19,7 @@ from flint import arb, arb_poly, arb_series, ctx
 
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.symbolic.formulas.surfaces import quotient
+from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, UnknownSign, signs_by_factors
@@ -284,11 +285,6 @@ class BallCell:
         f, g, *others = self._varied(point)
         scale = others[4] if len(others) > 4 else arb(1)
         return [f / scale, g / scale], scale
-
-
-def dot(first: Sequence[Any], second: Sequence[Any]) -> Any:
-    """Scalar product of two vectors in the plane."""
-    return first[0] * second[0] + first[1] * second[1]
 
 
 def applied(matrix: Sequence[Any], vector: Box) -> Box:

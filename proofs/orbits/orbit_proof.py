@@ -19,8 +19,9 @@ from nonsmooth.analysis.fields.switched_field import Face
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.trajectories.smooth_path import Leg
 from nonsmooth.proofs.boxes.enclosures import holds_on
-from nonsmooth.proofs.orbits.ball_steps import Ball, BallCell, Box, UnprovedError, along, dot, in_balls, precision
+from nonsmooth.proofs.orbits.ball_steps import Ball, BallCell, Box, UnprovedError, along, in_balls, precision
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, Family, ReturnMap, fly, proved_maps
+from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem

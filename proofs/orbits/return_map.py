@@ -24,8 +24,8 @@ from nonsmooth.proofs.orbits.ball_steps import (
     Expansion,
     UnprovedError,
     applied,
-    dot,
 )
+from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
 
 # ---- a family of solutions through a cell --------------------------------------------------------

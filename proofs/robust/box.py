@@ -26,6 +26,7 @@ from nonsmooth.proofs.robust.rings import PRECISION, RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.plane import in_floats
 
 # ---- one wheel of an array under rule ``box`` over a box of parameters ---------------------------
 #
@@ -278,7 +279,7 @@ class BoxRingProof(RingProof[BoxBound]):
         """Whether bodies rest all over a disc, by a polygon about it."""
         zero, still = np.zeros(3), [arb(0)] * 3
         for corner in polygon_about(radius, REST_CORNERS):
-            proposal = self._corners.proposal(_floats(corner), zero, zero)
+            proposal = self._corners.proposal(in_floats(corner), zero, zero)
             gap = None if proposal is None else bound.gap(proposal, _balls(corner), still, still)
             if gap is None or not gap <= 0:
                 return False
@@ -299,7 +300,7 @@ class BoxRingProof(RingProof[BoxBound]):
         """The rate that the bounds at the corners of a quadrangle prove; None where it is not positive."""
         key, xi, push, rates = (piece, strength), [arb(entry) for entry in twist], arb(strength), []
         if key not in self._proposals:
-            self._proposals[key] = [self._proposal(_floats(corner), strength) for corner in piece.corners]
+            self._proposals[key] = [self._proposal(in_floats(corner), strength) for corner in piece.corners]
         for corner, proposal in zip(piece.corners, self._proposals[key], strict=True):
             x, y = _balls(corner)
             gap = None if proposal is None else bound.gap(proposal, (x, y), [push * x, push * y, arb(0)], xi)
@@ -315,7 +316,7 @@ class BoxRingProof(RingProof[BoxBound]):
     def _plan(self, piece: AnnulusPiece) -> Plan:
         """The twist of the middle of a quadrangle, and the pushes that promise a negative rate."""
         if piece not in self._plans:
-            corners = [_floats(corner) for corner in piece.corners]
+            corners = [in_floats(corner) for corner in piece.corners]
             middle = np.mean(corners, axis=0)
             twist, _ = self._corners.least(middle.tolist(), np.zeros(3))
             unit = float(self._corners.limits(middle.tolist()).sum()) / 2 / float(np.hypot(*middle))
@@ -337,10 +338,6 @@ class BoxRingProof(RingProof[BoxBound]):
         push = strength * np.array([*place, 0.0])
         twist, _ = self._corners.least(place, push)
         return self._corners.proposal(place, push, twist)
-
-
-def _floats(place: Place) -> tuple[float, float]:
-    return float(place[0]), float(place[1])
 
 
 def _balls(place: Place) -> list[arb]:

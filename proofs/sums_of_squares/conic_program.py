@@ -17,6 +17,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Block, Blocks, Condition, reached, separates
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
@@ -271,8 +272,7 @@ def nearest(value: float, denominator: int) -> fmpq:
 
 def simplest(value: float, denominator: int) -> fmpq:
     """The fraction nearest to a number with at most a given denominator."""
-    found = Fraction(value).limit_denominator(denominator)
-    return fmpq(found.numerator, found.denominator)
+    return as_fmpq(Fraction(value).limit_denominator(denominator))
 
 
 def _rational_triangle(gram: Floats, denominator: int) -> list[fmpq]:

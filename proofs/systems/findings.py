@@ -18,9 +18,15 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
 from nonsmooth.proofs.inequalities.forms import directions
-from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import (
+    DecayRate,
+    DisturbanceGain,
+    Domain,
+    RegionRate,
+    ReshapedRegion,
+    SublevelRegion,
+)
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import one_line

@@ -107,11 +107,11 @@ def build_formula(
     """
     used = [(c, function) for c, function in zip(coefficients, basis, strict=True) if c]
     used.sort(key=lambda term: term[1].degree)
-    text = " + ".join(_term(c, function.text(states)) for c, function in used) or "0"
+    text = " + ".join(term_text(c, function.text(states)) for c, function in used) or "0"
     return parse_piecewise(text.replace("+ -", "- "), states)
 
 
-def _term(coefficient: Fraction, function: str) -> str:
+def term_text(coefficient: Fraction, function: str) -> str:
     """``9*x*y/11`` for a coefficient and a function."""
     top, bottom = coefficient.numerator, coefficient.denominator
     factor = {1: "", -1: "-"}.get(top, f"{top}*")

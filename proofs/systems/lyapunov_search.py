@@ -10,7 +10,7 @@ rows.  In reversed time the same search finds a function that grows along every 
 
 *A V that does not increase*, where none is found that falls everywhere: energies of damped systems.  The program
 maximizes the margin of V > 0 while V' <= 0 may hold with equality.  Energies have simple coefficients, so rounding
-meets the equalities.  What stays where V' = 0 is asked of :mod:`nonsmooth.proofs.systems.invariance`.
+meets the equalities.  What stays where V' = 0 is asked of :mod:`nonsmooth.proofs.systems.derivatives`.
 
 (HiGHS; what comes out of it is a proposal.)
 """
@@ -34,13 +34,12 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.proofs.inequalities.forms import Sense
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import least_sum, solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, attracts, examine, inhabited, resting_place
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.energies import energy_near, falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
-from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
     Sides,
@@ -504,11 +503,6 @@ def _weak_proposals(
 def _shortest(positive: Floats, falling: Floats, widest: Floats) -> Floats:
     """Coefficients of least sum of sizes that keep a part of the margin: energies have few terms."""
     margin = np.min(positive @ widest) * KEPT_MARGIN
-    above, below = (np.hstack([-rows, rows]) for rows in (positive, falling))
-    limits = np.concatenate([np.full(len(above), -margin), np.zeros(len(below))])
-    costs = np.ones(2 * positive.shape[1])
-    found = solve_program(costs, A_ub=np.vstack([above, below]), b_ub=limits, bounds=(0, None))
-    if found.status != 0:
-        return widest
-    first, second = np.split(found.x, 2)
-    return np.asarray(first - second)
+    limits = np.concatenate([np.full(len(positive), -margin), np.zeros(len(falling))])
+    found = least_sum(-np.vstack([positive, falling]), limits, np.ones(positive.shape[1]), None)
+    return widest if found is None else found

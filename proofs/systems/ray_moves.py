@@ -35,12 +35,13 @@ from nonsmooth.proofs.inequalities.real_roots import (
     RealRoot,
     along_ray,
     between_rays,
+    form_lines,
     germ_sign,
+    lowest_form,
     positive_roots,
     samples_between,
     value,
 )
-from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import sign
@@ -187,8 +188,7 @@ def _boundary_moves(cells: Sequence[FieldCell], ray: Point) -> Iterator[RayMove]
 def _inner_moves(first: Point, second: Point, velocity: tuple[Polynomial, Polynomial]) -> Iterator[RayMove]:
     """Rays ``first + t second`` inside the cone on which the field is radial, or one between any two if all are."""
     f, g = velocity
-    x, y = (Polynomial.variable(f.field, f.variables, name) for name in f.variables)
-    across, radial = between_rays(x * g - y * f, first, second), between_rays(x * f + y * g, first, second)
+    across, radial = (between_rays(form, first, second) for form in turning(velocity))
     places: list[Fraction | RealRoot] = list(positive_roots(across or radial)) if across or radial else []
     if not across:
         places += samples_between([place for place in places if isinstance(place, RealRoot)])

@@ -25,8 +25,7 @@ from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign,
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction, rational_subject
-from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, DisturbanceGain, rates_below, slowest_ratio
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import DecayKind, DecayRate, DisturbanceGain, Domain, rates_below, slowest_ratio
 from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -10,7 +10,7 @@
 6. Unless the equilibrium is known to be unstable, a V is searched and proved, one that falls along every solution or,
    where nothing else has decided, with time reversed one that grows (:mod:`nonsmooth.proofs.systems.search`).
 7. A V that does not increase, the scene's or a searched one: asymptotically stable where no other solution stays
-   where V' = 0 (LaSalle, :mod:`nonsmooth.proofs.systems.invariance`).
+   where V' = 0 (LaSalle, :mod:`nonsmooth.proofs.systems.derivatives`).
 8. Otherwise such a V shows stability alone, and not asymptotic where a ray of equilibria shows it, or near the point
    V' = 0: solutions then keep V, which is positive off the point.
 
@@ -157,7 +157,7 @@ class PlanePoint(CheckedPoint):
 
     def _searched_attraction(self, function: PlaneFunction) -> Record | None:
         from nonsmooth.proofs.kernel.second_function import find_attraction
-        from nonsmooth.proofs.systems.invariance import resting_place
+        from nonsmooth.proofs.systems.derivatives import resting_place
 
         if function.formula is None or resting_place(function.result.cells) is not None:
             return None
@@ -327,7 +327,7 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
     if entry is None:
         return None
-    from nonsmooth.proofs.systems.invariance import Staying
+    from nonsmooth.proofs.systems.derivatives import Staying
 
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)

@@ -15,7 +15,7 @@ from nonsmooth.proofs.answers.answer import Answer, Position, at_least, contact_
 from nonsmooth.proofs.answers.answers import Answers, OtherRule, answers_of
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
-from nonsmooth.proofs.theorem4_result import Check, Contradiction
+from nonsmooth.proofs.theorem4 import Check, Contradiction
 from nonsmooth.reports.output.document import Table, table, without_empty_columns
 from nonsmooth.reports.output.facts import Record, as_record, fact_record, with_exact
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
@@ -24,8 +24,7 @@ from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, place_text, real_text, short_text
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.answers.best_point import RestPoint
-    from nonsmooth.proofs.answers.destinations import Destination, Destinations
+    from nonsmooth.proofs.answers.destinations import Destination, Destinations, RestPoint
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.symbolic.mechanics.scene import Scene
 

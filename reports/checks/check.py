@@ -226,7 +226,7 @@ def check_scene(  # one keyword for each choice
 
     announce, rest_points = announce or unheard, None
     if best:
-        from nonsmooth.proofs.answers.best_point import best_point  # paths: only a search loads them
+        from nonsmooth.proofs.answers.destinations import best_point  # paths: only a search loads them
         from nonsmooth.symbolic.mechanics.contact_set import standing
 
         announce("the best rest point of the square")
@@ -386,7 +386,7 @@ def _check_many(scenes: Sequence[Any], options: CheckOptions) -> Result:
     from nonsmooth.reports.checks.check_results import SummaryResult
 
     if options.at == AUTO:
-        from nonsmooth.proofs.answers.best_point import best_point
+        from nonsmooth.proofs.answers.destinations import best_point
 
         chosen = []
         for scene in scenes:

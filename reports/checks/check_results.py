@@ -15,7 +15,7 @@ from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
 from nonsmooth.proofs.findings.verdicts import Theorem4, said
-from nonsmooth.proofs.theorem4_result import Check, Contradiction
+from nonsmooth.proofs.theorem4 import Check, Contradiction
 from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answer_lines, answers_record, check_record, checks_record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import Record
@@ -33,8 +33,7 @@ if TYPE_CHECKING:
 
     from nonsmooth.analysis.bodies.continuum import Prediction
     from nonsmooth.proofs.answers.array_basin import ArrayBasin, NoBasin
-    from nonsmooth.proofs.answers.best_point import RestPoint
-    from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.destinations import Destinations, RestPoint
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.proofs.answers.heading import HeadingsOfRest
     from nonsmooth.reports.laws.law_languages import LawResult

@@ -8,7 +8,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.bodies.continuum import HeadingEffect, NoIdealizationError, Prediction, predictions
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4 import Check
 from nonsmooth.reports.output.document import Section, display, table
 from nonsmooth.reports.output.facts import Record, with_exact
 from nonsmooth.reports.output.prose import paragraph

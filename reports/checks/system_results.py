@@ -22,7 +22,7 @@ from nonsmooth.proofs.system_facts import (
     rewriting_words,
     system_facts,
 )
-from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.domain import DecayKind
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import Record, fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress

@@ -125,7 +125,7 @@ def _refuse_without_scene(rule: Any, radius: str | None, at: str | None) -> None
 
 
 def _difference(file: str, scene: Scene) -> str:
-    from nonsmooth.proofs.certified_scene import find_difference
+    from nonsmooth.proofs.certificate import find_difference
     from nonsmooth.proofs.checker.files import read
     from nonsmooth.proofs.kernel.subject import NoCertificateError
 

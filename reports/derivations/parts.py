@@ -14,7 +14,7 @@ from nonsmooth.proofs.answers.answer import DIGITS, UNDECIDED, Answer, Pose, at_
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.answers import GOES, destinations_head, destinations_table, stated_answers
 from nonsmooth.reports.checks.continuum import continuum_section
 from nonsmooth.reports.checks.subject import ArraySubject, ReportPart, ReportSubject

@@ -26,7 +26,7 @@ from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Record
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text, numbers_text
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.theorem4_result import Check
+    from nonsmooth.proofs.theorem4 import Check
 
 
 WIDTH = 100  # of lines

@@ -24,7 +24,7 @@ from nonsmooth.symbolic.numbers.number_text import exact_place, short_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.proofs.theorem4_result import Check
+    from nonsmooth.proofs.theorem4 import Check
     from nonsmooth.symbolic.numbers.number_field import NumberField
 
 VERDICT_WIDTH = 14  # columns: "asymptotically"

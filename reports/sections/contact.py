@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.minimizers.minimum import Functional, functional_of
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.cells import CellsResult
 from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.output.document import (

@@ -12,8 +12,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargin
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
-from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
+from nonsmooth.proofs.clauses.feedback.control_fields import ControlLyapunov, InputCell
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, LimitedRate
 from nonsmooth.reports.output.document import (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.answers import OtherRule
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4 import Check
 from nonsmooth.reports.checks.answers import THEOREM_IN_WORDS, StatedAnswers, destinations_table, stated_answers
 from nonsmooth.reports.checks.equilibrium_headings import headings_table, notes, title
 from nonsmooth.reports.checks.subject import ArraySubject, ReportSubject, how_to_cite

@@ -22,7 +22,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.systems.border_motion import BorderKind
-from nonsmooth.proofs.theorem4_result import Contradiction
+from nonsmooth.proofs.theorem4 import Contradiction
 from nonsmooth.reports.checks.answers import contradiction_lines, contradictions_record
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.figures.style import (

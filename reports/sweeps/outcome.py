@@ -17,9 +17,8 @@ from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.findings.verdicts import Certainty, Quantity, Theorem4
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.proofs.systems.domain import DecayKind
+from nonsmooth.proofs.theorem4 import CellCheck, Check, check_theorem4
 from nonsmooth.reports.checks.answers import failure_records
 from nonsmooth.reports.output.facts import Record, exact_texts, floats
 from nonsmooth.reports.output.refusals import beyond_floats_named

@@ -41,7 +41,7 @@ def minus(a: tuple[E, E], b: tuple[E, E]) -> tuple[E, E]:
     return a[0] - b[0], a[1] - b[1]
 
 
-def dot(a: tuple[E, E], b: tuple[E, E]) -> E:
+def dot(a: Sequence[E], b: Sequence[E]) -> E:
     """Inner product."""
     return a[0] * b[0] + a[1] * b[1]
 

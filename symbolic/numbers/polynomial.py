@@ -95,6 +95,11 @@ def _powers(base: Any, terms: Mapping[Exponents, Any], index: int) -> list[Any]:
 
 
 @BEYOND_FLOATS
+def written_powers(names: Sequence[str], exponents: Exponents) -> list[str]:
+    """The powers in a monomial, such as ``x**2`` and ``y``."""
+    return [name if k == 1 else f"{name}**{k}" for name, k in zip(names, exponents, strict=True) if k]
+
+
 def float_values(terms: Mapping[Exponents, Any], points: Floats) -> Floats:
     """A polynomial at points of shape (m, n), in floats."""
     return sum(_float_terms(terms, points), np.zeros(len(points)))
@@ -230,7 +235,7 @@ class Polynomial(ExactRing):
         return text.replace("+ -", "- ")
 
     def _term_text(self, exponents: Exponents) -> str:
-        powers = [name if k == 1 else f"{name}**{k}" for name, k in zip(self.variables, exponents, strict=True) if k]
+        powers = written_powers(self.variables, exponents)
         coefficient = self.terms[exponents]
         number = str(coefficient)
         if powers and number in ("1", "-1"):

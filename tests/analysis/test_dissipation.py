@@ -49,8 +49,7 @@ from nonsmooth.analysis.minimizers.sampling import SampledLaw, greedy_twist, sam
 from nonsmooth.analysis.motion.frames import wheel_slips
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
-from nonsmooth.proofs.theorem4 import check_smooth, check_theorem4
-from nonsmooth.proofs.theorem4_result import SmoothCheck
+from nonsmooth.proofs.theorem4 import SmoothCheck, check_smooth, check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import constraint_matrix

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck, check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck, check_cells
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_states import possible_triples

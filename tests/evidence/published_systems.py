@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.systems.basin import CertifiedBasin
-from nonsmooth.proofs.systems.decay_rate import ReshapedRegion
+from nonsmooth.proofs.systems.domain import ReshapedRegion
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.certificates.inclusion import Array, FloatInclusion

@@ -35,8 +35,13 @@ from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, between, gains
 from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheel_forms
 from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, ImposedTwist, rank_of
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, _has_short_paths
-from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, home_disc, turning_disc
-from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, _decay
+from nonsmooth.proofs.clauses.translation.at_point import (
+    EllipseTranslation,
+    EveryLoadTranslation,
+    _decay,
+    home_disc,
+    turning_disc,
+)
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import (
     TranslationResult,

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.system_decision import StabilityResult
-from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.proofs.theorem4 import Theorem4Result
 
 AnyCheck = TypeVar("AnyCheck", bound=Theorem4Result)
 

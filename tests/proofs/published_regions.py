@@ -9,8 +9,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
 from nonsmooth.proofs.falling_function import claims_about
-from nonsmooth.proofs.systems.decay_rate import SublevelRegion
-from nonsmooth.proofs.systems.domain import scene_cells
+from nonsmooth.proofs.systems.domain import SublevelRegion, scene_cells
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.floats import value
 from tests.plain import built

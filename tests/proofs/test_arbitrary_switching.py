@@ -12,14 +12,13 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.checker.statements import refusal
-from nonsmooth.proofs.choices import parallel_lines, show_choice_of
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import started
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.full_turns import WorstTurn
-from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
+from nonsmooth.proofs.systems.leading_terms import WorstTurn, decide_leading_terms
+from nonsmooth.proofs.theorem_searches import parallel_lines, show_choice_of
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.plain import built

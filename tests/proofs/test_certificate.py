@@ -31,8 +31,7 @@ from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.proofs.theorem4 import check_cells, check_smooth
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck, check_cells, check_smooth
 from nonsmooth.proofs.verified import UnverifiedError
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -22,11 +22,12 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import TurnRegion
-from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, RowInputs
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
+from nonsmooth.proofs.clauses.feedback.control_fields import (
     SQUARES,
     ControlLyapunov,
     Demand,
+    InputCell,
+    RowInputs,
     find_shapes,
     shape_regions,
 )

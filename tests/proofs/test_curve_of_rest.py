@@ -12,7 +12,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
 from nonsmooth.proofs.kernel_strategies import decide_beside_curve_of_rest
-from nonsmooth.proofs.many_states.curve_of_rest import _adjugate, curve_of_rest
+from nonsmooth.proofs.many_states.rest_beside import _adjugate, curve_of_rest
 from nonsmooth.proofs.system_decision import checked_point
 from nonsmooth.proofs.systems.findings import Known
 

@@ -16,7 +16,7 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import gain_words, rate_words
-from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.domain import DecayKind
 from tests.oracles.floats import value
 from tests.oracles.mutants import Record
 from tests.plain import built, refused

@@ -20,8 +20,7 @@ from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargin, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import Descent
-from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, RowInputs, input_ranks
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov
+from nonsmooth.proofs.clauses.feedback.control_fields import SQUARES, ControlLyapunov, InputCell, RowInputs, input_ranks
 from nonsmooth.proofs.clauses.feedback.gradient_law import ConeRate, certified_rate, exponent_of
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4

@@ -17,8 +17,7 @@ from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, corrected_law, printed_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.proofs.certificate import build_certificate
-from nonsmooth.proofs.certified_scene import find_difference
+from nonsmooth.proofs.certificate import build_certificate, find_difference
 from nonsmooth.proofs.clauses.at_point.ellipse import Situation
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback

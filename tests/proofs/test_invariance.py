@@ -17,9 +17,9 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.derivatives import Staying, decide_staying, resting_place
 from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.findings import KEPT, Method
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.dissipative_systems import dissipative_systems

@@ -18,9 +18,8 @@ import nonsmooth as ns
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import plane_cells
+from nonsmooth.proofs.systems.domain import DecayKind, plane_cells
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
 from nonsmooth.reports.interface.system import System

@@ -31,8 +31,7 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import PromisingTwists, 
 from nonsmooth.proofs.clauses.translation import clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import Check, SmoothCheck
+from nonsmooth.proofs.theorem4 import Check, SmoothCheck, check_theorem4
 from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels

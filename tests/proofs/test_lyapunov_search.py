@@ -19,9 +19,8 @@ from nonsmooth.proofs.kernel_strategies import linear_matrix, rate_of, short_for
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import DecayKind, Domain, SublevelRegion
 from nonsmooth.proofs.systems.energies import energies, falling_energies
 from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions

@@ -19,17 +19,16 @@ from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, extent, ray_adherence
+from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, stated_cells
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departure_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth
-from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
+from nonsmooth.proofs.systems.leading_terms import FusedFocus, TurnGrowth, decide_leading_terms
 from nonsmooth.proofs.systems.ray_moves import build_tangent_fan, conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem_searches import show_verdict

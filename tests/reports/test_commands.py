@@ -21,7 +21,7 @@ from nonsmooth.analysis.measurements.harness import Case, ResultRow, Rows, judge
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.theorem4_result import Contradiction
+from nonsmooth.proofs.theorem4 import Contradiction
 from nonsmooth.reports.checks.measurements import Stress
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import INTERRUPTED, run

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
 from nonsmooth.reports.formats.latex import render_latex

@@ -29,8 +29,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_fee
 from nonsmooth.proofs.clauses.feedback.loop_bounds import ultimate_bound
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.own_paths import ContradictionError
-from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_languages import law_of

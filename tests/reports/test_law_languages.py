@@ -29,8 +29,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.loop_bounds import certified_error, wheel_speed
-from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.proofs.theorem4 import CellCheck, Check, check_theorem4
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_languages import Language, LawResult, law_of

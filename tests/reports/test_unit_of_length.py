@@ -19,9 +19,8 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.answers.best_point import best_point
-from nonsmooth.proofs.certificate import build_certificate, certificate_text
-from nonsmooth.proofs.certified_scene import find_difference
+from nonsmooth.proofs.answers.destinations import best_point
+from nonsmooth.proofs.certificate import build_certificate, certificate_text, find_difference
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.findings.verdicts import Feedback

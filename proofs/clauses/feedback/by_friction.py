@@ -49,12 +49,13 @@ from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.balanced_twists import PRECISION, BalancedTwist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.control_fields import (
+    ControlLyapunov,
     askew_reason,
     common_normal,
     obstruction_text,
     side_friction_rules,
+    sum_of_squares,
 )
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     LawCone,
     best_three,

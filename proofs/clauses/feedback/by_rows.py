@@ -6,7 +6,7 @@ c . J p_i)/Delta``, ``a = c . d_i - (d_i . d_j) b``.  Both coefficients vanish i
 J p_i``.  Hence the L_gV law ``u = -k (a, b)`` (Jurdjevic and Quinn) makes ``V* < 0`` off the equilibrium iff no closed
 cell holds a nonzero c with ``c . d_i = 0``; that is decided by the signs of ``c . d_i`` at the vertices.  Then:
 
-- where this V fails, all ``c^T P c + w theta^2`` are searched (module ``control_lyapunov``);
+- where this V fails, all ``c^T P c + w theta^2`` are searched (module ``control_fields``);
 - what the law is certified for, at which rate, from where, with limited speeds and with doubt about the contact state:
   module ``gradient_law``, and :class:`InputMargin`;
 - where no V of this form serves, a law that takes theta first may (module ``cascade_law``);
@@ -28,19 +28,17 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.control_fields import (
-    InputCell,
-    RowInputs,
-    lever,
-    obstruction_text,
-    side_friction_rules,
-    why_not_followed,
-)
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
     SQUARES,
     ControlLyapunov,
+    InputCell,
+    RowInputs,
     find_shapes,
+    lever,
+    obstruction_text,
     shape_regions,
+    side_friction_rules,
     sum_of_squares,
+    why_not_followed,
 )
 from nonsmooth.proofs.clauses.feedback.gradient_law import (
     FeedbackRate,

@@ -53,8 +53,7 @@ import numpy as np
 from flint import arb
 
 from nonsmooth.analysis.cells.fan import CellCone, Cone, slide_speed
-from nonsmooth.proofs.clauses.feedback.control_fields import RowInputs
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
+from nonsmooth.proofs.clauses.feedback.control_fields import SQUARES, RowInputs
 from nonsmooth.proofs.clauses.feedback.gradient_law import are_above, segments
 from nonsmooth.proofs.clauses.feedback.rational_bounds import BELOW, DIGITS, ball_of
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_cones

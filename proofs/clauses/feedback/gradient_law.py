@@ -49,8 +49,7 @@ from typing import Any, TypeAlias
 from flint import arb
 
 from nonsmooth.analysis.cells.polygon import Point, square
-from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, RowInputs
-from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES, ControlLyapunov, Shape
+from nonsmooth.proofs.clauses.feedback.control_fields import SQUARES, ControlLyapunov, InputCell, RowInputs, Shape
 from nonsmooth.proofs.clauses.feedback.rational_bounds import (
     DIGITS,
     MUCH_BELOW,

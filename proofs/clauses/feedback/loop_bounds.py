@@ -58,8 +58,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
-    from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
-    from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
+    from nonsmooth.proofs.clauses.feedback.control_fields import ControlLyapunov, InputCell
 
 
 FEW_ROUNDINGS = Fraction(1, 2**40)  # more than a few roundings of a quotient or product of floats

@@ -13,8 +13,12 @@ from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, load_text
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
-from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
-from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decays_everywhere, soft_load_of
+from nonsmooth.proofs.clauses.translation.at_point import (
+    EllipseTranslation,
+    EveryLoadTranslation,
+    decays_everywhere,
+    soft_load_of,
+)
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace

@@ -10,8 +10,12 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.proofs.clauses.at_point.every_load import witness_load
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause, witness_record
-from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
-from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decide_for_every_load
+from nonsmooth.proofs.clauses.translation.at_point import (
+    EllipseTranslation,
+    EveryLoadTranslation,
+    decide_for_every_load,
+    decide_translation_at,
+)
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Theorem4, Translation, number_fact, said

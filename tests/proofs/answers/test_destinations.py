@@ -27,8 +27,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers import destinations as destinations_module
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
-from nonsmooth.proofs.answers.best_point import best_point
-from nonsmooth.proofs.answers.destinations import Destinations, Goal, destinations_of
+from nonsmooth.proofs.answers.destinations import Destinations, Goal, best_point, destinations_of
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.robust.drift import (

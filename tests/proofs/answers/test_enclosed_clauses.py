@@ -21,7 +21,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.answers.answers import answers_of
-from nonsmooth.proofs.answers.best_point import best_point
+from nonsmooth.proofs.answers.destinations import best_point
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
@@ -46,8 +46,7 @@ from nonsmooth.proofs.robust.rest_points import (
     refined_rates,
 )
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, FIRST_PIECES, least_rate, piece_rates
-from nonsmooth.proofs.theorem4 import check_smooth
-from nonsmooth.proofs.theorem4_result import SmoothCheck
+from nonsmooth.proofs.theorem4 import SmoothCheck, check_smooth
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene

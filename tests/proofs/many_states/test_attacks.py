@@ -26,15 +26,14 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import build_cells, is_empty
 from nonsmooth.proofs.many_states.decision import Spectrum, first_cells, spectrum_of
 from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, find_slide
-from nonsmooth.proofs.many_states.lyapunov_search import proposals
-from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
+from nonsmooth.proofs.many_states.lyapunov_search import high_degree_relay, proposals
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
+from nonsmooth.proofs.systems.domain import DecayKind, SublevelRegion
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov

@@ -17,7 +17,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel_strategies import decide_by_center_manifold
 from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, show_by_center_manifold, split_at
-from nonsmooth.proofs.many_states.first_integrals import find_kept_function
+from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
 from nonsmooth.proofs.systems.findings import Known, Method

@@ -16,8 +16,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.certificate import build_certificate, certificate_text
-from nonsmooth.proofs.certified_scene import find_difference
+from nonsmooth.proofs.certificate import build_certificate, certificate_text, find_difference
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds

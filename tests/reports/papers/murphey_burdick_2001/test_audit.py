@@ -20,8 +20,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.proofs.theorem4 import CellCheck, check_cells
 from nonsmooth.reports.output.document import Inline, Math, Table
 from nonsmooth.reports.papers.murphey_burdick_2001 import audit, sign_form
 from nonsmooth.reports.papers.murphey_burdick_2001.audit import (
