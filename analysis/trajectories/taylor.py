@@ -30,7 +30,7 @@ DRAWN, OF_A_POLYNOMIAL = 0.25, 4  # radians within which a path has a sample, an
 WORK = 12  # evaluations of a field that cost as much as a step
 
 
-class WrittenOut(NamedTuple):
+class SeriesCode(NamedTuple):
     """Functions of single floats, one by one.
 
     Attributes:
@@ -44,7 +44,7 @@ class WrittenOut(NamedTuple):
 
 
 @cache
-def written_out(count: int) -> WrittenOut:
+def series_code(count: int) -> SeriesCode:
     """The functions for so many states."""
     states, degrees = range(count), range(DEGREE + 1)
     a, b, c = [names(f"a{i}_", count) for i in states], names("b", count), [names(f"c{k}_", count) for k in degrees]
@@ -58,7 +58,7 @@ def written_out(count: int) -> WrittenOut:
     lines.append(f"return ({series}), {', '.join(f'max({own}, 0.0)' for own in sizes)}")
     powers = names("c", DEGREE + 1)
     value = "".join(f"{own} + s*(" for own in powers[:-1]) + powers[-1] + ")" * DEGREE
-    return WrittenOut(
+    return SeriesCode(
         compiled("".join(map(listed, (*a, b, c[0]))), *lines), compiled("s, " + listed(powers), f"return {value}")
     )
 
@@ -82,7 +82,7 @@ class TaylorSteps:
     def __init__(self, rate: AffineVelocity, t: float, y: Floats, until: float) -> None:
         self._rate, self._until = rate, until
         self.t, self.y, self.slope = t, y, rate(t, y)
-        self._code = written_out(len(y))
+        self._code = series_code(len(y))
 
     def step(self) -> DenseStep:
         """The next step.

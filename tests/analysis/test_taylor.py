@@ -14,7 +14,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.steppers import StiffAware
-from nonsmooth.analysis.trajectories.taylor import DEGREE, TaylorSteps, written_out
+from nonsmooth.analysis.trajectories.taylor import DEGREE, TaylorSteps, series_code
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.plain import built
 
@@ -108,6 +108,6 @@ def test_paths_are_those_of_runge_kutta(rhs: list[str]) -> None:
 
 
 def test_the_code_that_is_compiled_holds_names_and_floats_only() -> None:
-    names = {name for function in written_out(3) for name in function.__code__.co_names}
+    names = {name for function in series_code(3) for name in function.__code__.co_names}
     assert names <= {"abs", "max"}
-    assert written_out(2).value(0.5, *[1.0] * (DEGREE + 1)) == pytest.approx(2.0, abs=1e-6)
+    assert series_code(2).value(0.5, *[1.0] * (DEGREE + 1)) == pytest.approx(2.0, abs=1e-6)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from nonsmooth.reports.checks.check import CheckOptions, CheckStudy
 from nonsmooth.reports.checks.check_results import CheckResult
-from nonsmooth.reports.output.study_options import SceneTexts, option
+from nonsmooth.reports.output.study_options import option
 from nonsmooth.reports.studies.result import Record, Result
 from nonsmooth.reports.studies.study_command import command
 
@@ -37,4 +37,4 @@ class AskedStudy(CheckStudy):
         return AskedResult(**{entry.name: getattr(found, entry.name) for entry in fields(CheckResult)})
 
 
-check = command(AskedStudy(), "check", "Check.\n\nExit status: 0 holds.", SceneTexts)
+check = command(AskedStudy(), "check", "Check.\n\nExit status: 0 holds.")
