@@ -290,7 +290,7 @@ def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: 
     """Circles, followed for too long: beyond the work that all starts share nothing is said of ends."""
     system = ns.System(("x", "y"), ["y", "-x"], radius=1)
     monkeypatch.setattr(system_maps, "MAX_WORK", 20_000)
-    found = mapped(PhasePortrait(system.system), 3, 200.0)
+    found = mapped(PhasePortrait(system.system), 3, 2_000.0)
     assert 0 < found.whereabouts.count(Whereabouts.LOST) < 9
     for start, end, kind in zip(found.starts, found.ends, found.whereabouts, strict=True):
         if kind is Whereabouts.LOST:
