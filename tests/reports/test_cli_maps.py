@@ -296,7 +296,7 @@ def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: 
         if kind is Whereabouts.LOST:
             assert np.isnan(end).all()
         else:
-            turn = complex(*start) * np.exp(-200j)
+            turn = complex(*start) * np.exp(-2_000j)
             assert end == pytest.approx([turn.real, turn.imag], abs=1e-8)
 
 
