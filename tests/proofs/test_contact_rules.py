@@ -161,6 +161,25 @@ def test_rims_that_do_not_slip_turn_the_body_while_their_rollers_turn(
     assert twists_near(scene, border) == pytest.approx(np.tile([0, 0, spin], (60, 1)), abs=1e-9)
 
 
+def test_a_spin_that_rims_impose_is_told_among_many_roots_too(tmp_path: Path) -> None:
+    """Of wheels whose headings and speeds need seven square roots, where quotients are carried out late."""
+    wheels = ""
+    for k, (x, y) in enumerate([(10, 1), (3, 9), (-7, 7), (-10, -2), (-4, -9), (5, -9), (9, -5)]):
+        a, b = -y + x * (k + 2), x + y * (k + 2)
+        wheels += (
+            f'[[wheel]]\nposition = ["{x}/10", "{y}/10"]\nheading = [{a}, {b}]\n'
+            f'speed = "({x * b - y * a})/(10*sqrt({a * a + b * b}))"\n'
+        )
+    (tmp_path / "many.toml").write_text(f'[friction]\nmu_roll = 1\nmu_side = "1/9"\n[check]\nradius = "1/10"\n{wheels}')
+    scene = load_scene(tmp_path / "many.toml", rule="roller")
+    point = point_of(scene)
+    assert point.situation is Situation.HELD
+    radius = decide_translation_at(point, None).region_radius
+    assert radius is not None
+    border = 0.99 * float(radius) * np.array([(1.0, 0.0), (-0.6, 0.8), (0.0, -1.0)])
+    assert twists_near(scene, border) == pytest.approx(np.tile([0, 0, 1], (3, 1)), abs=1e-9)
+
+
 def least_dissipation(scene: Scene, centre: tuple[float, float], twist: Floats) -> float:
     """``sum_i N_i min_t (mu_R |(r_i, s_i - t)| + mu_S |t|)`` for a twist about the origin, at a centre of mass."""
     region = load_regions(scene, scene.check.equilibrium)[0]

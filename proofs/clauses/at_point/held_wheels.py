@@ -35,6 +35,7 @@ from nonsmooth.proofs.boxes.linearization import Slip, gradient, slips_at
 from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, combine, gram, inner, scaled, total
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.enclosures import enclosure
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -136,10 +137,10 @@ def radius_of_turning(scene: Scene, region: LoadRegion, omega: Number, forces: S
     held = [slip for slip in slips if slip.load[0] and _is_held(slip)]
     rows = [(slip.wheel, axis, row) for slip in held for axis, row in _held_rows(slip)]
     with ctx.workprec(PRECISION):
-        columns = arb_mat([[entry.ball() for entry in row] for _, _, row in rows]).transpose()
+        columns = arb_mat([[enclosure(entry) for entry in row] for _, _, row in rows]).transpose()
         inverse = columns.transpose() * (columns * columns.transpose()).inv()
         missing = [_missing(scene.field.zero, slips, part) for part in (1, 2)]
-        by_x, by_y = (inverse * arb_mat([[entry.ball()] for entry in change]) for change in missing)
+        by_x, by_y = (inverse * arb_mat([[enclosure(entry)] for entry in change]) for change in missing)
         steep = {(wheel, axis): _length(by_x[k, 0], by_y[k, 0]) for k, (wheel, axis, _) in enumerate(rows)}
         radii = [
             radius
@@ -151,8 +152,9 @@ def radius_of_turning(scene: Scene, region: LoadRegion, omega: Number, forces: S
 
 def _reaches(slip: Slip[Number], force: HeldForce, along: arb, across: arb) -> Iterator[arb]:
     """How far from the point the force of a wheel, of parts as steep as that, may come to the border of its set."""
-    load, by_x, by_y = (entry.ball() for entry in slip.load)
-    x, y, cut, growth = abs(force.along.ball()), abs(force.across.ball()), slip.limits.cut.ball(), _length(by_x, by_y)
+    load, by_x, by_y = map(enclosure, slip.load)
+    x, y, cut = (abs(enclosure(number)) for number in (force.along, force.across, slip.limits.cut))
+    growth = _length(by_x, by_y)
     if force.rolls:
         corner = ((1 - cut) * (1 + cut)).sqrt()
         yield _reach(load * (corner - x), corner * growth + along)
