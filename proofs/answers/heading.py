@@ -38,7 +38,6 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
     from nonsmooth.proofs.headings.at_point import EquilibriumHeadings, OpenHeadings, RestInterval, SampledRest
 
 
@@ -54,16 +53,19 @@ def heading_answer(scene: Scene, results: Results) -> Answer:
     """From the clause on theta; where the point itself is no place of rest, from the one beside it."""
     beside = _beside(scene, results)
     if beside is not None:
-        return Answer("heading", _of_rates(beside.rates), tuple(_facts_beside(scene, beside.rates)))
+        return Answer("heading", _of_rates(beside[0]), tuple(_facts_beside(scene, *beside)))
     return Answer("heading", OF_ROTATION[_rotation(results).verdict], tuple(_facts(scene, results)))
 
 
-def _beside(scene: Scene, results: Results) -> EnclosedRest | None:
-    """The place of rest beside the point in which bodies end; None where none is enclosed."""
+def _beside(scene: Scene, results: Results) -> tuple[tuple[Fraction, Fraction], str] | None:
+    """The rotation rate at a place of rest beside the point, and what bodies do there; None where none is enclosed."""
     if results["equilibrium"].verdict is not Equilibrium.FAILS:
         return None
     found = nearness(scene, results)
-    return None if found.ends is None else place_of_rest(scene, found.ends)
+    if found.turning is not None:
+        return found.turning.rates, "about that place it turns"
+    place = None if found.ends is None else place_of_rest(scene, found.ends)
+    return None if place is None else (place.rates, "where it ends it turns")
 
 
 def _of_rates(rates: tuple[Fraction, Fraction]) -> Heading:
@@ -72,15 +74,15 @@ def _of_rates(rates: tuple[Fraction, Fraction]) -> Heading:
     return Heading.DRIFTS if low > 0 or high < 0 else Heading.UNDECIDED
 
 
-def _facts_beside(scene: Scene, rates: tuple[Fraction, Fraction]) -> Iterator[Fact]:
+def _facts_beside(scene: Scene, rates: tuple[Fraction, Fraction], turns: str) -> Iterator[Fact]:
     """The rotation rate at the place of rest."""
     low, high = rates
     fastest = max(-low, high)
     most = angle_at_most(fastest, scene.units)
     if _of_rates(rates) is Heading.DRIFTS:
-        words = f"where it ends it turns all the time, at {most}/s"
+        words = f"{turns} all the time, at {most}/s"
     else:
-        words = f"where it ends it turns at up to {most}/s, if at all"
+        words = f"{turns} at up to {most}/s, if at all"
     yield Fact("largest_rate", Quantity(Fraction(at_most(fastest))), words)
     yield Fact("turn_per_distance", Quantity(None))
 

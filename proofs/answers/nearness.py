@@ -26,7 +26,7 @@ from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.answers.answer import Results, angle_at_least
-from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
+from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, turns_all_over
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
@@ -45,6 +45,7 @@ from nonsmooth.symbolic.numbers.plane import cross, dot
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 FOLLOWED = {"nearest", "box", "ellipse", "roller", MIXED}  # rules whose motions are enclosed
+TURNING = (8, 4, 2, 1)  # radii in which bodies may turn about a place beside the point, over the accuracy
 LOAD_SHARES = (Fraction(1), Fraction(7, 8), Fraction(1, 2))  # of the way from the load of equal springs to another one
 
 
@@ -66,6 +67,21 @@ class HomeDisc:
 
 
 @dataclass(frozen=True)
+class Turning:
+    """A place beside the point about which bodies turn, of which rims that do not slip fix the twist.
+
+    Attributes:
+        rates: bounds of the rotation rate (1/time).
+        away: a bound of its distance from the point (length).
+        within: radius of the disc of starts about the point (length).
+    """
+
+    rates: tuple[Fraction, Fraction]
+    away: Fraction
+    within: Fraction
+
+
+@dataclass(frozen=True)
 class Nearness:
     """What is shown about the ends of bodies from near the point.
 
@@ -79,6 +95,7 @@ class Nearness:
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
         home: the disc of starts that come to that place, and how long it takes them; None where none is shown.
+        turning: how bodies turn about a place beside the point; None where they are not shown to.
         is_of_one_load: whether this is shown under one of the loads that a scene leaves open.
         why_not: what stands in the way of following bodies farther; empty where nothing does.
     """
@@ -89,6 +106,7 @@ class Nearness:
     is_from_point: bool = False
     rests_within: Fraction | None = None
     home: HomeDisc | None = None
+    turning: Turning | None = None
     is_of_one_load: bool = False
     why_not: str = ""
 
@@ -173,7 +191,8 @@ def _decided(asked: _Asked) -> Nearness:
             found = _under_a_load(asked, array, kept)
         else:
             found = _under_known_loads(asked, array, kept)
-    return found if found.leaves or found.comes_near else replace(found, why_not=_why_not(array, accuracy, kept))
+    is_shown = found.leaves or found.comes_near or found.turning is not None
+    return found if is_shown else replace(found, why_not=_why_not(array, accuracy, kept))
 
 
 def _why_not(scene: Scene, accuracy: Fraction, kept: ContactSet) -> str:
@@ -195,6 +214,9 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
     accuracy, equilibrium = asked.scene.accuracy, asked.equilibrium
     rests = equilibrium is Equilibrium.HOLDS and asked.translation is Translation.STABLE
     may_move = equilibrium is not Equilibrium.HOLDS and asked.place is None
+    turning = _turning(array, accuracy, kept) if may_move else None
+    if turning is not None:
+        return Nearness(turning=turning)
     leaving = _leaving(array, accuracy, kept) if may_move else None
     ends = decide_ends(array, accuracy, rests=rests, kept=kept, finely=leaving is None)
     if asked.place is not None:
@@ -205,6 +227,18 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
         return Nearness(ends)
     is_out = _is_thrown_out(asked, array) and kept.keeps(accuracy, None)
     return Nearness(thrown_out_from=Fraction(0) if is_out else None)
+
+
+def _turning(array: Scene, accuracy: Fraction, kept: ContactSet) -> Turning | None:
+    """How bodies turn about a place beside the point of a centred array, without an outline."""
+    rest = enclosed_rest(array) if kept.margin is None else None
+    if rest is None or not rest.balance.fixes_twist or 2 * rest.distance > accuracy:
+        return None
+    for share in TURNING:
+        reach = share * accuracy
+        if sign(array.check.radius - reach) >= 0 and turns_all_over(rest, reach):
+            return Turning(rest.rates, rest.distance, reach - 2 * rest.distance)
+    return None
 
 
 def _leaving(array: Scene, accuracy: Fraction, kept: ContactSet) -> Nearness | None:

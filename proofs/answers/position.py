@@ -19,7 +19,7 @@ from nonsmooth.proofs.answers.answer import (
     has_dynamics,
     is_by_rounding,
 )
-from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
+from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, Turning, nearness
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation, mass_words
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Translation, said
@@ -89,8 +89,8 @@ def _to_the_accuracy(by_clauses: Position, found: Nearness) -> Position:
         return Position.COMES_HOME
     if found.comes_near:
         return Position.COMES_NEAR
-    if by_clauses is Position.STAYS_NEAR:
-        return by_clauses
+    if by_clauses is Position.STAYS_NEAR or found.turning is not None:
+        return Position.STAYS_NEAR
     return Position.LEAVES if found.leaves else Position.UNDECIDED
 
 
@@ -120,7 +120,8 @@ def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness |
     out_after = None if looked is None else looked.out_after
     yield from _place(scene, Quantity(None), None if ends is None else ends.at)
     yield Fact("after", Quantity(out_after if ends is None else Fraction(at_most(ends.after))))
-    yield from (Fact("within", Quantity(None)), Fact("seconds_per_distance", Quantity(None)))
+    within = None if looked is None or looked.turning is None else looked.turning.within
+    yield from (Fact("within", Quantity(within)), Fact("seconds_per_distance", Quantity(None)))
     yield from (Fact("swings_out_to", Quantity(None)), Fact("rate", Quantity(None)))
     yield Fact("stays_within", Quantity(stays))
     if stays is not None:
@@ -224,7 +225,7 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
     if verdict is Position.UNDECIDED and is_by_rounding(results, "equilibrium", "translation"):
         return f"rounding decides{WHY_BELOW}"
     if verdict is Position.STAYS_NEAR:
-        return "a body that starts close by stays close by"
+        return "a body that starts close by stays close by" if looked is None else _staying(looked.turning, unit)
     if _by_clauses(results) is Position.LEAVES:
         accuracy = f"{float_text(float(scene.accuracy), DIGITS)}{unit}"
         beside = " to a place of rest that only rounding tells from it" if _is_beside(results) else ""
@@ -235,6 +236,15 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
         open_end = f"whether farther than the accuracy, {accuracy}, is not decided{why}"
         return f"{gone}; {open_end}; simulate --grid 9 samples where bodies end"
     return f"what happens near the point is not decided{WHY_BELOW}"
+
+
+def _staying(turning: Turning | None, unit: str) -> str:
+    """How a body stays near."""
+    if turning is None:
+        return "a body that starts close by stays close by"
+    away, farther = f"{at_most(turning.away)}{unit}", f"{at_most(2 * turning.away)}{unit}"
+    start = f"a body within {at_least(turning.within)}{unit} of the point"
+    return f"{start} gets at most {farther} farther away: it turns about a place within {away} of it"
 
 
 def _disc(found: AnyTranslation, unit: str) -> Iterator[Fact]:

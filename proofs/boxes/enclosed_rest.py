@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 from flint import arb, arb_mat, ctx
@@ -40,6 +41,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import added, scaled
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number_text import upper_text
 
@@ -54,6 +56,7 @@ SPIN_DECIMALS = 15  # of the bounds of a rotation rate
 ROUNDING = Fraction(1, 10**11)  # of the accuracy: a place of rest so near is the point, to all printed digits
 # Of the fastest rim: a slip so slow is taken to be held; where that is refuted, only one that is rounding of floats.
 HELD = 2.0**-16, 2.0**-36
+PARTS = 8  # of a side of a square in which wheels are held
 
 
 class Balance:
@@ -298,3 +301,18 @@ def enclosed_motion(balance: Balance, near: arb_mat, place: Sequence[arb]) -> tu
         return None
     slope = slope_of_pose_rate(found[1], found[2], place, unknowns[2, 0])
     return None if slope is None else (unknowns, slope)
+
+
+def turns_all_over(rest: EnclosedRest, reach: Fraction) -> bool:
+    """Whether bodies turn about a place wherever their centre of mass is in a square: the twist that is fixed stays so.
+
+    Args:
+        rest: the place of rest; rows that do not slip fix its twist.
+        reach: half the side of the square about the origin.
+    """
+    half, near = Fraction(reach, PARTS), rest.zero
+    middles = [half * (2 * k + 1 - PARTS) for k in range(PARTS)]
+    with ctx.workprec(PRECISION):
+        unknowns = unknowns_at_rest(near).mid()
+        sides = [rational_ball(middle) + rational_ball(half) * UNIT for middle in middles]
+        return all(enclosed_motion(rest.balance, unknowns, place) is not None for place in product(sides, sides))

@@ -28,6 +28,7 @@ from nonsmooth.proofs.answers import destinations as destinations_module
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, best_point, destinations_of
+from nonsmooth.proofs.answers.nearness import nearness
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.robust.drift import (
@@ -577,3 +578,37 @@ def test_a_body_that_ends_beside_the_point_turns_at_the_rate_that_is_said(seed: 
     assert said["heading"]["verdict"] == "drifts"
     rate = rate_at_rest(table, np.array(said["position"]["at"], dtype=float))
     assert abs(rate) <= said["heading"]["largest_rate"] == pytest.approx(abs(rate), rel=1e-3)
+
+
+# ---- bodies that turn about a place beside the point, of which rims that do not slip fix the twist ----------------
+
+
+@few(4)
+@pytest.mark.parametrize("seed", range(16))
+def test_bodies_on_measured_tables_of_rollers_turn_about_a_place_beside_the_point(seed: int, tmp_path: Path) -> None:
+    """By small steps of an independent minimizer, from starts on the border of the disc that is said."""
+    draw = Random(seed)
+    count, skew = draw.choice([3, 4, 5]), draw.choice([55, 65, 75])
+    rows = []
+    for k in range(count):
+        angle = 360 * k / count + draw.uniform(-8, 8)
+        x, y = round(150 * math.cos(math.radians(angle))), round(150 * math.sin(math.radians(angle)))
+        rows.append((x, y, round(angle + skew), round(100 * (1 + draw.uniform(-0.005, 0.005)), 1)))
+    table = MeasuredTable(tuple(rows), 0.8, 0.4, "roller")
+    (tmp_path / "table.toml").write_text(table.toml)
+    check = check_theorem4(load_scene(tmp_path / "table.toml"))
+    turning = nearness(check.scene, check.results).turning
+    said = {answer.name: answer.verdict for answer in answers_of(check)}
+    if turning is None:
+        assert said["position"] != "stays near"
+        return
+    assert (said["position"], said["heading"]) == ("stays near", "drifts")
+    body, within, away = SmallSteps(table), float(turning.within), float(turning.away)
+    angles = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    places = within * np.column_stack([np.cos(angles), np.sin(angles)])
+    low, high = map(float, turning.rates)
+    for _ in range(300):
+        middle = places + body.velocity(places) * (0.005 / max(abs(low), abs(high)))
+        places = places + body.velocity(middle) * (0.01 / max(abs(low), abs(high)))
+    assert np.hypot(*places.T).max() <= within + 2 * away + 1e-3 * within
+    assert np.hypot(*(places - places.mean(axis=0)).T).min() > 0.99 * within - 2 * away
