@@ -99,10 +99,8 @@ class TaylorSteps:
         last = between(end)
         slope = self._rate(end, last)
         easy = len(self.y) > 2 and (not rho or (end - start) * rho > EASY)
-        step = DenseStep(
-            (start, self.y), (end, last), lambda: between, slopes=(self.slope, slope), easy=easy, work=WORK
-        )
-        step.parts = self._parts
+        ends, slopes = ((start, self.y), (end, last)), (self.slope, slope)
+        step = DenseStep(*ends, lambda: between, slopes=slopes, parts=self._parts, easy=easy, work=WORK)
         self.step_size, self.t, self.y, self.slope = end - start, end, last, slope
         return step
 

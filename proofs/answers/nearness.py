@@ -232,7 +232,7 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
 def _turning(array: Scene, accuracy: Fraction, kept: ContactSet) -> Turning | None:
     """How bodies turn about a place beside the point of a centred array, without an outline."""
     rest = enclosed_rest(array) if kept.margin is None else None
-    if rest is None or not rest.balance.fixes_twist or 2 * rest.distance > accuracy:
+    if rest is None or not rest.balance.fixes_twist or 2 * rest.distance >= accuracy:
         return None
     for share in TURNING:
         reach = share * accuracy

@@ -225,7 +225,8 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
     if verdict is Position.UNDECIDED and is_by_rounding(results, "equilibrium", "translation"):
         return f"rounding decides{WHY_BELOW}"
     if verdict is Position.STAYS_NEAR:
-        return "a body that starts close by stays close by" if looked is None else _staying(looked.turning, unit)
+        turning = None if looked is None else looked.turning
+        return "a body that starts close by stays close by" if turning is None else _turning(turning, unit)
     if _by_clauses(results) is Position.LEAVES:
         accuracy = f"{float_text(float(scene.accuracy), DIGITS)}{unit}"
         beside = " to a place of rest that only rounding tells from it" if _is_beside(results) else ""
@@ -238,10 +239,8 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
     return f"what happens near the point is not decided{WHY_BELOW}"
 
 
-def _staying(turning: Turning | None, unit: str) -> str:
-    """How a body stays near."""
-    if turning is None:
-        return "a body that starts close by stays close by"
+def _turning(turning: Turning, unit: str) -> str:
+    """How a body stays near that turns about a place beside the point."""
     away, farther = f"{at_most(turning.away)}{unit}", f"{at_most(2 * turning.away)}{unit}"
     start = f"a body within {at_least(turning.within)}{unit} of the point"
     return f"{start} gets at most {farther} farther away: it turns about a place within {away} of it"

@@ -224,14 +224,10 @@ def _distance_below(scene: Scene, side: HalfPlane) -> Number:
     return scene.field.rational(max(rational_below(square.sqrt()), Fraction(0)))
 
 
-# ---- clause 2 under every load -------------------------------------------------------------------
-#
-# Clause 2 where loads are unknown: stability of (x, y) under every load, or a load that throws the body out.
-
-
 # ---- whether (x, y) decays under every load ------------------------------------------------------
 #
-# One spin minimizes D smoothly at the point under all of them.  With B, ``pull_i``, ``bend_i`` and ``w_i`` of module
+# Where loads are unknown clause 2 asks for stability under every load, or for a load that throws the body out.  One
+# spin minimizes D smoothly at the point under all of them.  With B, ``pull_i``, ``bend_i`` and ``w_i`` of module
 # ``at_point.every_load``, ``xi_0 = (0, 0, omega)``:
 #
 # *Forces to the middle*, ``B c = (beta c, 0)`` with ``beta > 0``.  D is convex, so at every centre of mass c, under
@@ -400,7 +396,7 @@ def _halved(gram: Gram, replaced: int, kept: int) -> Gram:
     return rows
 
 
-# ---- the verdict ---------------------------------------------------------------------------------
+# ---- the verdict under every load ----------------------------------------------------------------
 
 
 INWARD = (
