@@ -45,6 +45,7 @@ from nonsmooth.proofs.systems.derivatives import (
 from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
+from nonsmooth.symbolic.files.system_document import with_parameters
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -241,7 +242,7 @@ def _formula(scene: Scene | SwitchedSystem, lyapunov: str) -> PiecewiseExpressio
     Raises:
         SceneError: for text that is no formula of the states over the scene's field.
     """
-    formula = parse_lyapunov(lyapunov, _states(scene), scene.origin, KEY)
+    formula = parse_lyapunov(with_parameters(lyapunov, {}), _states(scene), scene.origin, KEY)
     if not all(scene.field.has_angle(turn) for turn in formula.turns()):
         raise SceneError(scene.origin, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
     return formula

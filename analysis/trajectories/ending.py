@@ -29,7 +29,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 PARTS = 1_000  # of the time
-ROUNDING = 2.0**-40  # of the states: a way in a part of the time that is rounding
+ROUNDING = 2.0**-50  # of the states: a way in a part of the time that is rounding, of some ulps
 REST = 1e-5  # of the unit of speed; sticking under full dynamics is a creep of 1e-6
 CREEP = 1e-2
 BISECTIONS = 40

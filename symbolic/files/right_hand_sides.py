@@ -17,7 +17,7 @@ from itertools import product
 from typing import Any
 
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
-from nonsmooth.symbolic.files.system_document import parameter_texts, with_parameters
+from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
@@ -198,7 +198,7 @@ def split_intervals(parameters: Mapping[str, Any], file: str) -> tuple[dict[str,
 
 def intervals_in(formulas: Iterable[object], intervals: Mapping[str, Any]) -> dict[str, Any]:
     """Those that stand in formulas."""
-    found = {name for text in formulas for name in intervals if with_parameters(text, {name: ""}) != text}
+    found = {name for text in formulas for name in names_in(text)}
     return {name: ends for name, ends in intervals.items() if name in found}
 
 

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, StrictBool
 
 from nonsmooth.symbolic.files.scene_values import Exact, ExactField, Name, TomlTable, read_exact
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError, with_whole_exponents
 from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text
 from nonsmooth.symbolic.formulas.piecewise import NUMBERS, SWITCHES
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
@@ -75,10 +75,18 @@ def _text(value: Any, file: str, key: str) -> str:
 
 
 def with_parameters(formula: object, texts: Mapping[str, str]) -> object:
-    """A formula with its parameters replaced; what is no text stays as it is, for the parser to refuse."""
-    if not isinstance(formula, str) or not texts:
+    """A formula with its parameters replaced, and exponents in digits.
+
+    What is no text stays as it is, for the parser to refuse.
+    """
+    if not isinstance(formula, str):
         return formula
-    return _NAMES_IN_FORMULA.sub(lambda match: texts.get(match.group(), match.group()), formula)
+    return with_whole_exponents(_NAMES_IN_FORMULA.sub(lambda match: texts.get(match.group(), match.group()), formula))
+
+
+def names_in(formula: object) -> set[str]:
+    """All names in a formula."""
+    return set(_NAMES_IN_FORMULA.findall(formula)) if isinstance(formula, str) else set()
 
 
 # ---- the document --------------------------------------------------------------------------------

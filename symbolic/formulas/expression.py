@@ -33,6 +33,7 @@ MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the 
 
 _WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
 _ABS = re.compile(r"\babs *\(")  # read as Abs, the one name that certificates and the checker know
+_ODD_EXPONENT = re.compile(r"\*\*\s*(?!\d+\b(?!\.))")  # not in digits alone
 _FUNCTIONS = ("sqrt", "sin", "cos")
 OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {  # in any arithmetic
     ast.Add: operator.add,
@@ -130,6 +131,36 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         hint = _without_unit(text)
         raise ExpressionError(f"required {hint or required}, received {shown(value)}") from None
+
+
+def with_whole_exponents(text: str) -> str:
+    """A formula whose whole exponents stand there in digits, also where they are written ``2.0`` or ``(1 + 2*1)``.
+
+    A text that cannot be read stays as it is, for who reads it to refuse.
+    """
+    if not text.isascii() or not _ODD_EXPONENT.search(text):
+        return text
+    try:
+        text, tree = parse_tree(text, len(text), "a formula")
+    except ExpressionError:
+        return text
+    found, waiting = [], [tree]
+    while waiting:
+        node = waiting.pop()
+        inner = [part for part in ast.iter_child_nodes(node) if isinstance(part, ast.expr)]
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+            inner = [node.left]
+            found.append(node.right)
+        waiting += inner
+    for exponent in sorted(found, key=lambda own: -own.col_offset):
+        first, last = exponent.col_offset, exponent.end_col_offset
+        try:
+            value, in_pi = parse(text[first:last]).parts_in_pi()
+        except ExpressionError:
+            continue
+        if value.denominator == 1 and not in_pi:
+            text = f"{text[:first]}{value}{text[last:]}"
+    return text
 
 
 def _without_unit(text: str) -> str:

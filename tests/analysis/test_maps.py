@@ -223,6 +223,12 @@ def test_rounding_of_a_body_that_stands_is_rest() -> None:
     assert (found.motion, found.since) == (EndMotion.AT_REST, 0.0)
 
 
+def test_a_motion_far_away_that_floats_hold_is_no_rest() -> None:
+    found = ending(path_of(lambda t: (1e13 - 2 * t, -2.0), 10.0))
+    assert found.motion is EndMotion.MOVING
+    assert found.speed == pytest.approx(2, rel=0.1)
+
+
 def test_turning_in_place_is_no_rest() -> None:
     found = ending(path_of(lambda t: (0.0, 0.0, -0.5 * t), 5.0), 0.1, 1.0)
     assert found.motion is EndMotion.MOVING

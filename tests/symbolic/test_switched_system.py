@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
 import math
 import random
@@ -306,6 +307,25 @@ def test_interval_parameters_stand_for_their_ends() -> None:
     twice = built([["y", "-k*x - y"], ["y", "-3*x - y"]], {"k": [1, 2], "unused": [0, 1]})
     assert [member.rhs[1].text for member in twice.members] == ["-1*x - y", "-3*x - y", "-2*x - y"]
     assert twice.intervals == ("k",)
+
+
+@pytest.mark.parametrize(
+    ("written", "whole"),
+    [
+        ("-x**3.0", "-x**3"),
+        ("-x**(n + 1)*y**(4/2)", "-x**(2 + 1)*y**2"),
+        ("-x**(4 - 1)/(1 + y**2.)", "-x**3/(1 + y**2)"),
+        ("-(x**2.0 + y)**(1.5*n)", "-(x**2 + y)**3"),
+    ],
+)
+def test_whole_exponents_may_be_written_otherwise(written: str, whole: str) -> None:
+    stated, plain = built(["y", written], {"n": 2}), built(["y", whole])
+    x = np.array([0.7, -0.3])
+    assert velocity(stated, x) == pytest.approx(velocity(plain, x), abs=1e-12)
+    tree = ast.parse(stated.members[0].rhs[1].text)
+    powers = [node.right for node in ast.walk(tree) if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)]
+    assert powers
+    assert all(isinstance(power, ast.Constant) and type(power.value) is int for power in powers)
 
 
 @pytest.mark.parametrize(
