@@ -10,8 +10,8 @@ coefficients and for all Gram matrices together.  Without the condition that V i
 along every solution and is negative somewhere at every distance: then the point is unstable (Lyapunov's first theorem
 on instability, Chetaev), because a solution that starts there cannot stay near.
 
-*Products* ``+-x_i x_j``, negative squares and differences of squares are asked as they are: ``V' <= -V^2/16`` where V
-is negative.
+*Products* ``+-x_i x_j``, negative squares and differences of squares are asked as they are, in two states also
+products such as ``-relu(x)**2*relu(-y)``: ``V' <= -V^2/16`` where V is negative.
 
 *Instability.*  Where V falls along every solution and is negative at some points at every distance, a solution from
 such a point has ``V < V(start) < 0`` from then on, so it stays away from the equilibrium, where V is zero; between
@@ -25,7 +25,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
@@ -72,7 +72,7 @@ from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, written_powers
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
@@ -287,6 +287,8 @@ def _unscaled(basis: Sequence[PiecewiseFunction], found: Sequence[fmpq], radius:
 
 
 SPEED = Fraction(1, 16)  # of a product that falls where it is negative
+HIGHEST_POWER = 3  # of a state in a product
+SAMPLES, HALVINGS = 600, 8  # points at which a product is looked at first, and how near some of them are
 DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
 FINE = 1 << 10  # denominator of a direction
 
@@ -353,9 +355,12 @@ def find_growing_product(system: SwitchedSystem) -> GrowthEvidence | None:
     Raises:
         BeyondReachError: for a system that is not decided here.
     """
-    asked = ((radius, own) for radius, _ in _cubes(system) for own in _products(system))
-    shown = (_shown(system, own, radius, Effort.FULL, SPEED) for radius, own in asked)
-    return next(filter(None, shown), None)
+    for radius, cells in _cubes(system):
+        for own in _products(system):
+            found = _shown(system, own, radius, Effort.FULL, SPEED) if _may_fall(system, cells, own) else None
+            if found is not None:
+                return found
+    return None
 
 
 def _shown(
@@ -372,11 +377,51 @@ def _shown(
 
 
 def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
-    """Negative squares; products of two states, and differences of their squares, with both signs."""
+    """Negative squares; products of two states, and differences of their squares, with both signs.
+
+    In two states also products of powers in one quadrant; with more, where relays slide, each takes a second to refute.
+    """
     yield from (parse_piecewise(f"-({state}**2)", system.states) for state in system.states)
     for first, second in combinations(system.states, 2):
         for text in (f"{first}*{second}", f"{first}**2 - {second}**2"):
             yield from (parse_piecewise(own, system.states) for own in (text, f"-({text})"))
+    powers = sorted(product(range(1, HIGHEST_POWER + 1), repeat=2), key=sum)
+    for own in powers if len(system.states) == 2 else ():
+        for signs in product(("", "-"), repeat=2):
+            sides = [f"relu({sign}{state})" for sign, state in zip(signs, system.states, strict=True)]
+            yield parse_piecewise(f"-{'*'.join(written_powers(sides, own))}", system.states)
+
+
+def _may_fall(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpression) -> bool:
+    """Whether a product is negative at some points, and falls with :data:`SPEED` at all of them."""
+    states = {name: Polynomial.variable(system.field, cells.states, name) for name in cells.states}
+    positive: list[Polynomial] = []  # where a product with rectifiers is not zero
+
+    def sign_of(inner: Polynomial) -> int:
+        positive.append(inner)
+        return 1
+
+    value = formula.polynomial(states, sign_of)
+    slopes = [value.derivative(name).terms for name in states]
+    rng = np.random.default_rng(0)
+    shrunk = 2.0 ** -rng.integers(0, HALVINGS, (SAMPLES, 1))
+    cloud = float(cells.radius) * shrunk * rng.uniform(-1, 1, (SAMPLES, len(states)))
+    for below in (value, *(-inner for inner in positive)):
+        cloud = cloud[float_values(below.terms, cloud) < 0]
+    if not len(cloud):
+        return False
+    for cell in cells.cells:
+        inside = np.ones(len(cloud), dtype=bool)
+        for sign, surface in zip(cell.signs, cells.surfaces, strict=True):
+            inside &= sign * float_values(surface.terms, cloud) > 0
+        points = cloud[inside]
+        for field in cell.velocities:
+            rates = float(SPEED) * np.square(float_values(value.terms, points))
+            for slope, part in zip(slopes, field, strict=True):
+                rates += float_values(slope, points) * float_values(part, points)
+            if (rates > 0).any():
+                return False
+    return True
 
 
 def _proofs(claims: Sequence[Claim], effort: Effort) -> Record | None:

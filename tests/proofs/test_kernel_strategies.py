@@ -116,7 +116,18 @@ def test_energies_of_three_states(rhs: list[str]) -> None:
 
 
 @pytest.mark.usefixtures("without_reach")
-@pytest.mark.parametrize("rhs", keep(2, ["0; -y", "-x*y; -y + x**2", "y; -sign(x) - sign(y)", "y; -2*sign(x) - y**3"]))
+@pytest.mark.parametrize("rhs", keep(2, ["-x**3; x**2", "-x**5; x**3", "-y**2; x**3", "y**3; -x**2"]))
+def test_a_product_falls_in_a_quadrant(rhs: str) -> None:
+    """Where all terms of a degree vanish on an axis: no solution runs outward along a curve to leading order."""
+    result = decided(*rhs.split("; "))
+    assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.INSTABILITY)
+    assert result.check()
+
+
+@pytest.mark.usefixtures("without_reach")
+@pytest.mark.parametrize(
+    "rhs", keep(2, ["0; -y", "-x*y**2; x**3", "-x*y; -y + x**2", "y; -sign(x) - sign(y)", "y; -2*sign(x) - y**3"])
+)
 def test_what_stays_near_is_not_called_unstable(rhs: str) -> None:
     """Beside points from which solutions leave: with another sign, and where only some move."""
     system = ns.System(["x", "y"], rhs.split("; ")).system
