@@ -55,7 +55,6 @@ from nonsmooth.analysis.trajectories.result import (
     Piece,
     Trajectory,
     TrajectoryError,
-    samples,
 )
 from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
 from nonsmooth.symbolic.mechanics.contact_set import whole
@@ -481,8 +480,7 @@ class OneContactSet:
         told = Event(time, state, kind, f"wheel {self._numbers[wheel]} {words} the body")
         end = End(time, state, EndReason.WHEELS)
         events = (*(event for event in path.events if event.t <= time), told)
-        times, states = samples(pieces, end)
-        return replace(path, times=times, states=states, events=events, end=end, pieces=tuple(pieces))
+        return replace(path, events=events, end=end, pieces=tuple(pieces))
 
 
 class _SameWheels(Guards):

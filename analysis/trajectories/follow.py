@@ -30,9 +30,9 @@ from nonsmooth.analysis.trajectories.result import (
     Event,
     EventKind,
     Piece,
+    Samples,
     State,
     Trajectory,
-    samples,
 )
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -442,13 +442,11 @@ class Path:
     def trajectory(self, kinematics: str, method: str) -> Trajectory:
         """The path as it is handed back: by its pieces, or without any by the ends of all steps."""
         end = End(self.time, self.pose, self.reason)
-        if self.pieces or not self.stretches:
-            times, states = samples(self.pieces, end)
-        else:
-            ends = self.ends_of_steps()
-            times, states = tuple(ends[0].tolist()), tuple(map(tuple, ends[1][:, : self.shown].tolist()))
-        events, pieces = tuple(self.events), tuple(self.pieces)
-        return Trajectory(kinematics, method, times, states, events, end, self.unique, pieces)
+        sampled: Samples = (end.t,), (end.state,)
+        if self.stretches and not self.pieces:
+            times, states = self.ends_of_steps()
+            sampled = tuple(times.tolist()), tuple(map(tuple, states[:, : self.shown].tolist()))
+        return Trajectory(kinematics, method, tuple(self.events), end, self.unique, tuple(self.pieces), sampled)
 
 
 class HybridField(ABC):

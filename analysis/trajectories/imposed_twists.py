@@ -118,7 +118,7 @@ def follow_held(law: HeldLaw, start: Sequence[float], until: float, errors: Pose
     kept = np.unique(np.linspace(0, count, min(count, SHOWN) + 1).round().astype(int))
     shown: list[State] = [tuple(state) for state in states[kept].tolist()]
     end = End(float(times[-1]), shown[-1], EndReason.TIME)
-    return Trajectory("exact", "sampled", tuple(times[kept].tolist()), tuple(shown), (), end, None)
+    return Trajectory("exact", "sampled", (), end, None, sampled=(tuple(times[kept].tolist()), tuple(shown)))
 
 
 class _SampledLoop(HybridField):

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,6 +17,7 @@ from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 State: TypeAlias = tuple[Any, ...]
+Samples: TypeAlias = tuple[tuple[Any, ...], tuple[State, ...]]  # times, and a state for each
 
 
 class TrajectoryError(RuntimeError):
@@ -140,23 +142,35 @@ class Trajectory(ShortRepr):
         kinematics: ``exact`` or ``leading`` for arrays, ``given`` for plain systems.
         method: ``events`` (``events, implicit (Radau) where stiff``, where that was needed), ``hysteresis``,
             ``smoothed``, ``dynamics`` or ``minimizer``.
-        times: sample times, ascending (equal where a switch takes no time).
-        states: one state per time.
         events: what happened, in order.
         end: last state and reason.
         unique: whether no other solution branches off along the way; None where the method does not look, or cannot
             tell.
         pieces: the smooth stretches.
+        sampled: times and states of a method that keeps samples only, in place of pieces.
     """
 
     kinematics: str
     method: str
-    times: tuple[Any, ...]
-    states: tuple[State, ...]
     events: tuple[Event, ...]
     end: End
     unique: bool | None
     pieces: tuple[Piece, ...] = ()
+    sampled: Samples = ((), ())
+
+    @property
+    def times(self) -> tuple[Any, ...]:
+        """Sample times, ascending (equal where a switch takes no time)."""
+        return self._samples[0]
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """One state per time."""
+        return self._samples[1]
+
+    @cached_property
+    def _samples(self) -> Samples:
+        return _samples(self.pieces, self.end) if self.pieces else self.sampled
 
     def _repr_html_(self) -> str:
         rows = [(float_text(e.t), e.kind, ", ".join(map(float_text, e.state)), e.surface, e.note) for e in self.events]
@@ -218,7 +232,7 @@ class Trajectory(ShortRepr):
 
         return replace(
             self,
-            states=tuple(map(seen, self.states)),
+            sampled=(self.sampled[0], tuple(map(seen, self.sampled[1]))),
             events=tuple(replace(event, state=seen(event.state)) for event in self.events),
             end=replace(self.end, state=seen(self.end.state)),
             pieces=tuple(map(later, self.pieces)),
@@ -264,7 +278,7 @@ class Trajectory(ShortRepr):
         }
 
 
-def samples(pieces: Sequence[Piece], end: End) -> tuple[tuple[Any, ...], tuple[State, ...]]:
+def _samples(pieces: Sequence[Piece], end: End) -> Samples:
     """Sample times and states of pieces that follow each other; a shared end is listed once."""
     times: list[Any] = []
     states: list[State] = []

@@ -190,7 +190,7 @@ def path_of(state_at: object, until: float, reason: EndReason = EndReason.TIME) 
     times = tuple(np.linspace(0.0, until, 11).tolist())
     piece = Piece(0.0, until, "", (), state, times)
     end = End(until, state(until), reason)
-    return Trajectory("exact", "events", times, tuple(map(state, times)), (), end, True, (piece,))
+    return Trajectory("exact", "events", (), end, True, (piece,))
 
 
 def test_an_arrival_in_finite_time_is_met_to_rounding() -> None:
@@ -256,7 +256,7 @@ def test_states_of_plain_systems_count_alike() -> None:
 
 def test_samples_without_pieces_are_read_between() -> None:
     path = path_of(lambda t: (max(1 - t, 0.0), 0.0, 0.0), 2.0)
-    sampled = Trajectory("exact", "hysteresis", path.times, path.states, (), path.end, None)
+    sampled = Trajectory("exact", "hysteresis", (), path.end, None, sampled=(path.times, path.states))
     assert ending(sampled, 1.0, 1.0).since == pytest.approx(1.0, abs=1e-3)
 
 
