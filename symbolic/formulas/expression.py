@@ -107,7 +107,8 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
         required: what should have stood there, with an example.
 
     Raises:
-        ExpressionError: for other values, long texts, decimals out of bounds, and what Python cannot parse.
+        ExpressionError: for other values, long texts, decimals out of bounds, powers by ``^``, and what Python cannot
+            parse.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
         raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
@@ -122,6 +123,8 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
         raise ExpressionError(f"required at most {most} characters, received {len(text)}")
     if isinstance(value, float | Decimal):
         decimal_value(text)
+    if "^" in text:
+        raise ExpressionError(f"required ** for powers, as in x**2, received {shown(value)}")
     try:
         if "#" in text:
             raise SyntaxError("a comment")

@@ -181,6 +181,11 @@ def test_refused_text(value: object) -> None:
     assert advice == []  # Python's own remarks about such text do not reach the user
 
 
+def test_powers_are_written_as_in_python() -> None:
+    with pytest.raises(ExpressionError, match=r"required \*\* for powers, as in x\*\*2, received 'sqrt\(2\)\^2'"):
+        parse("sqrt(2)^2")
+
+
 @pytest.mark.parametrize(
     "text", ["1/0", "0**-1", "1/(sqrt(8) - 2*sqrt(2))", "sqrt(-1)", "sqrt(1 - sqrt(2))", "pi", "2*pi"]
 )
