@@ -116,15 +116,21 @@ def parse_piecewise(value: object, states: Collection[str], beside: Sequence[str
     expression = PiecewiseExpression(text, tree, frozenset(states))
     try:
         _check(tree, expression, MAX_DEPTH)
-    except _OutsideError:
+    except _OutsideError as error:
         functions = "sign, abs, max, min, relu, sat", "sqrt, sin, cos of numbers"
         allowed = ", ".join((*sorted(states), "numbers", "+ - * / **", *functions, *beside))
-        raise ExpressionError(f"required a formula of {allowed}, received {shown(text)}") from None
+        part = ast.get_source_segment(text, error.node)
+        without = f", without {shown(part)}" if part != text else ""
+        raise ExpressionError(f"required a formula of {allowed}{without}, received {shown(text)}") from None
     return expression
 
 
 class _OutsideError(Exception):
     """A construct outside the whitelist."""
+
+    def __init__(self, node: ast.expr) -> None:
+        super().__init__()
+        self.node = node
 
 
 def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
@@ -151,7 +157,7 @@ def _check(node: ast.expr, whole: PiecewiseExpression, depth: int) -> None:
         case ast.Call(func=ast.Name(id=name)) if name in SWITCHES:
             raise ExpressionError(f"required {name}({', '.join(_arguments(name))}), received {shown(whole.text)}")
         case _:
-            raise _OutsideError
+            raise _OutsideError(node)
 
 
 def _takes(name: str, count: int) -> bool:
