@@ -88,6 +88,7 @@ def test_ranges_ascend_in_equal_steps(a: Fraction, b: Fraction, count: int) -> N
         ":1:3",
         "nan:1:3",
         "0:inf:3",
+        "0:1e400:3",
         "0:sqrt(2):3",
         "0:90 deg:3",
         "",
