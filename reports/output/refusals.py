@@ -124,6 +124,15 @@ def _numbers_of(scene: Scene) -> Iterator[tuple[str, Number]]:
         yield f"{own}.speed", wheel.speed
     yield from (("check.equilibrium", entry) for entry in scene.check.equilibrium)
     yield "check.radius", scene.check.radius
+    yield "check.length", scene.field(scene.check.length)
+    if scene.check.accuracy is not None:
+        yield "check.accuracy", scene.check.accuracy
+    if scene.tolerances is not None:
+        yield "tolerance.position", scene.tolerances.position
+        yield "tolerance.centre_of_mass", scene.tolerances.centre_of_mass
+    if scene.loop_errors is not None:
+        yield "feedback.delay", scene.loop_errors.delay
+        yield "feedback.position_error", scene.loop_errors.position
 
 
 def require_resolved(scene: Scene) -> None:

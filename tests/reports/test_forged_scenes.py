@@ -197,6 +197,21 @@ def test_a_number_beyond_floats_is_named_where_they_fail(
         assert said.count("\n") == 1
 
 
+@pytest.mark.parametrize("entry", ["accuracy = 1e400", "accuracy = 1e-400", "length = 1e400"])
+def test_a_length_beyond_floats_is_named_where_they_fail(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], entry: str
+) -> None:
+    """``check`` ended in "OverflowError: integer division result too large for a float" and the like."""
+    wheels = "".join(
+        f'[[wheel]]\nheading = "inward"\nposition = [{x}, {y}]\n' for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    )
+    file = written(tmp_path, f"[friction]\nmu_roll = 1\nmu_side = 0.5\n[check]\n{entry}\n{wheels}")
+    assert run(app, ["check", file]) == 2
+    said = capsys.readouterr().err
+    assert f"check.{entry.split(maxsplit=1)[0]}: required 0 or a size of 1e-150 to 1e+150" in said
+    assert said.count("\n") == 1
+
+
 @pytest.mark.parametrize("command", [["check"], ["simulate", "--grid", "2"], ["sweep", "--vary", "mu_side=0.1:0.2:2"]])
 def test_a_place_beyond_floats_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
