@@ -234,7 +234,7 @@ def _where_it_stands(field: _Field, place: Floats, radius: float) -> tuple[Float
     And the speed of a body there, not a number where jumps lead.
     """
     vanishing, speed = _where_it_vanishes(field, place, radius)
-    if not field.jumps or float(np.hypot(*field(vanishing[None])[0])) < BRISK * field.fastest:
+    if not (field.jumps and field.fastest) or float(np.hypot(*field(vanishing[None])[0])) < BRISK * field.fastest:
         return vanishing, speed
     path, step, found = np.zeros(1, int), TOGETHER * radius / field.fastest, place
     for _ in range(SHRINKING):

@@ -249,7 +249,9 @@ def _last_slow(slow: Point, fast: Point, w: Any, kappa: fmpq) -> Point:
 
 def root_above(square: Fraction) -> Fraction:
     """A rational number whose square is at least a given one, and little more."""
-    guess = Fraction(math.sqrt(float(square))) * (1 + Fraction(1, 2**40))
+    half = (square.numerator.bit_length() - square.denominator.bit_length()) // 2  # floats might not hold the square
+    near = math.sqrt(float(square / Fraction(4) ** half))
+    guess = Fraction(near) * Fraction(2) ** half * (1 + Fraction(1, 2**40))
     while guess * guess < square:
         guess *= 1 + Fraction(1, 2**30)
     return guess

@@ -116,14 +116,34 @@ def _beyond_floats(loaded: Any) -> SceneError | None:
 
 def _numbers_of(scene: Scene) -> Iterator[tuple[str, Number]]:
     """The keys of the numbers of an array, and these."""
+    from nonsmooth.symbolic.mechanics.body import Disc
+    from nonsmooth.symbolic.mechanics.scene import LoadTable
+
     for wheel in scene.wheels:
         own = f"wheel[{wheel.index:d}]"
         for name, value in (("mu_roll", wheel.friction.roll), ("mu_side", wheel.friction.side)):
             yield f"{own if name in wheel.named else 'friction'}.{name}", value
         yield from ((f"{own}.position", entry) for entry in wheel.position)
         yield f"{own}.speed", wheel.speed
+        if wheel.speed_limit is not None:
+            yield f"{own if 'speed_limit' in wheel.named else 'drive'}.speed_limit", wheel.speed_limit
     yield from (("check.equilibrium", entry) for entry in scene.check.equilibrium)
     yield "check.radius", scene.check.radius
+    yield "check.length", scene.field(scene.check.length)
+    if scene.check.accuracy is not None:
+        yield "check.accuracy", scene.check.accuracy
+    if isinstance(scene.contact.loads, LoadTable):
+        yield from (("contact.loads", entry) for row in scene.contact.loads.rows for entry in row)
+    if scene.body is not None:
+        outline = scene.body.outline
+        corners = ((outline.radius,),) if isinstance(outline, Disc) else outline.vertices
+        yield from (("body", entry) for corner in corners for entry in corner)
+    if scene.tolerances is not None:
+        yield "tolerance.position", scene.tolerances.position
+        yield "tolerance.centre_of_mass", scene.tolerances.centre_of_mass
+    if scene.loop_errors is not None:
+        yield "feedback.delay", scene.loop_errors.delay
+        yield "feedback.position_error", scene.loop_errors.position
 
 
 def require_resolved(scene: Scene) -> None:

@@ -27,7 +27,7 @@ from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPl
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
+from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown
 
 Outcome: TypeAlias = Mapping[str, Any]
 
@@ -187,6 +187,7 @@ TABLE = "tolerance"
 ENTRIES = ("position", "heading", "speed", "mu_roll", "mu_side")
 ROOM = 1 + Fraction(1, 2**20)  # of half a side: headings of the scene are right to 1e-15
 HALF_TURN = 180  # degrees
+FOLLOWING = ("inward", "outward", "that of the field")  # headings that follow the position of a wheel
 
 Sides: TypeAlias = tuple[tuple[Value, Value], ...]
 
@@ -239,6 +240,7 @@ def planned_cells(base: Base, plan: SweepPlan) -> Cells:
         SweepError: for draws, values that do not ascend, and numbers that are not in boxes of tolerances.
     """
     _require_cells(plan)
+    _require_independent(base, plan)
     given = base.document.get(TABLE) or {}
     whole = replace(base, document={**base.document, TABLE: {**dict.fromkeys(ENTRIES, 0), **given}})
     paths = (*(axis.path for axis in plan.axes), *((TABLE, name) for name in ENTRIES))
@@ -259,6 +261,23 @@ def _require_cells(plan: SweepPlan) -> None:
         values = [axis.values.value(k) for k in range(axis.values.count or 0)]
         if len(values) < 2 or any(isinstance(value, WrittenValue) for value in values) or not _ascends(values):
             raise SweepError(f"certify: required two or more rational values of {axis.name} that ascend")
+
+
+def _require_independent(base: Base, plan: SweepPlan) -> None:
+    """Refuse a number of a wheel that another one follows, or should turn with: tolerances move each on its own."""
+    friction = base.document.get("friction") or {}
+    for axis in plan.axes:
+        if axis.path[0] != "wheel":
+            continue
+        place = int(axis.path[1])
+        wheel = base.document["wheel"][place]
+        grip = wheel.get("axis", friction.get("axis"))
+        if axis.path[2] == "heading" and grip is not None:
+            raise SweepError(f"certify: required a friction axis that turns with {axis.name}, received {shown(grip)}")
+        for name, value in (("heading", wheel.get("heading", "that of the field")), ("axis", grip)):
+            if axis.path[2] == "position" and value in FOLLOWING:
+                expected = f"an angle or a direction as {name} of wheel {place + 1}, since {axis.name} varies"
+                raise SweepError(f"certify: required {expected}, received {shown(value)}")
 
 
 def _ascends(values: Sequence[Value | WrittenValue]) -> bool:

@@ -168,12 +168,15 @@ def _listed(text: str, keyword: str) -> Value | WrittenValue:
         found = read_exact(number)
     except ExpressionError as error:
         raise SweepError(f"{keyword}: required {requirement(error)}, received {shown(text)}") from None
-    if isinstance(found, Expression):
-        try:
-            return Value(*found.parts_in_pi(), unit)
-        except ExpressionError:
-            return WrittenValue(text)
-    return Value(found, unit=unit)
+    try:
+        value = Value(*found.parts_in_pi(), unit) if isinstance(found, Expression) else Value(found, unit=unit)
+    except ExpressionError:
+        return WrittenValue(text)
+    try:
+        _ = value.number
+    except OverflowError:
+        raise SweepError(f"{keyword}: required numbers within the range of floats, received {shown(text)}") from None
+    return value
 
 
 # ---- the plan ------------------------------------------------------------------------------------

@@ -12,10 +12,12 @@ from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numb
 from nonsmooth.symbolic.mechanics.body import Body, BodyInertia, Disc, Footprint, PolygonShape, is_convex
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_text import FLOAT_DIGITS, decimal_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, same_direction
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
 STANDARD_GRAVITY = Fraction("9.80665")  # m/s^2
+MOST_INERTIA = 1e30  # a quotient and a product of such numbers are floats that dynamics can take
 _OF_INERTIA = ("mass", "inertia", "gravity", "centre_height")
 _KEYS = {"disc": ("radius",), "rectangle": ("width", "height"), "polygon": ("vertices",)}
 
@@ -71,7 +73,7 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
     """
     stated = BodyTable() if table is None else table
     named = {key: getattr(stated, key) for key in _OF_INERTIA}
-    found = {key: numbers.positive(value, f"body.{key}") for key, value in named.items() if value is not None}
+    found = {key: _of_size(value, f"body.{key}", numbers) for key, value in named.items() if value is not None}
     if metres is None:
         if found:
             key = next(iter(found))
@@ -83,6 +85,19 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
     radius = found["inertia"] / found["mass"] if "inertia" in found else None
     height, mass = found.get("centre_height"), found.get("mass")
     return BodyInertia(gravity, radius, height, is_stated=bool(found), mass=mass)
+
+
+def _of_size(value: Exact, key: str, numbers: Numbers) -> Number:
+    """A positive number, or a height of zero, of a size that dynamics, which are in floats, can take.
+
+    Raises:
+        SceneError: for another one.
+    """
+    number = numbers.at_least_zero(value, key) if key == "body.centre_height" else numbers.positive(value, key)
+    if number and not 1 / MOST_INERTIA <= abs(float(number)) <= MOST_INERTIA:
+        expected = f"a size of {1 / MOST_INERTIA:g} to {MOST_INERTIA:g}"
+        raise SceneError(numbers.file, key, expected, StatedFact(decimal_text(number, FLOAT_DIGITS)))
+    return number
 
 
 def build_body(table: BodyTable, numbers: Numbers) -> Body | None:

@@ -28,7 +28,7 @@ from nonsmooth.symbolic.mechanics.scene import LoopErrors, Tolerance
 from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, SpeedUnit, Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_text import short_text
+from nonsmooth.symbolic.numbers.number_text import FLOAT_DIGITS, decimal_text, short_text
 
 
 def read_lyapunov(value: object) -> PiecewiseExpression:
@@ -138,7 +138,7 @@ def build_loop_errors(table: FeedbackTable, numbers: Numbers) -> LoopErrors:
     """
     turn = table.heading_error.turn
     if not 0 <= turn < HALF_TURN:
-        received = StatedFact(f"{float(turn * 180):g} deg")
+        received = StatedFact(f"{decimal_text(numbers.field.rational(turn * 180), FLOAT_DIGITS)} deg")
         raise SceneError(numbers.file, "feedback.heading_error", "an angle of at least 0, below half a turn", received)
     found = LoopErrors(
         numbers.at_least_zero(table.delay, "feedback.delay"),
@@ -175,7 +175,7 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
     """
     turn = table.heading.turn
     if not 0 <= turn < QUARTER:
-        received = StatedFact(f"{float(turn * 180):g} deg")
+        received = StatedFact(f"{decimal_text(numbers.field.rational(turn * 180), FLOAT_DIGITS)} deg")
         raise SceneError(numbers.file, "tolerance.heading", "an angle of at least 0, below a quarter turn", received)
     found = Tolerance(
         position=numbers.at_least_zero(table.position, "tolerance.position"),

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.files.scene_document import (
     build_tolerance,
 )
 from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
+from nonsmooth.symbolic.files.scene_values import Angle, Numbers, angle_remarks, angles, field_of
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.mechanics.body import Body, Disc
@@ -188,6 +188,8 @@ def _turns(document: SceneDocument, layout: Layout) -> Iterator[Fraction]:
     yield from layout.turns()
     for table in (document.friction, document.drive, document.field, document.body, document.contact, document.check):
         yield from angles(table)
+    for bounds in (document.feedback, document.tolerances):  # an angle in them bounds others: it has no direction
+        yield from angles([entry for _, entry in bounds or () if not isinstance(entry, Angle)])
 
 
 def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:

@@ -452,7 +452,8 @@ class UnitDiscs(CutEllipse[Any]):
         """The speeds t of rollers at which that is least without a third part; zero where nothing is cut."""
         if self.is_whole:
             return np.zeros_like(s)
-        return np.asarray(np.sign(s) * np.maximum(np.abs(s) - self.cut * np.abs(r) / _divisor(self.corner), 0.0))
+        turning = np.sign(s) * np.maximum(np.abs(s) - self.cut * np.abs(r) / _divisor(self.corner), 0.0)
+        return np.where(self.cut < 1, turning, 0.0)
 
     def approach(
         self, slip: Sequence[Floats] | Floats, force: Floats, turning: Floats, third: Floats | float

@@ -15,6 +15,7 @@ from nonsmooth.analysis.cells.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
+from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import Functional, dissipation
 from nonsmooth.analysis.minimizers.smooth_newton import CutNewton, SmoothNewton, smallest_forces
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -105,6 +106,19 @@ def test_no_twist_dissipates_less(seed: int) -> None:
     assert minima.check(1e-12).all()
     near = minima.twists + 1e-3 * np.random.default_rng(seed).normal(size=(50, 1, 3))
     assert (dissipation(Functional.ELLIPSE, wheels, loads, near) >= minima.values * (1 - 1e-13)).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_twists_of_many_paths_are_minimizers_where_some_wheels_have_no_rollers(seed: int) -> None:
+    wheels, loads = random_rollers(seed)
+    wheels = replace(wheels, cuts=np.where(np.arange(wheels.wheels) % 2, 1.0, wheels.cuts))
+    minima, paths = EllipseMinimizer().minimize(wheels, loads), np.arange(len(loads))
+    moving = MovingTwists(wheels, len(loads))
+    moving.remember(minima.twists, paths)
+    twists, settled = moving.at(loads @ wheels.positions, paths)
+    assert settled.any()
+    found = dissipation(Functional.ELLIPSE, wheels, loads, twists)
+    np.testing.assert_allclose(found[settled], minima.values[settled], rtol=1e-3)
 
 
 @few(1)

@@ -19,7 +19,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import Functional, dissipation
 from nonsmooth.proofs.answers.answers import answers_of
-from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, FloatLoads, build_slopes
+from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, FloatLoads, build_slopes, every_load_point
 from nonsmooth.proofs.clauses.equilibrium.clause import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
@@ -314,6 +314,20 @@ def test_the_witness_fails_as_a_known_load(name: str, rule: str) -> None:
         return
     assert min(load) > 0
     assert check_theorem4(under(scene.recentred(), load)).results["equilibrium"].verdict is Equilibrium.FAILS
+
+
+def test_roots_that_nest_too_deep_do_not_stop_a_refutation(tmp_path: Path) -> None:
+    """Six rims of irrational lengths, each with a spin at which it slips least, ended in a NestingError."""
+    rims = [(-79, 57), (-66, -63), (74, -46), (12, 83), (59, 71), (-31, 97)]
+    places = [("1", "-4/5"), ("9/10", "7/10"), ("-1/10", "1"), ("-1", "2/5"), ("-4/5", "-3/5"), ("1/5", "-1")]
+    wheels = "".join(
+        f'[[wheel]]\nposition = ["{x}", "{y}"]\nheading = [{a}, {b}]\n'
+        for (x, y), (a, b) in zip(places, rims, strict=True)
+    )
+    file = tmp_path / "irregular.toml"
+    file.write_text(f'[friction]\nmu_roll = "3/4"\nmu_side = "1/3"\n{wheels}', encoding="utf-8")
+    scene = with_loads(load_scene(file), "ellipse")
+    assert every_load_point(scene.recentred()).equilibrium is Equilibrium.FAILS
 
 
 @thorough  # the small one: test_the_witness_fails_as_a_known_load

@@ -197,6 +197,32 @@ def test_a_number_beyond_floats_is_named_where_they_fail(
         assert said.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("table", "key", "value"),
+    [
+        ("check", "accuracy", "1e400"),
+        ("check", "accuracy", "1e-400"),
+        ("check", "length", "1e400"),
+        ("drive", "speed_limit", "1e160"),
+        ("body", "mass", "1e160"),
+        ("body", "gravity", "1e-400"),
+    ],
+)
+def test_a_number_that_floats_fail_on_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, key: str, value: str
+) -> None:
+    """``check`` ended in "OverflowError: integer division result too large for a float" and the like."""
+    wheels = "".join(
+        f'[[wheel]]\nheading = "inward"\nposition = [{x}, {y}]\n' for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    )
+    units = 'units = { length = "m" }\n' if table == "body" else ""
+    file = written(tmp_path, f"{units}[friction]\nmu_roll = 1\nmu_side = 0.5\n[{table}]\n{key} = {value}\n{wheels}")
+    assert run(app, ["check", file]) == 2
+    said = capsys.readouterr().err
+    assert re.search(rf"{table}\.{key}: required (0 or )?a size of 1e-\d+ to 1e\+\d+", said)
+    assert said.count("\n") == 1
+
+
 @pytest.mark.parametrize("command", [["check"], ["simulate", "--grid", "2"], ["sweep", "--vary", "mu_side=0.1:0.2:2"]])
 def test_a_place_beyond_floats_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]

@@ -482,6 +482,15 @@ def test_entries_are_exact_and_wheels_keep_their_field(tmp_path: Path) -> None:
     assert load_scene("four-wheel").tolerances is None
 
 
+def test_formulas_beside_the_wheels_may_hold_any_angle(tmp_path: Path) -> None:
+    """They ended in "required an angle of the field of order 1"."""
+    scene = with_table(tmp_path, 'position = "cos(pi/7)/100"\n[feedback]\ndelay = "cos(pi/9)"')
+    assert scene.tolerances is not None
+    assert scene.loop_errors is not None
+    found = float(scene.tolerances.position), float(scene.loop_errors.delay)
+    assert found == pytest.approx((math.cos(math.pi / 7) / 100, math.cos(math.pi / 9)))
+
+
 def test_boxes_grow_and_shrink(tmp_path: Path) -> None:
     scene = with_table(tmp_path, 'position = "1/10"\nheading = "2 deg"')
     assert scene.tolerances is not None

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 
@@ -48,6 +49,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import cross, separating_direction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 # ---- sets of loads in floats ---------------------------------------------------------------------
 #
@@ -130,17 +132,39 @@ def under_load(scene: Scene, loads: Loads) -> LoadRegion:
 
 
 def common_slope(slips: Sequence[Slip[Number]]) -> Slope | None:
-    """The B with ``pull_i = B p_i`` for every wheel; None where there is none."""
+    """The B with ``pull_i = B p_i`` for every wheel; None where there is none, or exact numbers do not tell."""
     pair = next(((p, q) for p, q in combinations(slips, 2) if cross(p.position, q.position)), None)
-    if pair is None:
+    if pair is None or not _may_have_slope(slips, pair):
         return None
     p, q = pair
     scale = cross(p.position, q.position).inverse()
-    slope = (
-        scaled(added(scaled(p.pull, q.position[1]), scaled(q.pull, -p.position[1])), scale),
-        scaled(added(scaled(q.pull, p.position[0]), scaled(p.pull, -q.position[0])), scale),
-    )
-    return slope if has_slope(slips, slope) else None
+    try:
+        slope = (
+            scaled(added(scaled(p.pull, q.position[1]), scaled(q.pull, -p.position[1])), scale),
+            scaled(added(scaled(q.pull, p.position[0]), scaled(p.pull, -q.position[0])), scale),
+        )
+        return slope if has_slope(slips, slope) else None
+    except NestingError:
+        return None
+
+
+def _may_have_slope(slips: Sequence[Slip[Number]], pair: tuple[Slip[Number], Slip[Number]]) -> bool:
+    """Whether balls leave a B open: where they do not, the roots in exact pulls need not be looked for.
+
+    B is that of the pair: ``cross(p, q) pull_i = cross(p_i, q) pull_p + cross(p, p_i) pull_q`` for every wheel i.
+    """
+    p, q = pair
+    try:
+        pulls = [slip.map(Number.ball).pull for slip in (p, q, *slips)]
+    except ValueError:  # balls that do not tell on which piece of its border a force is
+        return True
+    whole = cross(p.position, q.position).ball()
+    for slip, pull in zip(slips, pulls[2:], strict=True):
+        share, rest = cross(slip.position, q.position).ball(), cross(p.position, slip.position).ball()
+        missing = (whole * x - share * a - rest * b for x, a, b in zip(pull, *pulls[:2], strict=True))
+        if not all(entry.contains(0) for entry in missing):
+            return False
+    return True
 
 
 def has_slope(slips: Sequence[Slip[Number]], slope: Slope) -> bool:
@@ -291,9 +315,17 @@ def _suspects(scene: Scene, loads: LoadSet, rates: Sequence[Number]) -> Iterator
     for rate in rates:
         slips = wheel_slips(scene, rate)
         for axis in range(3) if slips is not None else ():
-            prices = [slip.pull[axis] for slip in slips or ()]
+            prices = _prices(slips or (), axis)
             for side in (1, -1):
                 yield mixed(reached.lowest([price * side for price in prices]), reached.middle)
+
+
+def _prices(slips: Sequence[Slip[Number]], axis: int) -> list[Number]:
+    """What each wheel adds to one component of the gradient, per unit of load; rounded where roots nest too deep."""
+    try:
+        return [slip.pull[axis] for slip in slips]
+    except NestingError:
+        return [slip.along.field.rational(Fraction(slip.map(float).pull[axis])) for slip in slips]
 
 
 def mixed(first: Loads, second: Loads) -> Loads:

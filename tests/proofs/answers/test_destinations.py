@@ -236,6 +236,15 @@ def test_bodies_stand_still_where_the_field_is_stiff(name: str) -> None:
     assert ends.reached.tolist() == [0] * 25
 
 
+def test_bodies_over_rollers_that_all_stand_stay_where_they_start() -> None:
+    """Steps to and fro were sought there, as long as the fastest body takes: a division by zero."""
+    wheels = [ns.Wheel(place, heading="inward", speed=0) for place in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    scene = ns.Array(wheels, mu_roll=1, mu_side="1/2", rule="roller").scene
+    starts = np.array([[0.1, 0.2], [-0.3, 0.1]])
+    ends = smooth_ends(scene, starts)
+    np.testing.assert_allclose(ends.places[ends.reached], starts, atol=1e-9)
+
+
 # ---- What ``leaves`` means: bodies end, or are carried, farther than the accuracy; with outlines, and loads left
 # open.
 

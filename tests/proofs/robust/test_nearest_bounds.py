@@ -22,7 +22,7 @@ from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece, polygon_about, ring
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
-from nonsmooth.proofs.robust.rings import PARTS, EndDisc, _last_slow, is_slow
+from nonsmooth.proofs.robust.rings import PARTS, EndDisc, _last_slow, is_slow, root_above
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
@@ -430,3 +430,10 @@ def test_a_body_that_may_turn_is_known_to_rest_only() -> None:
     assert (found.verdict, found.radius, found.factor) == (Certainty.UNDECIDED, None, Fraction(0))
     assert found.rests is not None
     assert Fraction(1, 10) < found.rests <= Fraction(1, 5)
+
+
+@pytest.mark.parametrize("root", [Fraction(0), Fraction(3, 7), Fraction(1, 10**200), Fraction(10**200)])
+def test_a_root_from_above_is_close_and_above_beyond_floats_too(root: Fraction) -> None:
+    """A tolerance of 1e-160 was followed for ever, one of 1e160 ended in an OverflowError."""
+    found = root_above(root * root)
+    assert root <= found <= root * (1 + Fraction(1, 2**38))

@@ -88,6 +88,7 @@ def test_ranges_ascend_in_equal_steps(a: Fraction, b: Fraction, count: int) -> N
         ":1:3",
         "nan:1:3",
         "0:inf:3",
+        "0:1e400:3",
         "0:sqrt(2):3",
         "0:90 deg:3",
         "",
@@ -366,6 +367,28 @@ def cells_of(invoke: Invoke, file: Path, *vary: str) -> list[dict[str, Any]]:
         "cells"
     ]
     return found
+
+
+@pytest.mark.parametrize(
+    ("given", "stated", "name", "required"),
+    [
+        ("heading = 225", 'heading = "inward"', "x", "an angle or a direction as heading of wheel 1"),
+        ("heading = 225, speed = 0.1", "", "x", "an angle or a direction as heading of wheel 1"),
+        ("heading = 225", 'heading = 225, axis = "inward"', "x", "an angle or a direction as axis of wheel 1"),
+        ("heading = 225", "heading = 225, axis = 45", "heading", "a friction axis that turns with wheel.1.heading"),
+    ],
+)
+def test_a_number_that_others_follow_makes_no_cell(
+    invoke: Invoke, tmp_path: Path, given: str, stated: str, name: str, required: str
+) -> None:
+    """Of rims that turn as their wheel is moved a cell was certified in which most bodies leave."""
+    file = written(tmp_path)
+    file.write_text(file.read_text(encoding="utf-8").replace(given, stated).replace(", ,", ",").replace(",  }", " }"))
+    vary = {"x": "0.1:0.11:2", "heading": "221:229:3"}[name]
+    outcome = invoke("sweep", str(file), "--vary", f"{PATHS[name]}={vary}", "--certify", "--workers", "1")
+    assert outcome.status == 2
+    assert f"certify: required {required}" in outcome.err
+    assert outcome.err.count("\n") == 1
 
 
 @few(1)
