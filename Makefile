@@ -6,10 +6,10 @@ BIN := .venv/bin
 # The package alone, as a user needs it; and with what the tests need.
 PACKAGE := .venv/package
 INSTALLED := .venv/installed
-# pip would compile every file of every package, one after the other: that took a third of its time. What all commands
-# and tests import is compiled by as many processes as there are cores, the rest where it is first imported.
+# pip would compile every file of every package, one after the other: that took a third of its time. Files are compiled
+# where they are first imported; those that all tests import, which are many, while pip installs the rest.
 PIP_INSTALL := $(BIN)/python -m pip install -qq --no-compile --disable-pip-version-check -c constraints.txt
-COMPILE := $(BIN)/python -m compileall -q -j 0 -x /tests/
+COMPILE := $(BIN)/python -m compileall -q -x /tests/
 COMPILED := $(addprefix .venv/lib/python*/site-packages/,cvxpy matplotlib numpy scipy sympy)
 TOOLS := .venv/tools
 # What some tests use beside Python; they say so when they are skipped without it.
@@ -144,7 +144,7 @@ $(TOOLS): | $(INSTALLED)
 
 $(INSTALLED): $(PACKAGE)
 	@echo "Installing what the tests need into .venv (a minute, without a word) ..."
-	@$(PIP_INSTALL) --no-build-isolation -e '.[test]'
+	@$(COMPILE) $(COMPILED) & $(PIP_INSTALL) --no-build-isolation -e '.[test]' && wait
 	@touch $@
 
 $(LOWEST)/installed: pyproject.toml constraints-lowest.txt
@@ -167,5 +167,4 @@ $(PACKAGE): pyproject.toml constraints.txt
 	@$(PYTHON) -m venv .venv
 	@$(PIP_INSTALL) setuptools wheel
 	@$(PIP_INSTALL) --no-build-isolation -e .
-	@$(COMPILE) $(COMPILED) || true
 	@touch $@
