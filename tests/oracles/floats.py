@@ -34,8 +34,8 @@ def value(text: str, **places: Any) -> Any:
 
 def velocity(rhs: Sequence[str], places: Any, states: Sequence[str] = "xyz") -> Floats:
     """The formulas of a right-hand side at places, one row for each state, as the places have."""
-    named = dict(zip(states, places, strict=False))
-    return np.array(np.broadcast_arrays(*(value(text, **named) + 0.0 * places[0] for text in rhs)))
+    named, zero = dict(zip(states, places, strict=False)), 0.0 * places[0]
+    return np.array([value(text, **named) + zero for text in rhs])
 
 
 def spread(
