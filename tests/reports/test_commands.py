@@ -61,6 +61,7 @@ def test_a_certificate_is_about_its_scene(invoke: Invoke, name: str, options: li
     [
         (["four-wheel-side"], "friction of wheel 1"),
         (["four-wheel", "--rule", "box"], "rule"),
+        (["four-wheel", "--rule", "ellipse"], "rule"),
         (["four-wheel", "--radius", "1/3"], "radius"),
         (["four-wheel", "--at", "0,1/9"], "at"),
         (["ring-8", "--radius", "1/2"], "number of wheels (4 instead of 8)"),
