@@ -147,7 +147,8 @@ def rule_notes(scene: Scene) -> list[str]:
     others = {scene.rule_of_wheel(wheel) for wheel in scene.wheels if "contact" not in wheel.named}
     parts = [f"of wheels {numbers_text(tuple(numbers))} {rule}" for rule, numbers in named.items()]
     said = f"own contact rules: {'; '.join([*parts, *(f'of all others {rule}' for rule in others)])}"
-    return [*([said] if named else []), *filter(None, [rule_of(scene).remark(scene)])]
+    is_news = named and others != set(named)  # not where they name the rule of all others
+    return [*([said] if is_news else []), *filter(None, [rule_of(scene).remark(scene)])]
 
 
 def all_rules(scene: Scene | None = None) -> tuple[Rule, ...]:

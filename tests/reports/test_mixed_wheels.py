@@ -203,6 +203,12 @@ def test_check_says_which_wheel_has_which_rule(invoke: Invoke, tmp_path: Path) -
     assert list(record["answers"]["other_rules"]) == ["nearest", "box", "ellipse", "roller"]
 
 
+def test_wheels_that_name_the_rule_of_all_others_are_no_news(invoke: Invoke, tmp_path: Path) -> None:
+    record = invoke("check", scene_file(tmp_path, ["ellipse", None, None, None]), "--json").record
+    assert record["rule"] == "ellipse"
+    assert not record["notes"]
+
+
 def test_an_option_replaces_the_rule_of_those_that_name_none(invoke: Invoke, tmp_path: Path) -> None:
     file = scene_file(tmp_path, ["roller", "ellipse", None, None])
     for rule in ("ellipse", "roller"):
