@@ -9,6 +9,7 @@ Floats propose, the theorem's own claims decide on a small cube.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import TypeAlias
@@ -182,7 +183,12 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
     values = np.linalg.eigvals(matrix) - mu
     if np.abs(values[:, None] + values[None, :]).min() < max(TIE, RELATIVE_TIE * float(np.linalg.norm(matrix))):
         return None
-    found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)  # of eigenvalues that are one, which floats spread
+        try:
+            found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
+        except RuntimeWarning:
+            return None
     return np.asarray((found + found.T) / np.abs(found + found.T).max())
 
 
