@@ -482,7 +482,7 @@ STRATEGIES = [
     Strategy("rest beside the point", MORE, KERNEL, "decide_rest_beside"),
     Strategy("surface on which solutions slide", MORE, __name__, "decide_by_sliding"),
     Strategy("function that shows instability", MORE, IN_SPACE, "search_growth"),
-    Strategy("invariance principle", TWO, IN_PLANE, "search_attraction"),
+    Strategy("invariance principle", TWO, KERNEL, "search_attraction"),
     Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance"),
     Strategy("integral of motion", TWO, KERNEL, "decide_by_integral"),
     Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold"),

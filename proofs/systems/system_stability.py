@@ -31,7 +31,7 @@ from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_
 from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel.cells import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
+from nonsmooth.proofs.systems.domain import Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     CheckedPoint,
@@ -287,30 +287,6 @@ def decide_by_stated_invariance(point: PlanePoint, known: Known) -> Finding | No
     from nonsmooth.proofs.systems.lyapunov_search import has_curves
 
     return attraction_by(point, known.function) if has_curves(system) and not point.rays else None
-
-
-@shared_effort(EFFORT)
-def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
-    """By a V that does not increase, where nothing else decides whether solutions attract.
-
-    The scene's is asked on the checked square and on the smaller one, then one is searched.
-    """
-    given, radius = known.function, point.system.check.radius
-    if not known.attraction_is_open or (given is not None and point.rays):
-        return None
-    if given is not None:
-        shown = attraction_by(point, given)
-        if shown is None and given.domain.radius == radius:
-            shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
-        if shown is not None:
-            return shown
-    from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov
-
-    found = find_weak_lyapunov(point.system, may_attract=not point.rays)
-    if found is None:
-        return None
-    shown = None if point.rays else attraction_by(point, found)
-    return shown or (conclude_function(point, found) if given is None else None)
 
 
 def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
