@@ -8,6 +8,7 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import chain, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
@@ -18,11 +19,14 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, Translation, function_facts, row_fact
+from nonsmooth.proofs.inequalities.subdivision import shared_effort
+from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
-from nonsmooth.proofs.systems.domain import Domain, cube_text
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, attracts, examine, resting_place
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
+from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     NOT_ATTRACTING,
@@ -34,16 +38,19 @@ from nonsmooth.proofs.systems.findings import (
     PlaneFunction,
     weak_finding,
 )
+from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers, with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.many_states.decision import SpacePoint
     from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
+    from nonsmooth.proofs.systems.system_stability import PlanePoint
 
 
 def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | None:
@@ -78,6 +85,73 @@ def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) ->
         verdict = Translation.ASYMPTOTICALLY_STABLE
         reason = f"{proposal.words}; V is positive and decreases everywhere but at the equilibrium"
     return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=shown.entry, facts=facts)
+
+
+@shared_effort(EFFORT)
+def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
+    """By a V that does not increase, where nothing else decides whether solutions attract.
+
+    The scene's is asked on the checked square and on the smaller one, then one is searched.
+    """
+    from nonsmooth.proofs.systems.system_stability import attraction_by, conclude_function
+
+    given, radius = known.function, point.system.check.radius
+    if not known.attraction_is_open or (given is not None and point.rays):
+        return None
+    if given is not None:
+        shown = attraction_by(point, given)
+        if shown is None and given.domain.radius == radius:
+            shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
+        if shown is not None:
+            return shown
+    found = find_weak_function(point.system, may_attract=not point.rays)
+    if found is None:
+        return None
+    shown = None if point.rays else attraction_by(point, found)
+    return shown or (conclude_function(point, found) if given is None else None)
+
+
+WEAK_SCALES = (Fraction(1), Fraction(1, 8))  # of the checked square
+MOST_AUDITS = 16  # of proposals in one search
+
+
+def find_weak_function(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
+    """A V that does not increase: one that shows attraction by LaSalle's principle, else the first; None without one.
+
+    Args:
+        system: in two states.
+        may_attract: whether the equilibrium may attract; otherwise the first V serves.
+    """
+    from nonsmooth.proofs.systems.lyapunov_search import MAX_CELLS, audited_weakly, square_cells
+
+    left, first = MOST_AUDITS, None
+    for scale in WEAK_SCALES:
+        left = max(left, 1)  # on each square: the first proposal may be exact
+        radius = system.check.radius * scale
+        cells = square_cells(system, radius)
+        energy = energy_near(system, radius)
+        last = [] if energy is None else [energy]
+        for formula in chain(_proposed_energies(system, radius) if len(cells) <= MAX_CELLS else (), last):
+            left -= 1
+            result = audited_weakly(system, cells, formula) if left >= 0 or formula is energy else None
+            if result is None:
+                continue
+            found = PlaneFunction(result, Domain(radius), formula, system.states)
+            if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
+                return found
+            first = first or found
+        if first is not None:
+            break
+    return first
+
+
+def _proposed_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
+    """Sums of least coefficients that do not rise, in floats."""
+    from nonsmooth.proofs.many_states.weak_functions import weak_functions
+
+    with suppress(NoEnclosureError, BeyondReachError, ExpressionError):
+        for text in weak_functions(enclose_numbers(system), radius, positive=True):
+            yield parse_piecewise(text, system.states)
 
 
 def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:

@@ -18,6 +18,7 @@ from nonsmooth.symbolic.numbers.plane import XY
 
 STARTS = 4
 CLOSE = 2.0**-40  # of the half side of the square: the distance of the starts
+CLOSER = 2.0**-20  # of the half side: where paths begin that may leave
 FAR = 1 / 16  # of the half side: nothing that starts so close to a stable point may come there
 CROSSINGS = 8.0  # of the square, at the least speed: as long as a path is followed
 
@@ -80,12 +81,12 @@ def starts_around(partition: Partition, distance: float, count: int = STARTS) ->
     return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
 
-def starts_on_borders(partition: Partition, distance: float) -> list[XY]:
-    """Starts on the borders of the cells that meet at the equilibrium, at about a distance in units of the half side.
+def starts_on_borders(partition: Partition) -> list[XY]:
+    """Starts on the borders of the cells that meet at the equilibrium, close to it.
 
     A solution that leaves may do so along such a border only.
     """
-    radius, found = distance * float(partition.scene.check.radius), []
+    radius, found = CLOSER * float(partition.scene.check.radius), []
     for cell in partition.cells:
         corners = [(float(x), float(y)) for x, y in cell.polygon.vertices]
         if (0.0, 0.0) in corners:

@@ -11,8 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from nonsmooth.proofs.checker.parts import jumps, names_in
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, variable
 from nonsmooth.proofs.kernel.bounds import formula
@@ -22,12 +20,8 @@ from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.symbolic.files.system_builder import part_of, stated_lists
 from nonsmooth.symbolic.files.system_document import with_parameters
 from nonsmooth.symbolic.formulas.expression import parse_tree
-from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, no_sign
-from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.polynomial import float_slopes
+from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-GROWS = 2.0**-30  # real part of an eigenvalue, from which on it may be positive
 
 
 @dataclass(frozen=True)
@@ -60,16 +54,6 @@ class SlidingSurface:
     state: str
     surface: str
     system: SwitchedSystem
-
-    @property
-    def seems_to_leave(self) -> bool:
-        """Whether the first terms of the field there, without switching, have a solution that grows, in floats."""
-        own = self.system
-        try:
-            field = own.velocity(no_sign, own.displaced(own.states))
-        except SceneError:
-            return False
-        return bool(np.linalg.eigvals(float_slopes(field)).real.max() > GROWS)
 
     @property
     def words(self) -> str:

@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any
 
 from nonsmooth.proofs.checker.basin import NAMES
 from nonsmooth.proofs.checker.cells import System
@@ -23,6 +23,7 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.falling_function import growth_hypotheses, stated_function
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
@@ -60,8 +61,6 @@ MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of
 REACH = 8  # half-widths of the checked cube: how far tetrahedra are looked for
 NEARLY = Fraction(63, 64)  # of the level of a largest region, where all of it is not shown
 UNSHOWN = "the checker does not show it"
-
-Record: TypeAlias = dict[str, Any]
 
 
 @dataclass(frozen=True)

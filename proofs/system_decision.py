@@ -273,17 +273,8 @@ def _said(block: CascadeBlock, result: StabilityResult) -> str:
     return f"{names_of(states)}{how}: {result.reason}"
 
 
-def decide_by_sliding_away(point: CheckedPoint, known: Known) -> Finding | None:
-    """A surface that all solutions near the point come to, and on which they leave it to first order."""
-    return _by_sliding(point, known, to_first_order=True)
-
-
 def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
     """On a surface that all solutions near the point come to, the states that are left."""
-    return _by_sliding(point, known, to_first_order=False)
-
-
-def _by_sliding(point: CheckedPoint, known: Known, *, to_first_order: bool) -> Finding | None:
     from nonsmooth.proofs.parts import Parts, slides
 
     system = point.system
@@ -291,8 +282,6 @@ def _by_sliding(point: CheckedPoint, known: Known, *, to_first_order: bool) -> F
         return None
     with suppress(SceneError, ExpressionError):
         for slide in slides(system):
-            if to_first_order and not slide.seems_to_leave:
-                continue
             result = _decided(slide.system)
             if result.verdict is not Translation.UNDECIDED:
                 reason = f"solutions near the equilibrium come to {slide.words}: {result.reason}"
@@ -470,7 +459,6 @@ STRATEGIES = [
     Strategy("no equilibrium", MORE, IN_SPACE, "decide_no_equilibrium"),
     Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade"),
     Strategy("uncovered axes of roots", SEVERAL, __name__, "leave_uncovered"),
-    Strategy("solution that leaves", MORE, IN_SPACE, "decide_by_escape"),
     Strategy("relative degree of a relay", MORE, IN_SPACE, "decide_by_relay"),
     Strategy("linearization", MORE, IN_SPACE, "decide_by_linearization"),
     Strategy("stated quotient", SEVERAL, KERNEL, "decide_by_stated_quotient"),
@@ -480,11 +468,11 @@ STRATEGIES = [
     Strategy("invariance principle, beside curves", TWO, IN_PLANE, "decide_by_stated_invariance"),
     Strategy("fan of cones", TWO, IN_PLANE, "decide_by_fan"),
     Strategy("leading terms", TWO, IN_PLANE, "decide_by_leading_terms"),
-    Strategy("ray of escape", TWO, IN_PLANE, "decide_by_ray"),
     Strategy("centre manifold", TWO, KERNEL, "decide_beside_stable_subspace"),
     Strategy("curve of equilibria", TWO, KERNEL, "decide_beside_curve_of_rest"),
     Strategy("reversing symmetry, with sines", TWO, KERNEL, "decide_enclosed_centre"),
-    Strategy("surface on which solutions slide away", MORE, __name__, "decide_by_sliding_away"),
+    Strategy("ray along which solutions leave", MORE, IN_SPACE, "decide_by_escape"),
+    Strategy("solution that leaves", SEVERAL, KERNEL, "decide_by_solution"),
     Strategy("searched V", TWO, IN_PLANE, "search_function"),
     Strategy("searched V", MORE, IN_SPACE, "search_function"),
     Strategy("sum of squares of the states", MORE, IN_SPACE, "decide_by_sum_of_squares"),
@@ -494,11 +482,10 @@ STRATEGIES = [
     Strategy("rest beside the point", MORE, KERNEL, "decide_rest_beside"),
     Strategy("surface on which solutions slide", MORE, __name__, "decide_by_sliding"),
     Strategy("function that shows instability", MORE, IN_SPACE, "search_growth"),
-    Strategy("invariance principle", TWO, IN_PLANE, "search_attraction"),
+    Strategy("invariance principle", TWO, KERNEL, "search_attraction"),
     Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance"),
     Strategy("integral of motion", TWO, KERNEL, "decide_by_integral"),
     Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold"),
-    Strategy("solution that leaves", SEVERAL, KERNEL, "decide_by_solution"),
     Strategy("cascade", SEVERAL, __name__, "decide_by_cascade"),
     Strategy("right-hand sides without sines", SEVERAL, __name__, "decide_by_exact_sides"),
     Strategy("surface on which solutions slide", TWO, __name__, "decide_by_sliding"),

@@ -50,7 +50,8 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
-Show: TypeAlias = Callable[[SwitchedSystem, str, Search | None], Entry]
+Show: TypeAlias = Callable[[SwitchedSystem, str], Entry]
+ShowWithin: TypeAlias = Callable[[SwitchedSystem, str, Search], Entry]  # with no more work than a search is allowed
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,8 @@ class TheoremSearch:
 
     Attributes:
         name: of what shows the verdict.
-        show: finds the entry of a certificate for a system, a verdict and a search with what was shown before; raises
-            ``NotShownError`` where nothing is found, and ``BeyondReachError`` for systems that it does not look at.
+        show: finds the entry of a certificate for a system and a verdict; raises ``NotShownError`` where nothing is
+            found, and ``BeyondReachError`` for systems that it does not look at.
         verdicts: those that it may show.
         most_states: of the systems that it is for.
     """
@@ -71,13 +72,12 @@ class TheoremSearch:
     most_states: int = MAX_STATES
 
 
-def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+def show_growth_of(system: SwitchedSystem, verdict: str) -> Entry:
     """Evidence that the point is unstable by a function that falls, or does not rise, and is negative near it.
 
     Args:
         system: in two states or more.
         verdict: unstable.
-        search: with what was shown before.
 
     Returns:
         The entry of a certificate, and what it shows.
@@ -86,7 +86,7 @@ def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None =
         NotShownError: where none is found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = started(system, search)
+    subject, _ = started(system)
     growth = None
     if len(system.states) != len(PLANE):
         growth = find_growth(system) or find_growing_product(system) or find_growth(system, LARGE)
@@ -98,13 +98,12 @@ def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None =
     return found[0]
 
 
-def show_energy_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+def show_energy_of(system: SwitchedSystem, verdict: str) -> Entry:
     """Evidence that the point is stable by a V that solutions keep, of systems such as linear ones with turning pairs.
 
     Args:
         system: in two states or more.
         verdict: stable.
-        search: with what was shown before.
 
     Returns:
         The entry of a certificate, and what it shows.
@@ -113,7 +112,7 @@ def show_energy_of(system: SwitchedSystem, verdict: str, search: Search | None =
         NotShownError: where none is found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = started(system, search)
+    subject, search = started(system)
     found = find_kept_function(system)
     if found is None:
         raise NotShownError("no polynomial was found that is positive and kept")
@@ -135,17 +134,16 @@ MOST_SEARCHED = 16  # of these, that first terms do not rule out
 WORK = 2_000  # coefficients looked at for one claim: functions on cones need few
 ANGLES = np.linspace(0.0, np.pi, 181)  # at which it is seen where two fields are parallel
 DENOMINATOR = 8  # of slopes
-IN_MANY: Sequence[Show] = (show_departure_of, show_linearization_of, show_escape_of)
-IN_PLANE: Sequence[Show] = (*IN_MANY, show_by_fan, show_by_weights)
+IN_MANY: Sequence[ShowWithin] = (show_departure_of, show_linearization_of, show_escape_of)
+IN_PLANE: Sequence[ShowWithin] = (*IN_MANY, show_by_fan, show_by_weights)
 
 
-def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE, search: Search | None = None) -> Entry:
+def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE) -> Entry:
     """Evidence that the checked point is unstable for a choice among several right-hand sides.
 
     Args:
         system: in two states or more.
         verdict: unstable.
-        search: with what was shown before.
 
     Returns:
         The entry of a certificate, and what it shows.
@@ -156,7 +154,7 @@ def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE, search: Sear
     """
     if system.only_encloses or not system.others:
         raise NotShownError("a choice needs several right-hand sides that may act")
-    subject, search = started(system, search)
+    subject, search = started(system)
     lines = parallel_lines(system, subject, search) if len(system.states) == len(PLANE) else []
     searched = 0
     for choice in islice(choices(subject, system, lines), MOST_TRIED):
@@ -179,7 +177,7 @@ def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE, search: Sear
     raise NotShownError("no choice among the right-hand sides was found that is unstable")
 
 
-def _searches(system: SwitchedSystem) -> Sequence[Show]:
+def _searches(system: SwitchedSystem) -> Sequence[ShowWithin]:
     """What is tried for one right-hand side: nothing where first terms show that the point attracts.
 
     Where they show a spiral that leaves, a V that grows is tried first.
@@ -198,7 +196,7 @@ def _searches(system: SwitchedSystem) -> Sequence[Show]:
     return (show_by_growth, *IN_PLANE) if leaves and are_cones(point.cells) else IN_PLANE
 
 
-def show_by_growth(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+def show_by_growth(system: SwitchedSystem, verdict: str, search: Search) -> Entry:
     """Evidence that the point is unstable by a V in the plane that grows along every solution.
 
     Raises:
@@ -335,13 +333,12 @@ THEOREM_SEARCHES = (
 )
 
 
-def show_verdict(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+def show_verdict(system: SwitchedSystem, verdict: str) -> Entry:
     """Evidence of a verdict by the first search that finds it.
 
     Args:
         system: in two states or more.
         verdict: asymptotically stable, stable or unstable.
-        search: with what was shown before.
 
     Returns:
         The entry of a certificate, and what it shows, the verdict among it.
@@ -354,7 +351,7 @@ def show_verdict(system: SwitchedSystem, verdict: str, search: Search | None = N
         if verdict not in search_for.verdicts or len(system.states) > search_for.most_states:
             continue
         try:
-            return search_for.show(system, verdict, search)
+            return search_for.show(system, verdict)
         except (NotShownError, BeyondReachError) as error:
             reasons.append(str(error))
     raise NotShownError("; ".join(reasons) or "no theorem was found that shows it")

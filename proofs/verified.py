@@ -7,14 +7,12 @@ read as ``nonsmooth verify`` reads a file, and the checker derives from the subj
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.files import parse
 from nonsmooth.proofs.checker.statements import not_among, show_evidence
 from nonsmooth.proofs.checker.work import MALFORMED, LimitError, RejectedError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-
-Record: TypeAlias = dict[str, Any]
 
 
 class UnverifiedError(RuntimeError):

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
-from nonsmooth.proofs.own_paths import CLOSE, FAR, paths_from, starts_around, starts_on_borders
+from nonsmooth.proofs.own_paths import CLOSE, CLOSER, FAR, paths_from, starts_around, starts_on_borders
 from nonsmooth.proofs.theorem4 import CellCheck, Check, Contradiction
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
@@ -42,7 +42,7 @@ ELSEWHERE = 2.0**-20  # of the half side: an end that far away is another place
 WELL_INSIDE = 0.95  # of a radius: starts so far inside a disc are in it, whatever is rounded
 NEAR = 1 / 4  # of the half side: sampled starts that are near the point
 RING = 8  # starts in a certified disc, where no others are sampled
-CLOSER, SOMEWHAT = 2.0**-20, 2.0**-10  # of the half side: where paths begin that may leave, and what is away for them
+SOMEWHAT = 2.0**-10  # of the half side: what is away for paths that begin close to the point
 STEP = 2.0**-10  # of the half side: over which the field beside the point is differentiated
 STILL = 2.0**-13  # of the speed of the rims: a minimizer that moves faster does not rest, whatever floats leave of rest
 ROUNDING = 2.0**-27  # of that speed: what is left of it where the minimizer is smooth
@@ -188,7 +188,7 @@ def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
     near = begin <= NEAR * printed.radius
     if not near.any() or not (end[near] <= AT_POINT * printed.radius).all():
         return
-    starts = [*starts_around(check.partition, CLOSER, RING), *starts_on_borders(check.partition, CLOSER)]
+    starts = [*starts_around(check.partition, CLOSER, RING), *starts_on_borders(check.partition)]
     paths = list(paths_from(check.partition, starts))
     if len(paths) == len(starts) and all(path.farthest < SOMEWHAT * printed.radius for path in paths):
         seen = f"all {near.sum()} sampled starts near the point, and {len(paths)} close to it, come to rest at it"

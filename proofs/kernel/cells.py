@@ -370,7 +370,7 @@ LARGEST = 3  # signs that contradict each other
 TRIALS = 6  # contradictions that are tried, for one pattern
 
 
-def started(system: SwitchedSystem, search: Search | None, *, irrational: bool = False) -> tuple[System, Search]:
+def started(system: SwitchedSystem, search: Search | None = None, *, irrational: bool = False) -> tuple[System, Search]:
     """The subject of a certificate, and a search.
 
     Args:

@@ -100,7 +100,7 @@ def factor_text(hypotheses: Record) -> str:
 
 def _at_point(system: SwitchedSystem) -> tuple[System, StatedCells, Inclusion]:
     """The subject of a certificate, and its cells on the checked square."""
-    subject, search = started(system, None, irrational=True)
+    subject, search = started(system, irrational=True)
     if len(system.states) != len(PLANE) or len(subject.rhs) > 1 or system.by_roots is not None:
         raise NotShownError("centres are looked for where one field acts on a plane")
     cells = stated_cells(system, system.check.radius, irrational=True)

@@ -12,13 +12,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, rational_terms, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
@@ -28,7 +29,6 @@ from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Field: TypeAlias = tuple[Polynomial, ...]
-Record: TypeAlias = dict[str, Any]
 
 RADII = 6  # half-widths of cubes that are tried, each a quarter of the one before
 WIDTHS = tuple(Fraction(1, 1 << bits) for bits in (1, 3, 5, 7))  # of cones about a direction, over its length

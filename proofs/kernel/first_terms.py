@@ -9,9 +9,10 @@ Floats propose, the theorem's own claims decide on a small cube.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
@@ -33,7 +35,6 @@ from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-Record: TypeAlias = dict[str, Any]
 Field: TypeAlias = tuple[Polynomial, ...]
 
 RADII = tuple(Fraction(1, 4**k) for k in range(7))  # half-widths of cubes, over that of the scene
@@ -182,7 +183,12 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
     values = np.linalg.eigvals(matrix) - mu
     if np.abs(values[:, None] + values[None, :]).min() < max(TIE, RELATIVE_TIE * float(np.linalg.norm(matrix))):
         return None
-    found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)  # of eigenvalues that are one, which floats spread
+        try:
+            found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
+        except RuntimeWarning:
+            return None
     return np.asarray((found + found.T) / np.abs(found + found.T).max())
 
 

@@ -62,7 +62,7 @@ def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: b
     if stated and system.check.quotient is None:
         return None
     try:
-        subject, _ = started(system, None)
+        subject, _ = started(system)
         whole, cube = (stated_cells(system, own).record for own in (None, system.check.radius))
     except (BeyondReachError, NotShownError, SceneError):
         return None
@@ -215,7 +215,7 @@ def find_weighted_function(system: SwitchedSystem) -> Entry | None:
     if system.by_roots is not None:
         return None
     try:
-        subject, _ = started(system, None)
+        subject, _ = started(system)
         for heavy, light in permutations(system.states):
             for q in WEIGHTS:
                 functions = _functions(heavy, light, q + 1)

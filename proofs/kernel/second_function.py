@@ -88,7 +88,7 @@ def find_attraction(
         everywhere: whether it is also asked if V and the fields are forms on cones: then every solution is attracted.
     """
     try:
-        subject, search = started(system, None)
+        subject, search = started(system)
         cells = sharpened(stated_cells(system, radius, surfaces_of(system, potential)), subject, search)
         second = find_second(subject, cells.record, potential.text, search)
         if second is None:

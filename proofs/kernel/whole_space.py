@@ -235,7 +235,7 @@ def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | 
     """A system in rational numbers that encloses one, and what a certificate is about; None where there is none."""
     try:
         enclosing = enclose_numbers(system)
-        return enclosing, started(enclosing, None)[0]
+        return enclosing, started(enclosing)[0]
     except (BeyondReachError, NoEnclosureError, NotShownError):  # among others an irrational point
         return None
 

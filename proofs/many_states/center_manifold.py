@@ -483,7 +483,7 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     try:
-        subject, search = started(system, None)
+        subject, search = started(system)
         for number, stated, field in smooth_fields(system, subject, search, SHARES):
             proposals = list(center_functions(field))
             if not proposals or proposals[0].attracts is not attracts:

@@ -1,9 +1,10 @@
 """Strong stability of the checked point of a plain system in three states and more.
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
-2. A velocity that leads from the point into a cell, and the linearization, where there is one; a relay of relative
-   degree three or more (:mod:`nonsmooth.proofs.many_states.lyapunov_search`).
-3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
+2. The linearization, where there is one; a relay of relative degree three or more
+   (:mod:`nonsmooth.proofs.many_states.lyapunov_search`).
+3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`); a solution that
+   leaves (:mod:`nonsmooth.proofs.kernel.escapes`), also along a ray that has no rational vector.
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
 5. A V that shows instability (:mod:`nonsmooth.proofs.many_states.lyapunov_search`).
@@ -23,7 +24,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations_with_replacement
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
@@ -35,7 +36,6 @@ from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_r
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     RationalTerms,
-    SignCell,
     SignCells,
     adjoining,
     build_cells,
@@ -75,14 +75,13 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- what shows itself near the point in many states ---------------------------------------------
 #
-# Velocities that lead away, linearizations, relays.
+# Rays along which solutions leave, and linearizations.
 #
-# *A solution that leaves.* Let s = 0 be the surfaces through the point, and f the field of a cell in which they have
-# the signs e.  If ``e grad s . f > 0`` at the point for each of them, the solution ``t f + ...`` of the field of this
-# cell stays in it for a while.  A cone with a linear field that holds an eigenvector of a positive eigenvalue holds a
-# ray along which solutions leave: the columns of ``adj(s I - A)`` are eigenvectors at the roots of the characteristic
-# polynomial, and the signs of polynomials at such a root are exact.  Where the right-hand sides only enclose the field
-# neither says anything.
+# *A solution that leaves.* A cone with a linear field that holds an eigenvector of a positive eigenvalue holds a ray
+# along which solutions leave: the columns of ``adj(s I - A)`` are eigenvectors at the roots of the characteristic
+# polynomial, and the signs of polynomials at such a root are exact.  No certificate states such a ray where it has no
+# rational vector and faster solutions leave beside it.  Where the right-hand sides only enclose the field it says
+# nothing.
 #
 # *Linearization.* Where all fields at the point vanish there and have one Jacobian A, the field is ``A x`` up to higher
 # order, and Lyapunov's indirect method applies.  ``A^T P + P A = -I`` has one solution unless two eigenvalues of A add
@@ -91,35 +90,6 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 # ``alpha > 0``. A linear field is decided completely: eigenvalues on the imaginary axis belong to the greatest common
 # divisor h of ``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the
 # point is stable iff A is a zero of the polynomial in which these roots are taken once.
-
-
-Velocity = tuple[fmpq, ...]
-
-
-def escaping_velocity(system: SwitchedSystem, cells: SignCells) -> Velocity | None:
-    """The velocity at the point of a cell that it leads into; None where no cell has one."""
-    if system.only_encloses:
-        return None
-    zero = (0,) * len(cells.states)
-    for cell in adjoining(cells):
-        for field in cell.velocities:
-            velocity = tuple(part.get(zero, fmpq(0)) for part in field)
-            if any(velocity) and _leads_into(cells, cell, velocity):
-                return velocity
-    return None
-
-
-def _leads_into(cells: SignCells, cell: SignCell, velocity: Sequence[fmpq]) -> bool:
-    """Whether a velocity at the point leads into a cell."""
-    count = len(velocity)
-    for surface, sign in zip(cells.surfaces, cell.signs, strict=True):
-        terms = rational_terms(surface)
-        if terms.get((0,) * count):
-            continue
-        slope = sum((terms.get(unit(count, k), fmpq(0)) * v for k, v in enumerate(velocity)), fmpq(0))
-        if not slope * sign > 0:
-            return False
-    return True
 
 
 def escaping_rate(system: SwitchedSystem, cells: SignCells) -> Fraction | None:
@@ -175,7 +145,6 @@ def _resolvent(matrix: fmpq_mat) -> tuple[list[fmpq], list[fmpq_mat]]:
 
 
 SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
-WEIGHTS = (fmpq(1, 4), fmpq(1, 2), fmpq(3, 4))  # of the second of two right-hand sides
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 12, 1 << 24)  # of a quadratic V, tried in turn
 
 
@@ -218,28 +187,6 @@ def linear_part(cells: SignCells) -> LinearPart | None:
     spectrum = spectrum_of(matrix, linear=linear)
     quadratic = _short_quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
     return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
-
-
-def unstable_mixture(system: SwitchedSystem, cells: SignCells) -> LinearPart | None:
-    """Under arbitrary switching: the linearization of one right-hand side, or a mixture of two, that is unstable.
-
-    A mixture of right-hand sides is a field that the system may follow.  Those that only enclose one show nothing.
-    """
-    if not system.others or system.only_encloses:
-        return None
-    near = adjoining(cells)
-    members = [_common_jacobian([cell.velocities[k] for cell in near]) for k in range(len(near[0].velocities))]
-    known = [matrix for matrix in members if matrix is not None]
-    mixed = [_mixture(a, b, weight) for a, b in combinations(known, 2) for weight in WEIGHTS]
-    for matrix in (*known, *mixed):
-        if spectrum_of(matrix, linear=False) is Spectrum.UNSTABLE:
-            return LinearPart(matrix, Spectrum.UNSTABLE, None, is_whole=False)
-    return None
-
-
-def _mixture(a: RationalMatrix, b: RationalMatrix, weight: fmpq) -> RationalMatrix:
-    rows = zip(a, b, strict=True)
-    return tuple(tuple(x + weight * (y - x) for x, y in zip(first, second, strict=True)) for first, second in rows)
 
 
 def _common_jacobian(fields: Sequence[Sequence[RationalTerms]]) -> RationalMatrix | None:
@@ -403,8 +350,8 @@ class SpacePoint(CheckedPoint):
 
     @cached_property
     def linear(self) -> LinearPart | None:
-        """The linearization, or an unstable one under arbitrary switching."""
-        return linear_part(self.cells) or unstable_mixture(self.system, self.cells)
+        """The linearization."""
+        return linear_part(self.cells)
 
     @property
     def spectrum(self) -> Spectrum | None:
@@ -492,13 +439,8 @@ def decide_no_equilibrium(point: SpacePoint, known: Known) -> Finding | None:
 
 
 def decide_by_escape(point: SpacePoint, known: Known) -> Finding | None:
-    """A velocity at the point that leads into its cell, or a ray along which solutions leave."""
-    velocity = escaping_velocity(point.system, point.cells)
-    if velocity is not None:
-        place = ", ".join(map(str, velocity))
-        reason = f"a solution leaves the point with velocity ({place}), into a cell"
-        return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, proofs=velocity)
-    rate = escaping_rate(point.system, point.cells) if point.linear is None else None
+    """A ray along which solutions leave."""
+    rate = escaping_rate(point.system, point.cells) if known.standing is None else None
     if rate is None:
         return None
     reason = "solutions leave along a ray inside a cone with a linear field"

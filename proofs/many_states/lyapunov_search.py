@@ -47,7 +47,7 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search, instability_hypotheses
+from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, instability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
 from nonsmooth.proofs.kernel.written import as_checked, terms_of
@@ -521,7 +521,7 @@ def high_degree_relay(system: SwitchedSystem, cells: SignCells) -> RelayDegree |
     return next(_found(cells), None)
 
 
-def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+def show_relay_of(system: SwitchedSystem, verdict: str) -> Entry:
     """Evidence that the point is unstable by W and by functions that rise where W is kept.
 
     Where ``s = h_0 = 0`` and W is kept, ``(h_0 h_1)' = h_1^2 + h_0 h_2`` is not negative, and zero where ``h_1 = 0``;
@@ -531,7 +531,6 @@ def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = 
     Args:
         system: in any number of states.
         verdict: unstable.
-        search: with what was shown before.
 
     Returns:
         The entry of a certificate, and what it shows.
@@ -540,7 +539,7 @@ def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = 
         NotShownError: where no surface shows it, or no such functions are found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = started(system, search)
+    subject, search = started(system)
     for share in RADII:
         stated = stated_cells(system, system.check.radius * share)
         relay = high_degree_relay(system, stated.cells)

@@ -195,7 +195,7 @@ def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> Rest
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     try:
-        subject, search = started(system, None)
+        subject, search = started(system)
         for number, _, field in smooth_fields(system, subject, search, SHARES):
             curve = curve_of_rest(field)
             if curve is None:

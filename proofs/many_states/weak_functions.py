@@ -193,7 +193,7 @@ def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None
         radius = system.check.radius * share
         for text in weak_functions(system, radius, positive=False):
             try:
-                subject, search = started(system, None)
+                subject, search = started(system)
                 cells = stated_cells(system, radius, surfaces_of(system, parse_piecewise(text, system.states))).record
                 second = find_second(subject, cells, text, search)
                 stated = Lyapunov(Inclusion(subject, cells, [text], search), search)
@@ -352,7 +352,7 @@ def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     try:
-        subject, search = started(system, None)
+        subject, search = started(system)
         stated = stated_cells(system, system.check.radius)
         around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
     except NotShownError:

@@ -237,7 +237,6 @@ class BoxBound:
 
 # of the friction of all wheels; strong ones serve large boxes
 PUSHES = (0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02)
-REST_CORNERS = 16
 REST_HALVINGS = 7
 
 
@@ -278,7 +277,7 @@ class BoxRingProof(RingProof[BoxBound]):
     def _rests(self, bound: BoxBound, radius: Fraction) -> bool:
         """Whether bodies rest all over a disc, by a polygon about it."""
         zero, still = np.zeros(3), [arb(0)] * 3
-        for corner in polygon_about(radius, REST_CORNERS):
+        for corner in polygon_about(radius):
             proposal = self._corners.proposal(in_floats(corner), zero, zero)
             gap = None if proposal is None else bound.gap(proposal, _balls(corner), still, still)
             if gap is None or not gap <= 0:

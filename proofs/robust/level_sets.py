@@ -312,14 +312,17 @@ class AnnulusPiece:
                 yield AnnulusPiece(inner, outer, start, half)
 
 
-def polygon_about(radius: Fraction, count: int) -> tuple[Place, ...]:
+CORNERS = 16  # of a polygon about a disc
+
+
+def polygon_about(radius: Fraction) -> tuple[Place, ...]:
     """The corners of a polygon that holds a disc about the origin.
 
     Raises:
         ArithmeticError: where rounding leaves a part of the disc outside.
     """
-    far = radius * OUTSIDE * Fraction(1 / math.cos(math.pi / count))
-    rays = [ray(Fraction(k, count)) for k in range(count)]
+    far = radius * OUTSIDE * Fraction(1 / math.cos(math.pi / CORNERS))
+    rays = [ray(Fraction(k, CORNERS)) for k in range(CORNERS)]
     if not all(side_is_outside(far, a, b, radius) for a, b in zip(rays, [*rays[1:], rays[0]], strict=True)):
         raise ArithmeticError("required a polygon that holds its disc")
     return tuple(_times(far, direction) for direction in rays)

@@ -63,7 +63,6 @@ class Method(StrEnum):
     CENTER = "centre manifold"
     FAN = "fan of cones"
     LEADING = "leading terms"
-    RAY = "ray of escape"
     ESCAPE = "solution that leaves"
     CHOICE = "choice among right-hand sides"
     RELAY = "relative degree of a relay"

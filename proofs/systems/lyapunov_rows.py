@@ -150,24 +150,16 @@ def build_sides(cells: Iterable[LyapunovCell], basis: Sequence[BasisFunction]) -
 
 
 @BEYOND_FLOATS
-def build_rows(sides: Sequence[Sides]) -> tuple[Floats, Mask]:
-    """Rows r with the condition ``r . c > 0`` for points all over the cells, and which of them speak of V itself.
-
-    The others speak of its derivative, which may vanish where V need not fall.
-    """
-    blocks: list[tuple[Floats, bool]] = []
+def build_rows(sides: Sequence[Sides]) -> Floats:
+    """Rows r with the condition ``r . c > 0`` for points all over the cells."""
+    blocks: list[Floats] = []
     for side in sides:
-        points = _samples(side.cell.region, side.cell.potential.field)
-        blocks += zip(_cell_rows(side, points), (True, False), strict=False)  # none where there is no point
+        blocks += _cell_rows(side, _samples(side.cell.region, side.cell.potential.field))
     for first, second in combinations(sides, 2):
         field = first.cell.potential.field
         for points, normals in _shared_points(first.cell.region, second.cell.region, field):
-            blocks += [(rows, False) for rows in _slide_rows(first, second, points, normals)]
-    if not blocks:
-        return np.zeros((0, 0)), np.zeros(0, dtype=bool)
-    rows = np.vstack([block for block, _ in blocks])
-    of_values = np.repeat([own for _, own in blocks], [len(block) for block, _ in blocks])
-    return normalized(rows), of_values[np.abs(rows).max(axis=1, initial=0.0) != 0]
+            blocks += _slide_rows(first, second, points, normals)
+    return normalized(np.vstack(blocks)) if blocks else np.zeros((0, 0))
 
 
 @BEYOND_FLOATS

@@ -8,9 +8,8 @@ square and on smaller ones; a V of a smaller one is then proved on the largest s
 does not need is exactly zero and the formula is short.  A point at which the audit refutes a rounded V is added to the
 rows.  In reversed time the same search finds a function that grows along every solution.
 
-*A V that does not increase*, where none is found that falls everywhere: energies of damped systems.  The program
-maximizes the margin of V > 0 while V' <= 0 may hold with equality.  Energies have simple coefficients, so rounding
-meets the equalities.  What stays where V' = 0 is asked of :mod:`nonsmooth.proofs.systems.derivatives`.
+*A V that does not increase*, where none is found that falls everywhere, is proposed as in any number of states
+(:mod:`nonsmooth.proofs.many_states.weak_functions`), and audited here.
 
 (HiGHS; what comes out of it is a proposal.)
 """
@@ -21,7 +20,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import chain
 
 import numpy as np
 
@@ -34,11 +32,11 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.proofs.inequalities.forms import Sense
-from nonsmooth.proofs.inequalities.linear_program import least_sum, solve_program
+from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, attracts, examine, inhabited, resting_place
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.energies import energy_near, falling_energies
+from nonsmooth.proofs.systems.energies import falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
@@ -56,7 +54,6 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -74,14 +71,6 @@ MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
 DENOMINATORS = (2, 8, 64, 4096)  # of the rounded coefficients, tried in turn
 LEAST_MARGIN = 2.0**-24  # below that nothing is proposed: floats could not tell it from zero
 NEGLIGIBLE = (2.0**-2, 2.0**-4, 2.0**-6)  # of the largest coefficient: what is left out, at first more
-
-WEAK_SCALES = (Fraction(1), Fraction(1, 8))  # the same for a V that does not increase
-WEAK_DENOMINATORS = (1, 2, 4, 12, 64)
-WEAK_MARGIN = 2.0**-20  # of V at the sampled points, rows scaled to one
-WEAK_NEGLIGIBLE = 2.0**-10
-MOST_AUDITS = 16  # of proposals in one search
-KEPT_MARGIN = 0.125  # of the largest margin, where few terms are wanted
-SLACK = 2.0**-30  # by which floats may miss an equality
 
 Coefficients = tuple[Fraction, ...]
 
@@ -264,7 +253,7 @@ def _rounds(
         SceneError: for one that cannot be used.
     """
     sides = _sides_of(system, cells, basis)
-    rows, _ = build_rows(sides)
+    rows = build_rows(sides)
     for _ in range(ROUNDS):
         if budget.left <= 0:
             return None
@@ -314,7 +303,7 @@ def propose(rows: Floats) -> Iterator[Coefficients]:
     seen: set[Coefficients] = set()
     for chosen in (*(_pruned(rows, widest, share) for share in NEGLIGIBLE), widest):
         scaled = [] if chosen is None else [chosen / np.abs(chosen).max()]
-        served = (own for c in scaled for own in _rounded(c, DENOMINATORS) if np.all(rows @ _floats(own) > 0))
+        served = (own for c in scaled for own in _rounded(c) if np.all(rows @ _floats(own) > 0))
         rounded = next(served, None)
         if rounded is not None and rounded not in seen:
             seen.add(rounded)
@@ -341,7 +330,7 @@ def _kept_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
     used = normalized(rows[:, kept])
     if len(used) < len(rows) or not len(rows):
         return None  # where all functions vanish, so does V or its derivative
-    found = _largest_margin(used, used[:0], LEAST_MARGIN)
+    found = _largest_margin(used)
     if found is None:
         return None
     coefficients = np.zeros(rows.shape[1])
@@ -349,31 +338,25 @@ def _kept_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
     return coefficients
 
 
-def _largest_margin(positive: Floats, weak: Floats, least: float) -> Floats | None:
-    """Coefficients c, at most 1 in size, with the largest m such that ``r . c >= m`` for some rows, >= 0 for others.
+def _largest_margin(rows: Floats) -> Floats | None:
+    """Coefficients c, at most 1 in size, with the largest m such that ``r . c >= m`` for all rows.
 
-    Args:
-        positive: the rows with the margin.
-        weak: those without.
-        least: a margin below which nothing is proposed.
-
-    Returns:
-        None without such a margin, and for rows beyond floats.
+    None without such a margin, and for rows beyond floats.
     """
-    if not (np.isfinite(positive).all() and np.isfinite(weak).all()):
+    if not np.isfinite(rows).all():
         return None
-    count = positive.shape[1]
+    count = rows.shape[1]
     costs = np.zeros(count + 1)
     costs[-1] = -1.0
-    system = np.hstack([-np.vstack([positive, weak]), np.repeat([[1.0], [0.0]], [len(positive), len(weak)], axis=0)])
+    system = np.hstack([-rows, np.ones((len(rows), 1))])
     bounds = [(-1, 1)] * count + [(0, 1)]
     found = solve_program(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds)
-    return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > least else None
+    return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > LEAST_MARGIN else None
 
 
-def _rounded(scaled: Floats, denominators: Sequence[int]) -> Iterator[Coefficients]:
+def _rounded(scaled: Floats) -> Iterator[Coefficients]:
     """Coefficients with each denominator."""
-    for denominator in denominators:
+    for denominator in DENOMINATORS:
         yield tuple(Fraction(float(c)).limit_denominator(denominator) for c in scaled)
 
 
@@ -384,81 +367,9 @@ def _floats(coefficients: Coefficients) -> Floats:
 # ---- a V that does not increase --------------------------------------------------------------------
 
 
-SQUARES = ((0, 0, 1), (0, 1, 2), (1, 1, 1))  # of two states: which are multiplied, and how often that occurs
-
-
-def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
-    """A V that does not increase: one that shows attraction by LaSalle's principle, else the first; None without one.
-
-    Args:
-        system: in two states.
-        may_attract: whether the equilibrium may attract; otherwise the first V serves.
-    """
-    left, first = MOST_AUDITS, None
-    for scale in WEAK_SCALES:
-        left = max(left, 1)  # on each square: the first proposal may be exact
-        radius = system.check.radius * scale
-        cells = square_cells(system, radius)
-        families = _weak_families(system) if len(cells) <= MAX_CELLS else ()
-        proposed = (chain(_kept_forms(system, cells, own), _weak_proposals(system, cells, own)) for own in families)
-        energy = energy_near(system, radius)
-        last = [] if energy is None else [energy]
-        for formula in chain(chain.from_iterable(proposed), last):
-            left -= 1
-            result = _audited(system, cells, formula) if left >= 0 or formula is energy else None
-            if result is None:
-                continue
-            found = PlaneFunction(result, Domain(radius), formula, system.states)
-            if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
-                return found
-            first = first or found
-        if first is not None:
-            break
-    return first
-
-
-def _kept_forms(
-    system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction]
-) -> Iterator[PiecewiseExpression]:
-    """Of one linear field with eigenvalues 0 and t < 0 the form ``(n x)**2 + (w x)**2``, in squares of states.
-
-    Its matrix is ``u w'``: solutions keep ``n x``, where n is normal to u, and ``w x`` falls at the rate t = ``w' u``.
-    A float misses that n by a rounding error, with which V would increase.
-    """
-    fields = {field for cell in cells for field in cell.velocities}
-    if len(fields) > 1 or len(basis) != len(SQUARES):
-        return
-    slopes = [part.terms.get(e, system.field.zero) for part in fields.pop() for e in ((1, 0), (0, 1))]
-    known = [as_fraction(own) for own in (slope.as_rational() for slope in slopes) if own is not None]
-    if len(known) < len(slopes):
-        return
-    a, b, c, d = known
-    if a * d != b * c or a + d >= 0:
-        return
-    w = (a, b) if a or b else (c, d)
-    n = (c, -a) if a or c else (d, -b)
-    yield build_formula(basis, tuple(w[i] * w[j] * m + n[i] * n[j] * m for i, j, m in SQUARES), system.states)
-
-
-def _weak_families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
-    """From simple to rich: squares, lines, and what integrates cubic forces."""
-    field, lines = system.field, lines_through(system)
-    quadratic, quartic = smooth_functions(field, 2), smooth_functions(field, 4)
-    yield quadratic
-    bent = [bent_functions(field, lines, degree) for degree in (1, 2, 3, 4)] if lines else []
-    if bent:
-        yield (*bent[0], *quadratic)
-        yield (*bent[0], *bent[1], *quadratic)
-    for k in (0, 2):  # the square of one state alone: near the other axis higher powers must not be drowned
-        yield (quadratic[k], *quartic)
-        if bent:
-            yield (quadratic[k], *bent[2])
-    yield (*quadratic, *quartic)
-    if bent:
-        yield (*(function for functions in bent for function in functions), *quadratic, *quartic)
-
-
-def _audited(system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression) -> LyapunovResult | None:
+def audited_weakly(
+    system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression
+) -> LyapunovResult | None:
     """The audit of a V that does not increase; None for any other."""
     try:
         judged = _judged(system, cells, formula)
@@ -473,36 +384,3 @@ def _does_not_increase(cell: LyapunovCell) -> bool:
     return isinstance(positive, Proof) and all(
         isinstance(prove(Sense.NONPOSITIVE, rate, cell.region), Proof) for rate in cell.rates
     )
-
-
-def _weak_proposals(
-    system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction]
-) -> Iterator[PiecewiseExpression]:
-    """Sums of one family whose rounded coefficients keep all rows in floats, each once."""
-    try:
-        rows, of_values = build_rows(_sides_of(system, cells, basis))
-    except (ExpressionError, SceneError):
-        return
-    positive, falling = rows[of_values], rows[~of_values]
-    widest = _largest_margin(positive, falling, WEAK_MARGIN)
-    seen: set[Coefficients] = set()
-    for chosen in () if widest is None else (_shortest(positive, falling, widest), widest):
-        scaled = chosen / np.abs(chosen).max()
-        scaled[np.abs(scaled) < WEAK_NEGLIGIBLE] = 0.0
-        for rounded in _rounded(scaled, WEAK_DENOMINATORS):
-            own = _floats(rounded)
-            if rounded in seen or not (np.all(positive @ own > 0) and np.all(falling @ own >= -SLACK)):
-                continue
-            seen.add(rounded)
-            try:
-                yield build_formula(basis, rounded, system.states)
-            except ExpressionError:
-                return
-
-
-def _shortest(positive: Floats, falling: Floats, widest: Floats) -> Floats:
-    """Coefficients of least sum of sizes that keep a part of the margin: energies have few terms."""
-    margin = np.min(positive @ widest) * KEPT_MARGIN
-    limits = np.concatenate([np.full(len(positive), -margin), np.zeros(len(falling))])
-    found = least_sum(-np.vstack([positive, falling]), limits, np.ones(positive.shape[1]), None)
-    return widest if found is None else found

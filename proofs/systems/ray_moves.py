@@ -1,13 +1,12 @@
-"""The cells of a switched system at the origin, and what happens along single rays from there.
+"""The cells of a switched system at the origin, and rays of rest from there.
 
 *Germs.*  The Filippov set at a point is the hull of the limits of the fields of the cells whose *open* parts have
 points arbitrarily near; a guard that merely vanishes at the point adds nothing
 (:mod:`nonsmooth.proofs.inequalities.curved_regions`).
 
-*Rays.*  Where every cell is a cone, a velocity that is radial on a ray stays radial along it.  If F on the ray holds an
-outward radial vector, one solution leaves along it: unstable.  If it holds zero, the ray consists of equilibria: the
-one at the origin does not attract.  Inside a cone such rays are the roots of ``c x f(c)``; on a ray between cones the
-hull of the fields beside it is looked at.
+*Rays of rest.*  Where every cell is a cone and F holds zero on a ray, the ray consists of equilibria: the one at the
+origin does not attract.  Inside a cone such rays are common roots of ``c x f(c)`` and ``c . f(c)``; on a ray between
+cones the hull of the fields beside it is looked at.
 
 *Constant fans.*  Where the fields are constant near the equilibrium, the fan of cones decides completely
 (:mod:`nonsmooth.proofs.clauses.translation.fan_stability`).
@@ -17,8 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
-from fractions import Fraction
 from itertools import combinations
 from typing import Any, TypeAlias
 
@@ -32,15 +29,12 @@ from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adhe
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.inequalities.kinks import mixtures
 from nonsmooth.proofs.inequalities.real_roots import (
-    RealRoot,
     along_ray,
     between_rays,
     form_lines,
     germ_sign,
     lowest_form,
     positive_roots,
-    samples_between,
-    value,
 )
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -86,29 +80,20 @@ def conic_germ(cells: Iterable[FieldCell]) -> tuple[FieldCell, ...] | None:
     return tuple(cones)
 
 
-class RayKind(StrEnum):
-    """What a solution may do on a ray."""
-
-    ESCAPE = "a solution leaves along {}"
-    REST = "every point of {} near the equilibrium is an equilibrium"
-
-
 @dataclass(frozen=True)
-class RayMove:
-    """A ray on which F holds an outward radial vector, or zero.
+class RayOfRest:
+    """A ray of equilibria near the origin.
 
     Attributes:
-        kind: which of the two.
-        ray: a vector along it; where ``root`` is given, ``ray = first + t second`` only up to its bounds.
-        value: ``c . f`` at that vector for the radial f; None where the ray has no name in the field.
+        place: a point of it.
+        is_exact: whether it is, and not only near one: not every root has a name in the field.
     """
 
-    kind: RayKind
-    ray: Point
-    value: Any | None
+    place: Point
+    is_exact: bool = True
 
     def __str__(self) -> str:
-        return self.kind.value.format(f"the ray through {place_text(self.ray)}")
+        return f"every point of the ray through {place_text(self.place)} near the equilibrium is an equilibrium"
 
 
 def are_cones(cells: Sequence[FieldCell | LyapunovCell]) -> bool:
@@ -122,17 +107,16 @@ def are_cones(cells: Sequence[FieldCell | LyapunovCell]) -> bool:
     )
 
 
-def ray_moves(cells: Sequence[FieldCell]) -> Iterator[RayMove]:
-    """All rays of escape or rest of a system of cones; cells that rest or move radially throughout give one each."""
+def rays_of_rest(cells: Sequence[FieldCell]) -> Iterator[RayOfRest]:
+    """All rays of rest of a system of cones; cells that rest throughout give one each."""
     for cell in cells:
-        for first, second in directions(cell.region):
-            yield from _boundary_moves(cells, (first[0], first[1]))
-            yield from _boundary_moves(cells, (second[0], second[1]))
+        for (a, b, *_), (c, d, *_) in directions(cell.region):
+            yield from (RayOfRest(ray) for ray in ((a, b), (c, d)) if _holds_zero(cells, ray))
             for velocity in cell.velocities:
-                yield from _inner_moves((first[0], first[1]), (second[0], second[1]), velocity)
+                yield from _inside((a, b), (c, d), velocity)
 
 
-def resting_edges(cells: Sequence[FieldCell], *, enclosing: bool = False) -> Iterator[RayMove]:
+def resting_edges(cells: Sequence[FieldCell], *, enclosing: bool = False) -> Iterator[RayOfRest]:
     """Sides that end at the origin and consist of equilibria near it, whatever the cells are.
 
     There the fields beside the side are opposed (or one of them is zero) all along: two polynomials in one variable.
@@ -152,7 +136,7 @@ def resting_edges(cells: Sequence[FieldCell], *, enclosing: bool = False) -> Ite
             ray = (other[0], other[1])
             beside = [c for c in cells if ray_adherence(c.region, ray) is Adherence.YES]
             if _all_oppose(beside, ray) if enclosing else _some_oppose(beside, ray):
-                yield RayMove(RayKind.REST, ray, ray[0] - ray[0])
+                yield RayOfRest(ray)
 
 
 def _some_oppose(beside: Sequence[FieldCell], ray: Point) -> bool:
@@ -175,32 +159,23 @@ def _rests_along(first: PlaneField, second: PlaneField, ray: Point) -> bool:
     return (not a and not b) or (not a * d - b * c and germ_sign(a * c + b * d) < 0)
 
 
-def _boundary_moves(cells: Sequence[FieldCell], ray: Point) -> Iterator[RayMove]:
-    values = [dot(ray, f) for f in mixtures(velocities_at(cells, ray), turned(ray))]
-    signs = [sign(speed) for speed in values]
-    for speed, here in zip(values, signs, strict=True):
-        if here >= 0:
-            yield RayMove(RayKind.ESCAPE if here else RayKind.REST, ray, speed)
-    if {1, -1} <= set(signs):
-        yield RayMove(RayKind.REST, ray, values[0] - values[0])
+def _holds_zero(cells: Sequence[FieldCell], ray: Point) -> bool:
+    """Whether F holds zero at a point of a ray between cones."""
+    signs = {sign(dot(ray, f)) for f in mixtures(velocities_at(cells, ray), turned(ray))}
+    return 0 in signs or len(signs) > 1
 
 
-def _inner_moves(first: Point, second: Point, velocity: tuple[Polynomial, Polynomial]) -> Iterator[RayMove]:
-    """Rays ``first + t second`` inside the cone on which the field is radial, or one between any two if all are."""
-    f, g = velocity
+def _inside(first: Point, second: Point, velocity: PlaneField) -> Iterator[RayOfRest]:
+    """Rays ``first + t second`` inside a cone on which the field vanishes, or one of them where it vanishes on all."""
     across, radial = (between_rays(form, first, second) for form in turning(velocity))
-    places: list[Fraction | RealRoot] = list(positive_roots(across or radial)) if across or radial else []
-    if not across:
-        places += samples_between([place for place in places if isinstance(place, RealRoot)])
-    for place in places:
-        isolated = isinstance(place, RealRoot)
-        here = place.sign_of(radial) if isinstance(place, RealRoot) else sign(value(radial, place))
-        if here >= 0:
-            exact = place.exact() if isinstance(place, RealRoot) else f.field(place)
-            t: Any = place.low if isinstance(place, RealRoot) and exact is None else exact
-            ray = (first[0] + second[0] * t, first[1] + second[1] * t)
-            speed = None if isolated and exact is None else dot(ray, (f(ray), g(ray)))
-            yield RayMove(RayKind.ESCAPE if here else RayKind.REST, ray, speed)
+    if not across and not radial:
+        yield RayOfRest((first[0] + second[0], first[1] + second[1]))
+        return
+    for root in positive_roots(across or radial):
+        if not root.sign_of(radial):
+            exact = root.exact()
+            t: Any = root.low if exact is None else exact
+            yield RayOfRest((first[0] + second[0] * t, first[1] + second[1] * t), exact is not None)
 
 
 # ---- the constant fan ------------------------------------------------------------------------

@@ -6,7 +6,7 @@
    homogeneous V, otherwise on the checked square, or on a smaller one.
 3. Fields that are constant near the equilibrium: the fan of cones, which is complete.
 4. Otherwise the leading terms of the fields on tangent cones (:mod:`nonsmooth.proofs.systems.leading_terms`).
-5. In systems of cones a ray of escape is unstable.
+5. Otherwise a solution that leaves (:mod:`nonsmooth.proofs.kernel.escapes`).
 6. Unless the equilibrium is known to be unstable, a V is searched and proved, one that falls along every solution or,
    where nothing else has decided, with time reversed one that grows (:mod:`nonsmooth.proofs.systems.search`).
 7. A V that does not increase, the scene's or a searched one: asymptotically stable where no other solution stays
@@ -31,7 +31,7 @@ from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_
 from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel.cells import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
+from nonsmooth.proofs.systems.domain import Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     CheckedPoint,
@@ -44,14 +44,13 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
-    RayKind,
-    RayMove,
+    RayOfRest,
     are_cones,
     build_tangent_fan,
     conic_germ,
     decide_constant_fan,
     decide_equilibrium,
-    ray_moves,
+    rays_of_rest,
     resting_edges,
 )
 from nonsmooth.symbolic.numbers.number import Number
@@ -91,15 +90,15 @@ class PlanePoint(CheckedPoint):
         return plane_cells(self.system)
 
     @cached_property
-    def rays(self) -> tuple[RayMove, ...]:
-        """Rays of escape and rest of a system that consists of cones near the point, sides of rest of any other.
+    def rays(self) -> tuple[RayOfRest, ...]:
+        """Rays of rest of a system that consists of cones near the point, sides of rest of any other.
 
         Of right-hand sides that only enclose the field all must rest: what one of them allows, the field need not.
         """
         if self.system.waves:
             return tuple(resting_edges(self.cells, enclosing=True)) if self.system.has_one_field else ()
         near = conic_germ(self.cells)
-        return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(self.cells))
+        return tuple(rays_of_rest(near) if near is not None and are_cones(near) else resting_edges(self.cells))
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
@@ -218,19 +217,11 @@ def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:
 
 
 def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
-    """The leading terms; rays and functions show more."""
+    """The leading terms; functions show more."""
     leading = point.leading
     if leading is None:
         return None
     return Finding(Method.LEADING, leading.verdict, leading.reason(point.system.states), proofs=leading, is_final=False)
-
-
-def decide_by_ray(point: PlanePoint, known: Known) -> Finding | None:
-    """A ray along which a solution leaves, in a system of cones that the fan leaves open."""
-    escapes = [ray for ray in point.rays if ray.kind is RayKind.ESCAPE]
-    if not escapes or (point.fan is not None and point.fan.verdict is not Translation.UNDECIDED):
-        return None
-    return Finding(Method.RAY, Translation.UNSTABLE, str(escapes[0]), proofs=escapes[0])
 
 
 # ---- functions -------------------------------------------------------------------------------------
@@ -280,7 +271,7 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     if function.decrease is not Decrease.WEAK or not point.is_covered_within(function.domain.radius):
         return None
-    rest = next((str(ray) for ray in point.rays if ray.kind is RayKind.REST), "")
+    rest = next(map(str, point.rays), "")
     refutes = rest or (KEPT if function.is_kept else "")
     return weak_finding(function, refutes)
 
@@ -296,30 +287,6 @@ def decide_by_stated_invariance(point: PlanePoint, known: Known) -> Finding | No
     from nonsmooth.proofs.systems.lyapunov_search import has_curves
 
     return attraction_by(point, known.function) if has_curves(system) and not point.rays else None
-
-
-@shared_effort(EFFORT)
-def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
-    """By a V that does not increase, where nothing else decides whether solutions attract.
-
-    The scene's is asked on the checked square and on the smaller one, then one is searched.
-    """
-    given, radius = known.function, point.system.check.radius
-    if not known.attraction_is_open or (given is not None and point.rays):
-        return None
-    if given is not None:
-        shown = attraction_by(point, given)
-        if shown is None and given.domain.radius == radius:
-            shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
-        if shown is not None:
-            return shown
-    from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov
-
-    found = find_weak_lyapunov(point.system, may_attract=not point.rays)
-    if found is None:
-        return None
-    shown = None if point.rays else attraction_by(point, found)
-    return shown or (conclude_function(point, found) if given is None else None)
 
 
 def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:

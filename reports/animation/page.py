@@ -15,12 +15,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.analysis.motion.frames import WheelContact
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
 from nonsmooth.reports.figures.path import marked
 from nonsmooth.reports.figures.style import length_label
 from nonsmooth.reports.figures.wheels import AXIS
 from nonsmooth.reports.formats.html import template_part
-from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 

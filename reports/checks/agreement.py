@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules, intersect
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.cells import draw_hatch
 from nonsmooth.reports.figures.style import (
     INK,
@@ -20,7 +21,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import with_exact
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text, short_text

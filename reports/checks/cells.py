@@ -11,11 +11,12 @@ import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.minimizers.sampling import SampledField, sample_field
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.style import figure_bytes
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.study_options import Drawing
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text, percent_text
 
 if TYPE_CHECKING:

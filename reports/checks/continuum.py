@@ -8,9 +8,10 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.bodies.continuum import HeadingEffect, NoIdealizationError, Prediction, predictions
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.theorem4 import Check
 from nonsmooth.reports.output.document import Section, display, table
-from nonsmooth.reports.output.facts import Record, with_exact
+from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.output.terminal import header_table
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, outline_text

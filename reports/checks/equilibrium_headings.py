@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 from flint import arb
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Quantity
 from nonsmooth.reports.output.document import Block, Table, sentences, table
-from nonsmooth.reports.output.facts import Record, as_record
+from nonsmooth.reports.output.facts import as_record
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, numbers_text, place_text, upper_text

@@ -14,11 +14,12 @@ from rich.table import Table as TerminalTable
 from rich.text import Text
 
 from nonsmooth.analysis.measurements.harness import FittedSlope, Measured, ResultRow, Run
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.style import LINES, legend_below, line_entry, mark_entry, new_figure
 from nonsmooth.reports.output.console import INTERRUPTED
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.terminal import header_table
-from nonsmooth.reports.studies.result import DataTable, Record, Result
+from nonsmooth.reports.studies.result import DataTable, Result
 from nonsmooth.symbolic.mechanics.scene import Scene, require_known_loads
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind

@@ -12,13 +12,14 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.stated_field import StatedField, inside, polynomial_values, rate_values, stated_fields
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.reports.figures.style import INK, legend_below, new_figure, title_figure
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import with_exact
-from nonsmooth.reports.studies.result import DataTable, Record, Result
+from nonsmooth.reports.studies.result import DataTable, Result
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import (
@@ -24,7 +25,7 @@ from nonsmooth.proofs.system_facts import (
 )
 from nonsmooth.proofs.systems.domain import DecayKind
 from nonsmooth.reports.output.document import Block, findings, sentences
-from nonsmooth.reports.output.facts import Record, fact_record, fact_rows, with_exact
+from nonsmooth.reports.output.facts import fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line

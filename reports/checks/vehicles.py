@@ -18,10 +18,11 @@ from nonsmooth.analysis.bodies.vehicles import (
     vehicle_motions,
 )
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.style import INK, LINES, legend_below, length_label, new_figure, view_square, wrapped
 from nonsmooth.reports.figures.wheels import draw_wheel
 from nonsmooth.reports.output.document import Block, Paragraph, sentences, table
-from nonsmooth.reports.output.facts import Record, exact_texts, floats
+from nonsmooth.reports.output.facts import exact_texts, floats
 from nonsmooth.reports.output.refusals import RefusedError
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result
 from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle

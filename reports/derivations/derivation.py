@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.checks.subject import ArraySubject, Invocation, ReportSubject
 from nonsmooth.reports.derivations.parts import brief_document, chosen_parts, names_of, sections_of, subject_of
 from nonsmooth.reports.formats.html import render_html
@@ -36,7 +37,6 @@ from nonsmooth.reports.output.document import (
     findings,
     sentences,
 )
-from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.files import make_folder, write_whole
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import option_named, refusals_named, require_resolved

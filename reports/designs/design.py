@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import as_json, toml_text
-from nonsmooth.reports.output.facts import Record, fact_record
+from nonsmooth.reports.output.facts import fact_record
 from nonsmooth.reports.output.files import output_path
 from nonsmooth.reports.output.progress import notice, progress
 from nonsmooth.reports.output.refusals import option_named

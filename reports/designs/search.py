@@ -20,10 +20,10 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.inertia import inertia_answer
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.robust.decide import certified_factor
 from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.reports.designs.freedom import Freedom
-from nonsmooth.reports.output.facts import Record
 from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
 from nonsmooth.symbolic.mechanics.scene import Scene

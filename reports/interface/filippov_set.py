@@ -9,10 +9,11 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import entry
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, exact_place, short_text

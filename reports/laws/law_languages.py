@@ -19,10 +19,11 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar
 
 from nonsmooth.proofs.answers.answer import how_far
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable, law_table
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.study_options import LawName
-from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Record, Result, short_lines
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text, numbers_text
 
 if TYPE_CHECKING:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 from flint import arb
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
@@ -72,9 +73,6 @@ def _line(fact: Fact) -> str:
 # In every object, ``exact`` maps a key of the same object to the exact text of its value, nested like the value
 # (``"worst_rate": -2.0, "exact": {"worst_rate": "-2"}``).  The texts are formulas that scene files accept; where the
 # exact form of a vertex would be endless, an enclosure ``[0.123 +/- 4e-21]`` stands instead.  Sampled values have none.
-
-
-Record: TypeAlias = dict[str, Any]
 
 
 def with_exact(values: Record) -> Record:

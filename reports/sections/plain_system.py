@@ -10,6 +10,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import (
@@ -51,7 +52,7 @@ from nonsmooth.reports.output.document import (
     point,
     table,
 )
-from nonsmooth.reports.output.facts import Record, fact_rows
+from nonsmooth.reports.output.facts import fact_rows
 from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.output.refusals import LARGEST, LEAST
 from nonsmooth.reports.simulations.paths import follow_system

@@ -14,6 +14,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.style import (
     INK,
     LEGEND_LINE,
@@ -48,7 +49,7 @@ from nonsmooth.reports.simulations.path_ends import (
     size_of,
 )
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record
+from nonsmooth.reports.studies.result import DataTable
 from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.contact_set import standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene

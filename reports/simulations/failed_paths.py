@@ -24,11 +24,12 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.ending import EndMotion
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, accuracy_text, in_unit, is_near, sampled_record
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon, widest_square
 from nonsmooth.symbolic.mechanics.contact_set import NoLoadsError, accuracy_at_point, whole
 from nonsmooth.symbolic.mechanics.scene import Scene

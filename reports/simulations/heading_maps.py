@@ -17,13 +17,14 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, OnStep, turned_heading
 from nonsmooth.analysis.cells.contact_rule import rule_of
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.style import figure_with_legend, title_axes
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import distance_from_point, sampled_record, shown_angle
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units

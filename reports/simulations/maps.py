@@ -21,6 +21,7 @@ from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.style import (
     INK,
     LEGEND_LINE,
@@ -42,7 +43,7 @@ from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import accuracy_text, heading_text, range_text, shown_angle
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line

@@ -24,12 +24,13 @@ from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.cells.contact_rule import massless_rule
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import in_unit, pose_text, shown_angle
 from nonsmooth.reports.simulations.paths import ArrayPath
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line

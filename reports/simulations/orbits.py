@@ -12,12 +12,13 @@ import numpy as np
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, OrbitErrors, SlideSense
 from nonsmooth.analysis.orbits.search import find_orbit
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.plane_arrays import Floats

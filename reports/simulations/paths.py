@@ -31,6 +31,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import half_life, has_dynamics, how_far
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.output.document import Block, findings, sentences
@@ -47,7 +48,7 @@ from nonsmooth.reports.simulations.path_ends import (
     system_end,
 )
 from nonsmooth.reports.simulations.simulate_options import POSE, SimulateOptions
-from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Record, Result, short_lines
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import require_no_outline, standing, whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line

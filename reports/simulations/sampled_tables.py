@@ -18,6 +18,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, sample_tables, why_not_sampled
 from nonsmooth.proofs.answers.answer import at_least, at_most
 from nonsmooth.proofs.answers.robust import WORDS
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.figures.style import INK, figure_with_legend, length_label, title_axes
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import floats
@@ -25,7 +26,7 @@ from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import accuracy_text, sampled_record
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line

@@ -20,6 +20,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import MAX_WORK
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.proofs.theorem4 import Contradiction
@@ -40,7 +41,7 @@ from nonsmooth.reports.output.facts import floats
 from nonsmooth.reports.output.progress import ProgressCall, progress
 from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.reports.studies.result import DataTable, Record, short_lines
+from nonsmooth.reports.studies.result import DataTable, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter

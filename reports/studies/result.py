@@ -24,6 +24,7 @@ from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.console import json_text, write, write_json, write_views
 from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text
 from nonsmooth.reports.output.files import PICTURES, output_path, write_whole
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
-Record: TypeAlias = dict[str, Any]
 Formats: TypeAlias = Mapping[str, Callable[[Any, str], bytes]]  # from a result, and an ending, to a file
 
 

@@ -14,13 +14,14 @@ from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Certainty, Quantity, Theorem4
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.domain import DecayKind
 from nonsmooth.proofs.theorem4 import CellCheck, Check, check_theorem4
 from nonsmooth.reports.checks.answers import failure_records
-from nonsmooth.reports.output.facts import Record, exact_texts, floats
+from nonsmooth.reports.output.facts import exact_texts, floats
 from nonsmooth.reports.output.refusals import beyond_floats_named
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPlan, Value, WrittenValue

@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.document import Block
 from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.output.files import PICTURES, write_whole
 from nonsmooth.reports.output.refusals import RefusedError, option_named
 from nonsmooth.reports.output.study_options import Options, option
-from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.sweeps.base import Base, base_of, with_wheels
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from nonsmooth.proofs.answers.answer import Position, at_most
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.checks.answers import FAILURE
 from nonsmooth.reports.output.document import Block, sentences, table
-from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.studies.result import counted_words
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.outcome import (

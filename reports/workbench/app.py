@@ -25,8 +25,8 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.console import own_version
-from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.output.processes import DiedError, LateError, StoppedError, WorkerPool
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.worker import CANCELLED, encoded, serve_page

@@ -23,11 +23,12 @@ from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.workspace import ClauseResult
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.theorem4 import SEARCH_UNITS, judge_equilibria
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.output.facts import Record, fact_lines, fact_record, floats
+from nonsmooth.reports.output.facts import fact_lines, fact_record, floats
 from nonsmooth.reports.workbench.shapes import (
     body_record,
     cells_record,

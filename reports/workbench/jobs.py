@@ -14,11 +14,11 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs import system_certificates
 from nonsmooth.proofs.certificate import certificate_text
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.reports.checks.cells import drawn
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.output.console import json_text
-from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.workbench.array_view import array_stages
 from nonsmooth.reports.workbench.documents import document_of, opened, read_toml, written
 from nonsmooth.reports.workbench.exact_edits import edited

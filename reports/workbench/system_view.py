@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
 from nonsmooth.reports.interface.system import System
-from nonsmooth.reports.output.facts import Record
 from nonsmooth.reports.workbench.shapes import path_records, point
 from nonsmooth.symbolic.numbers.number_text import brief_text
 

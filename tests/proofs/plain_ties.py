@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.systems.ray_moves import RayKind, RayMove
+from nonsmooth.proofs.systems.ray_moves import RayOfRest
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from tests.oracles.floats import spread
 
@@ -118,12 +118,6 @@ class Oracle:
         """Whether 0 is in F at a point beside the origin."""
         return holds_zero(self.limits_at(x, y))
 
-    def escapes_at(self, x: Fraction, y: Fraction) -> bool:
-        """Whether F at a point beside the origin holds an outward radial vector."""
-        parts = [(x * b - y * a, x * a + y * b) for a, b in self.limits_at(x, y)]
-        straight = any(not turn and along > 0 for turn, along in parts)
-        return straight or any(t * v - r * u > 0 for t, u in parts for r, v in parts if t > 0 > r)
-
     def equilibria_nearby(self) -> list[tuple[Fraction, Fraction]]:
         """Points of the guards' branches, of the axes and of the arcs at which 0 is in F, at four small distances."""
         branches = [(f, e) for e in (1, 2, 3) for f in (Fraction(k, 2) for k in (-6, -4, -3, -2, -1, 0, 1, 2, 3, 4, 6))]
@@ -220,14 +214,14 @@ def contradictions(result: StabilityResult, oracle: Oracle) -> list[str]:
     return found
 
 
-def _is_refuted(ray: RayMove, oracle: Oracle) -> bool:
-    """Whether a ray of rest or escape is none at a point near the origin (rational rays only)."""
-    point = _rational(ray.ray)
-    if point is None or ray.value is None:
+def _is_refuted(ray: RayOfRest, oracle: Oracle) -> bool:
+    """Whether a ray of rest is none at a point near the origin (rational rays only)."""
+    point = _rational(ray.place)
+    if point is None or not ray.is_exact:
         return False
     size = max(abs(point[0]), abs(point[1])) / NEAR
     x, y = point[0] / size, point[1] / size
-    return not (oracle.rests_at(x, y) if ray.kind is RayKind.REST else oracle.escapes_at(x, y))
+    return not oracle.rests_at(x, y)
 
 
 def _rational(point: Point) -> tuple[Fraction, Fraction] | None:

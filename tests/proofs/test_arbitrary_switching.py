@@ -173,7 +173,7 @@ def factor_of_one_field() -> ns.System:
 
 def test_fields_that_are_parallel_everywhere() -> None:
     system = factor_of_one_field().system
-    assert parallel_lines(system, *started(system, None)) == []
+    assert parallel_lines(system, *started(system)) == []
 
 
 @thorough  # the test above asks for lines only

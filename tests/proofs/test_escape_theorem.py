@@ -165,6 +165,7 @@ STABLE: dict[str, tuple[str, list[Any]]] = {
         ["sign(x)*(3*sign(y + Abs(x)) - 1)/2", "-1 - 2*sign(y + Abs(x))"],
     ),
     "a stable node with an outward velocity beside a cell": ("x y", ["-2*sign(x) + 1", "-y + sign(x) - 1/2"]),
+    "a slide home with one eigenvalue thrice": ("a b c d", ["b", "c", "d", "-2*sign(a + 3*b + 3*c + d)"]),
 }
 
 

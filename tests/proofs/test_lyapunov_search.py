@@ -15,7 +15,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
 from nonsmooth.proofs.inequalities.subdivision import effort_left, effort_of_its_own, shared_effort
-from nonsmooth.proofs.kernel_strategies import linear_matrix, rate_of, short_forms
+from nonsmooth.proofs.kernel_strategies import find_weak_function, linear_matrix, rate_of, short_forms
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
@@ -24,7 +24,7 @@ from nonsmooth.proofs.systems.domain import DecayKind, Domain, SublevelRegion
 from nonsmooth.proofs.systems.energies import energies, falling_energies
 from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
-from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, in_time, propose
+from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, in_time, propose
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.symbolic.formulas.cleared_fractions import float_value
@@ -296,7 +296,7 @@ def test_families_too_large_for_a_formula_are_left_out(load: Load) -> None:
         "y*(2 + sign(x + y) - sign(x + 2*y) + sign(x - y))", "-x*(3 + sign(x - 2*y) - sign(2*x + y)) + y*Abs(x)"
     )
     assert len(lines_through(system)) == 6
-    assert find_weak_lyapunov(system) is None
+    assert find_weak_function(system) is None
 
 
 def test_a_rate_over_square_roots_is_certified(load: Load) -> None:

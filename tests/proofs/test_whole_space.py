@@ -123,7 +123,7 @@ def test_samples_refute_beyond_the_cube() -> None:
     states = ["x", "y", "z"]
     square = "(x**2 + y**2 + z**2)"
     system = ns.System(states, [f"-{x} + {square}*{x}/9" for x in states]).system
-    subject, _ = started(system, None)
+    subject, _ = started(system)
     cells = stated_cells(system, None, ()).record
     hypotheses = stability_hypotheses(cells, square, ASYMPTOTICALLY_STABLE) | {"everywhere": True, "proper": "1/4"}
     with pytest.raises(NotShownError, match="a sample refutes"):

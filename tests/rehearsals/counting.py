@@ -6,9 +6,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.study_options import Options, option
-from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Result
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.reports.studies.study_command import command
 from nonsmooth.symbolic.messages.scene_kind import SceneKind

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.checks.check import CheckOptions, CheckStudy
 from nonsmooth.reports.checks.check_results import CheckResult
 from nonsmooth.reports.output.study_options import option
-from nonsmooth.reports.studies.result import Record, Result
+from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study_command import command
 
 

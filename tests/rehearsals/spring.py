@@ -13,6 +13,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.checks import check
 from nonsmooth.reports.checks.subject import FILIPPOV, Reference, ReportPart, ReportSubject
 from nonsmooth.reports.derivations import derivation, parts
@@ -20,7 +21,7 @@ from nonsmooth.reports.interface import array as interface_array
 from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.output.document import Block, Section, findings
 from nonsmooth.reports.output.prose import paragraph
-from nonsmooth.reports.studies.result import DataTable, Record, Result
+from nonsmooth.reports.studies.result import DataTable, Result
 from nonsmooth.symbolic.files import system_file
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -15,7 +15,7 @@ from nonsmooth.proofs.checker.theorems import STABLE, Statement
 from nonsmooth.proofs.checker.work import require, take
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import adjoining, started, stated_cells
-from nonsmooth.proofs.kernel.search import Entry, Kind, Search
+from nonsmooth.proofs.kernel.search import Entry, Kind
 from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.systems.findings import Finding, Known, Strategy
 from nonsmooth.proofs.theorem_searches import TheoremSearch
@@ -36,9 +36,9 @@ def show_still(system: System, hypotheses: Any, proofs: Proofs) -> list[Statemen
     return [{"stability": STABLE}]
 
 
-def find_still(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
+def find_still(system: SwitchedSystem, verdict: str) -> Entry:
     """The search for its hypotheses."""
-    subject, search = started(system, search)
+    subject, search = started(system)
     return search.entry(subject, "still", {"cells": stated_cells(system, system.check.radius).record})
 
 

@@ -24,7 +24,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.polynomials import Polynomial as Checked
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import build_cells, is_empty
-from nonsmooth.proofs.many_states.decision import Spectrum, first_cells, spectrum_of
+from nonsmooth.proofs.many_states.decision import Spectrum, escaping_rate, first_cells, spectrum_of
 from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, find_slide
 from nonsmooth.proofs.many_states.lyapunov_search import high_degree_relay, proposals
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
@@ -190,11 +190,16 @@ def test_the_point_need_not_be_the_origin() -> None:
 
 def test_rays_that_leave() -> None:
     """``(1, 1, 1)`` grows at the rate 1/2 in its cone; with other signs no such ray lies in its own cone."""
-    leaves = ["-x/2 + Abs(y)", "-y/2 + Abs(z)", "-z/2 + Abs(x)"]
-    result = decide_system(built(leaves))
+    leaves = built(["-x/2 + Abs(y)", "-y/2 + Abs(z)", "-z/2 + Abs(x)"])
+    rate = escaping_rate(leaves, first_cells(leaves))
+    assert rate is not None
+    assert 0 < rate <= 1 / 2
+    result = decide_system(leaves)
     assert result.method is Method.ESCAPE
-    assert 0 < result.deciding.proofs <= 1 / 2
     assert result.check()
+    irrational = decide_system(built(["0", "z/2 - y - 9*Abs(z)", "-3*x - y - 3*z + Abs(x/2 + z/4)/4"]))
+    assert (irrational.verdict, irrational.method) == (LEAVES, Method.ESCAPE)
+    assert irrational.deciding.entry is None  # no certificate: its direction is irrational
     assert decide_system(built(["-x/2 - Abs(y)/4", "-y/2 - Abs(z)/4", "-z/2 - Abs(x)/4"])).verdict is ATTRACTS
 
 
