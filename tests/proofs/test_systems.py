@@ -366,7 +366,7 @@ def test_built_in_systems(name: str, expected: Translation, method: Method) -> N
         ("x/10 - y*(2 + sign(x*y))", "x*(2 - sign(x*y)) + y/10", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("-x/10 - y*(2 - sign(x*y))", "x*(2 + sign(x*y)) - y/10", {}, Translation.UNSTABLE, "grows along every"),
         ("y + x**3", "-x + y**3", {}, Translation.UNSTABLE, "grows along every"),
-        ("y", "-x + x**2", {}, Translation.STABLE, "orbits near it are closed"),  # a centre
+        ("y", "-x + x**2", {}, Translation.STABLE, "keep V, as V' = 0"),  # a centre
         ("-x**3", "-y**3", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("-x + x**2", "-y", {"radius": "2"}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),  # on a smaller square
         ("-x + sign(x**2 + y)*y", "-y - sign(x**2 + y)*x", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
