@@ -39,6 +39,7 @@ from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
+    RationalTerms,
     SignCells,
     StatedCells,
     adjoining,
@@ -350,7 +351,7 @@ def find_growth(system: SwitchedSystem, entries: range = SMALL) -> GrowthEvidenc
 
 
 def find_growing_product(system: SwitchedSystem) -> GrowthEvidence | None:
-    """A product of states, or a difference of squares, that shows instability; None where none does.
+    """A product of states or of their powers, or a difference of squares, that shows instability; None where none does.
 
     Raises:
         BeyondReachError: for a system that is not decided here.
@@ -393,35 +394,42 @@ def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
 
 
 def _may_fall(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpression) -> bool:
-    """Whether a product is negative at some points, and falls with :data:`SPEED` at all of them."""
-    states = {name: Polynomial.variable(system.field, cells.states, name) for name in cells.states}
-    positive: list[Polynomial] = []  # where a product with rectifiers is not zero
+    """Whether a product is negative at some of many points, and falls with :data:`SPEED` at all of these."""
+    value, positive = _where_not_zero(system, formula)
+    slopes = [value.derivative(name).terms for name in system.states]
+    rng = np.random.default_rng(0)
+    shrunk = 2.0 ** -rng.integers(0, HALVINGS, (SAMPLES, 1))
+    points = float(cells.radius) * shrunk * rng.uniform(-1, 1, (SAMPLES, len(slopes)))
+    for below in (value, *(-inner for inner in positive)):
+        points = points[float_values(below.terms, points) < 0]
+    for own, field in _fields_at(cells, points):
+        rates = float(SPEED) * np.square(float_values(value.terms, own))
+        for slope, part in zip(slopes, field, strict=True):
+            rates += float_values(slope, own) * float_values(part, own)
+        if (rates > 0).any():
+            return False
+    return len(points) > 0
+
+
+def _where_not_zero(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[Polynomial, list[Polynomial]]:
+    """A product as a polynomial where all its rectifiers act, and what is positive there."""
+    positive: list[Polynomial] = []
 
     def sign_of(inner: Polynomial) -> int:
         positive.append(inner)
         return 1
 
-    value = formula.polynomial(states, sign_of)
-    slopes = [value.derivative(name).terms for name in states]
-    rng = np.random.default_rng(0)
-    shrunk = 2.0 ** -rng.integers(0, HALVINGS, (SAMPLES, 1))
-    cloud = float(cells.radius) * shrunk * rng.uniform(-1, 1, (SAMPLES, len(states)))
-    for below in (value, *(-inner for inner in positive)):
-        cloud = cloud[float_values(below.terms, cloud) < 0]
-    if not len(cloud):
-        return False
+    states = {name: Polynomial.variable(system.field, system.states, name) for name in system.states}
+    return formula.polynomial(states, sign_of), positive
+
+
+def _fields_at(cells: SignCells, points: Floats) -> Iterator[tuple[Floats, Sequence[RationalTerms]]]:
+    """The points (m, n) that lie in each cell, with each of its fields."""
     for cell in cells.cells:
-        inside = np.ones(len(cloud), dtype=bool)
+        inside = np.ones(len(points), dtype=bool)
         for sign, surface in zip(cell.signs, cells.surfaces, strict=True):
-            inside &= sign * float_values(surface.terms, cloud) > 0
-        points = cloud[inside]
-        for field in cell.velocities:
-            rates = float(SPEED) * np.square(float_values(value.terms, points))
-            for slope, part in zip(slopes, field, strict=True):
-                rates += float_values(slope, points) * float_values(part, points)
-            if (rates > 0).any():
-                return False
-    return True
+            inside &= sign * float_values(surface.terms, points) > 0
+        yield from ((points[inside], field) for field in cell.velocities)
 
 
 def _proofs(claims: Sequence[Claim], effort: Effort) -> Record | None:

@@ -10,7 +10,7 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +42,11 @@ def system(f: str, g: str = "-y", more: str = "") -> str:
 def regions(guards: Sequence[str], inside: Sequence[str] = ("1", "1"), outside: Sequence[str] = ("-x", "-2*y")) -> str:
     tables = [f'[[region]]\nwhere = "{guard}"\nrhs = ["{inside[0]}", "{inside[1]}"]\n' for guard in guards]
     return '[system]\nstates = ["x", "y"]\n' + "".join(tables) + f'[[region]]\nrhs = ["{outside[0]}", "{outside[1]}"]\n'
+
+
+def inward(places: Iterable[tuple[object, object]]) -> str:
+    """Wheels at some places that push to the origin."""
+    return "".join(f'[[wheel]]\nheading = "inward"\nposition = [{x}, {y}]\n' for x, y in places)
 
 
 def array(rule: str, wheels: int, length: int) -> str:
@@ -212,9 +217,7 @@ def test_a_number_that_floats_fail_on_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, key: str, value: str
 ) -> None:
     """``check`` ended in "OverflowError: integer division result too large for a float" and the like."""
-    wheels = "".join(
-        f'[[wheel]]\nheading = "inward"\nposition = [{x}, {y}]\n' for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    )
+    wheels = inward(((1, 1), (-1, 1), (-1, -1), (1, -1)))
     units = 'units = { length = "m" }\n' if table == "body" else ""
     file = written(tmp_path, f"{units}[friction]\nmu_roll = 1\nmu_side = 0.5\n[{table}]\n{key} = {value}\n{wheels}")
     assert run(app, ["check", file]) == 2
@@ -228,9 +231,7 @@ def test_a_place_beyond_floats_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
 ) -> None:
     """A sweep ended in an AttributeError; under `nearest` NumPy warned of infinite floats beside the refusal."""
-    wheels = "".join(
-        f'[[wheel]]\nheading = "inward"\nposition = [{x}, {y}]\n' for x, y in ((-1, "1e400"), (1, 0), (0, -1))
-    )
+    wheels = inward(((-1, "1e400"), (1, 0), (0, -1)))
     file = written(tmp_path, f"[friction]\nmu_roll = 1\nmu_side = 0.5\n{wheels}")
     assert run(app, [command[0], file, *command[1:]]) == 2
     said = capsys.readouterr().err
