@@ -239,8 +239,12 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
     curve = beside_curve_of_rest(system, with_function=standing is None)
     if curve is None:
         return None
-    function = _of_point(point, curve.function) if curve.function is not None else known.function
     refutes = f"every point of the curve {curve.words} near the equilibrium is an equilibrium"
+    if curve.entry is not None:
+        reason = f"V is positive and does not increase; {NOT_ATTRACTING}{refutes}"
+        entry, facts = curve.entry, curve.facts
+        return Finding(Method.LYAPUNOV, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
+    function = _of_point(point, curve.function) if curve.function is not None else known.function
     return weak_finding(function, refutes)
 
 

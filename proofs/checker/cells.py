@@ -28,6 +28,7 @@ MAX_ORDER = 4  # of sines and cosines
 Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
 SurfaceSigns: TypeAlias = Mapping[int, int]  # of some surfaces
 Matrix: TypeAlias = list[list[Fraction]]
+Maps: TypeAlias = tuple[list[Polynomial], list[Polynomial]]  # from coordinates to states, and back
 
 
 @dataclass(frozen=True)
@@ -144,28 +145,33 @@ def read_signs(data: Any, size: int) -> dict[int, int]:
 class Domain:
     """The cube ``|z_k| <= radius`` about the point, in units of the radius; or the whole space.
 
-    With a frame, the coordinates z are others than the states: x is ``T z`` from the point, and ``z' = L f`` with
-    ``L T = 1``.
+    The coordinates z may be others than the states: x is ``T(z)`` from the point, and ``z' = DL(T(z)) f``, with
+    polynomial maps of which ``L(T(z)) = z`` and ``T(0) = 0``.  So T maps neighbourhoods of 0 one to one onto those of
+    the point.
     """
 
-    def __init__(self, system: System, within: Any, frame: Any = None) -> None:
+    def __init__(self, system: System, within: Any, maps: Maps | None = None) -> None:
         self.system, self.bounded = system, within is not None
         self.radius = rational(within) if self.bounded else Fraction(1)
         require(self.radius > 0, "a cube of positive size")
         count = system.count
         numbers = {name: constant(count, number) for name, number in system.numbers.items()}
         away = [variable(count, k, self.radius) for k in range(count)]
-        self.frame: tuple[Matrix, Matrix] | None = None
-        if frame is not None:
-            self.frame = read_frame(frame, system)
-            away = applied(self.frame[0], away)
+        self.gradients: list[list[Polynomial]] | None = None  # of the parts of L, at T(z)
+        if maps is not None:
+            to_states, back = maps
+            away = [own.on(away, count) for own in to_states]
+            self.gradients = [[own.derivative(k).on(away, count) for k in range(count)] for own in back]
         at = [own + constant(count, value) for own, value in zip(away, system.origin, strict=True)]
         self.displacement = {**dict(zip(system.coordinates, away, strict=True)), **numbers}
         self.place = {**dict(zip(system.coordinates, at, strict=True)), **numbers}
 
     def velocity(self, field: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
         """The velocity of the coordinates, by that of the states."""
-        return tuple(field) if self.frame is None else tuple(applied(self.frame[1], field))
+        if self.gradients is None:
+            return tuple(field)
+        nothing = constant(self.system.count, 0)
+        return tuple(sum((a * b for a, b in zip(own, field, strict=True)), nothing) for own in self.gradients)
 
     def guards(self) -> dict[str, Polynomial]:
         """The guards of the cube; none of the space."""
@@ -173,15 +179,25 @@ class Domain:
         return cube_guards(identity(count), count) if self.bounded else {}
 
 
-def read_frame(data: Any, system: System) -> tuple[Matrix, Matrix]:
-    """The matrices T and L, each the inverse of the other."""
+def read_maps(frame: Any, coordinates: Any, system: System) -> Maps | None:
+    """T and L, as two matrices or two lists of formulas in the names of the states; None where z are the states."""
+    if frame is None and coordinates is None:
+        return None
     require(system.coordinates == system.states, "a frame without roots of states")
-    count = system.count
-    to_states, back = (
-        [[rational(value) for value in items(row, count)] for row in items(own, count)] for own in items(data, 2)
-    )
-    units = [variable(count, k) for k in range(count)]
-    require(applied(to_states, applied(back, units)) == units, "a frame of two matrices whose product is one")
+    require(frame is None or coordinates is None, "a frame, or other coordinates")
+    count, units = system.count, list(identity(system.count))
+    if coordinates is None:
+        undone = "a frame of two matrices whose product is one"
+        listed = [items(own, count) for own in items(frame, 2)]
+        rows = [[[rational(value) for value in items(row, count)] for row in own] for own in listed]
+        to_states, back = (applied(own, units) for own in rows)
+    else:
+        undone = "two maps of which one undoes the other"
+        names = dict(zip(system.states, units, strict=True))
+        texts = [items(own, count) for own in items(coordinates, 2)]
+        to_states, back = ([Formula(text, names).on(no_switching) for text in own] for own in texts)
+    require(not any(own.at_origin for own in to_states), "coordinates that are zero at the point")
+    require([own.on(to_states, count) for own in back] == units, undone)
     return to_states, back
 
 
@@ -332,9 +348,10 @@ class Inclusion:
     def __init__(
         self, system: System, data: Any, functions: Sequence[Any], proofs: Proofs, *, framed: bool = False
     ) -> None:
-        within, surfaces, empty, frame = take(data, "within surfaces empty", "frame")
-        require(frame is None or framed, "a frame where a V alone shows a verdict")
-        self.domain, self.proofs = Domain(system, within, frame), proofs
+        within, surfaces, empty, frame, coordinates = take(data, "within surfaces empty", "frame coordinates")
+        maps = read_maps(frame, coordinates, system)
+        require(maps is None or framed, "a frame where a V alone shows a verdict")
+        self.domain, self.proofs = Domain(system, within, maps), proofs
         self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty, proofs)
         fields = system.fields(self.domain.place)
         own = [Function(self.domain, self.surfaces, function) for function in functions]

@@ -48,7 +48,7 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     require(attracts or second is None, "further functions where the point attracts")
     require(everywhere is True or proper is growth is None, "a proper V for all starts")
     own = read_functions(system, cells, function, second, proofs)
-    if own.inclusion.domain.frame is not None:
+    if own.inclusion.domain.gradients is not None:
         require(level is rate is denominator is None and everywhere is False, "a verdict alone in a frame")
     if denominator is not None:
         require(second is None and rate is None, "a quotient without further functions and rates")

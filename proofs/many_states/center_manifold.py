@@ -16,14 +16,17 @@ terms are taken, up to ``W' = c W_2^k + ...`` with another c (the next quantitie
 falls near the point, for k large, where W falls along g: ``W = +-u^2/2``, ``+-u`` for even m, ``+-(W_2 + W_3 + W_4)``.
 The row q takes away what is linear in w and of lower weight than ``u^m W'``, w weighing half of that.  V is a
 proposal in rational numbers; the claims of the theorem on stability or on instability are proved of it.
+
+Where h has terms of lower weight than w, those of V' cancel along the manifold, and no sum of squares of the states
+shows that it falls: that is asked in coordinates (u, w) which follow the manifold.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -31,6 +34,7 @@ from flint import fmpq, fmpq_mat
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, unit, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.cells import StatedCells, fields_seen, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
@@ -65,7 +69,33 @@ SCALES = (Fraction(1), Fraction(1, 16))  # of stable coordinates over centre one
 WIDE = 3  # shares that are tried beside a stable subspace
 
 Vector: TypeAlias = list[Polynomial]
-Frame: TypeAlias = tuple[fmpq_mat, fmpq_mat]  # T and its inverse, with x = T z
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Coordinates z = (u, w), with ``x = T z + h(u)``.
+
+    Attributes:
+        basis: T, whose first columns span the centre subspace, and the others the stable one.
+        inverse: of T.
+        bend: h, with values in the stable subspace; empty where it is zero.
+    """
+
+    basis: fmpq_mat
+    inverse: fmpq_mat
+    bend: tuple[Polynomial, ...] = ()
+
+    def written(self, states: Sequence[str]) -> Record:
+        """Both maps as cells of a certificate hold them: matrices, or formulas in the names of the states."""
+        if not self.bend:
+            rows = [[list(map(str, row)) for row in own.tolist()] for own in (self.basis, self.inverse)]
+            return {"frame": rows}
+        count, size = len(states), self.bend[0].count
+        own = [variable(count, k) for k in range(count)]
+        center = times(self.inverse, own)[:size]
+        bent = [line + part.on(own[:size], count) for line, part in zip(times(self.basis, own), self.bend, strict=True)]
+        back = times(self.inverse, [x - part.on(center, count) for x, part in zip(own, self.bend, strict=True)])
+        return {"coordinates": [[sum_text(part, states) for part in way] for way in (bent, back)]}
 
 
 @dataclass(frozen=True)
@@ -109,12 +139,12 @@ def center_functions(field: Sequence[Polynomial]) -> Iterator[SuggestedFunction]
 
 @dataclass(frozen=True)
 class Split:
-    """The centre subspace and the stable one of a matrix A.
+    """The centre subspace of a matrix A and one beside it: the stable one, or for d = 1 any other.
 
     Attributes:
         matrix: A, of shape (n, n).
         right: R, a basis of the centre subspace, of shape (n, d).
-        left: L, with ``L R = I``, which vanishes on the stable subspace, of shape (d, n).
+        left: L, with ``L R = I``, which vanishes on the subspace beside it, of shape (d, n).
         center: ``L A R``, of shape (d, d).
     """
 
@@ -140,19 +170,27 @@ class Split:
 
     @property
     def hurwitz(self) -> fmpq_mat:
-        """A on the stable subspace, and -1 on the centre."""
-        return self.matrix * (_identity(self.count) - self.onto_center) - self.onto_center
+        """A on the subspace beside the centre, and -1 on the centre."""
+        beside = _identity(self.count) - self.onto_center
+        return beside * self.matrix * beside - self.onto_center
 
-    def frame(self, scale: Fraction) -> Frame:
-        """A basis of both subspaces in columns, that of the stable one scaled, and its inverse."""
+    def by_states(self) -> Iterator[Split]:
+        """Of one centre coordinate, the same line beside the axes of all other states, for each that u may be."""
+        for k in range(self.count):
+            if self.right[k, 0]:
+                left = fmpq_mat(1, self.count, [fmpq(int(i == k)) / self.right[k, 0] for i in range(self.count)])
+                yield replace(self, left=left)
+
+    def frame(self, scale: Fraction, bend: Sequence[Polynomial] = ()) -> Frame:
+        """A basis of both subspaces in columns, that of the stable one scaled, beside h."""
         stable = null_basis(self.left) * as_fmpq(scale)
         basis = fmpq_mat([left + right for left, right in zip(self.right.tolist(), stable.tolist(), strict=True)])
-        return basis, basis.inv()
+        return Frame(basis, basis.inv(), tuple(bend))
 
     @property
     def is_along_axes(self) -> bool:
         """Whether both subspaces are spanned by axes."""
-        return all(sum(map(bool, column)) == 1 for column in self.frame(Fraction(1))[0].transpose().tolist())
+        return all(sum(map(bool, column)) == 1 for column in self.frame(Fraction(1)).basis.transpose().tolist())
 
 
 def split_at(field: Sequence[Polynomial]) -> Split | None:
@@ -347,18 +385,27 @@ class Reduction:
         count, half = split.count, leading.weight // 2
         center = times(split.left, [variable(count, k) for k in range(count)])
         beside = times(_identity(count) - split.onto_center, [variable(count, k) for k in range(count)])
-        manifold = [_cut(own, half).on(center, count) for own in self.manifold]
-        off = [own - other for own, other in zip(beside, manifold, strict=True)]
+        manifold = [_cut(own, half) for own in self.manifold]
+        off = [own - other.on(center, count) for own, other in zip(beside, manifold, strict=True)]
         base = leading.potential.on(center, count)
         for row, own in zip(self._mixed(leading), off, strict=True):
             base += row.on(center, count) * own
-        skew = tuple(map(split.frame, SCALES)) if count > split.size else ()
-        frames = skew if skew and leading.attracts and not split.is_along_axes else (None, *skew)
+        frames = self._frames(leading, manifold)
         for gain in GAINS if count > split.size else (0,):
             function = base + self._square(off).times(gain) if gain else base
             whole = count == split.size
             direction, words = self._direction(leading), leading.words
             yield SuggestedFunction(function, leading.attracts, direction, words, whole, frames)
+
+    def _frames(self, leading: Leading, manifold: Sequence[Polynomial]) -> tuple[Frame | None, ...]:
+        """Those in which V' may be negative: the states, both subspaces, or the manifold where it bends too much."""
+        split = self.split
+        if split.count == split.size:
+            return (None,)
+        if any(sum(e) < leading.weight // 2 for own in manifold for e in own.terms):
+            return tuple(split.frame(scale, manifold) for scale in SCALES)
+        skew = tuple(map(split.frame, SCALES))
+        return skew if leading.attracts and not split.is_along_axes else (None, *skew)
 
     def _direction(self, leading: Leading) -> tuple[Fraction, ...]:
         """Of the centre subspace, in which W is least near the point."""
@@ -459,15 +506,20 @@ class ShownByManifold:
     formula: PiecewiseExpression
     radius: Number
     function: ExaminedLyapunov | None = None
-    entry: dict[str, Any] | None = None
+    entry: Record | None = None
 
     def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
         """V, and where it falls."""
-        where = cube_text(self.radius, states)
-        frame = None if self.entry is None else self.entry["hypotheses"]["cells"].get("frame")
-        if frame is not None:
-            where = cube_text(self.radius, [_form_text(row, states) for row in frame[1]])
+        where = cube_text(self.radius, states) if self.entry is None else place_text(self.entry, self.radius, states)
         return function_facts(one_line(self.formula.text), where)
+
+
+def place_text(entry: Record, radius: Number, states: Sequence[str]) -> str:
+    """Where the claims of a theorem hold: on the cube, or where the coordinates of its frame are as small."""
+    cells, names = entry["hypotheses"]["cells"], list(states)
+    if "frame" in cells:
+        names = [_form_text(row, states) for row in cells["frame"][1]]
+    return cube_text(radius, cells["coordinates"][1] if "coordinates" in cells else names)
 
 
 def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownByManifold | None:
@@ -534,13 +586,13 @@ def _shown(
 ) -> ShownByManifold | None:
     """A proposal as a formula, if it is proved; floats refute most that are not."""
     radius = system.field(stated.cells.radius)
-    text = formula_text(proposal.function, system.states).replace("+ -", "- ")
+    text = sum_text(proposal.function, system.states)
     formula = parse_piecewise(text, system.states)
     for frame in proposal.frames:
-        record = {**stated.record, **({} if frame is None else {"frame": list(map(_written, frame))})}
+        record = {**stated.record, **({} if frame is None else frame.written(system.states))}
         theorem, hypotheses = "lyapunov", stability_hypotheses(record, text, ASYMPTOTICALLY_STABLE)
         if not proposal.attracts:
-            along = _column(proposal.direction) if frame is None else frame[1] * _column(proposal.direction)
+            along = _column(proposal.direction) if frame is None else frame.inverse * _column(proposal.direction)
             theorem, hypotheses = "instability", instability_hypotheses(record, text, along.entries())
         try:
             SampledProofs().entry(subject, theorem, hypotheses)
@@ -558,11 +610,12 @@ def _column(values: Sequence[Fraction]) -> fmpq_mat:
     return fmpq_mat([[as_fmpq(value)] for value in values])
 
 
-def _written(matrix: fmpq_mat) -> list[list[str]]:
-    return [list(map(str, row)) for row in matrix.tolist()]
-
-
 def _form_text(row: Sequence[str], states: Sequence[str]) -> str:
     count = len(states)
     form = Polynomial(count, {unit(count, k): Fraction(value) for k, value in enumerate(row)})
-    return formula_text(form, states).replace("+ -", "- ")
+    return sum_text(form, states)
+
+
+def sum_text(value: Polynomial, states: Sequence[str]) -> str:
+    """A polynomial as a formula in the names of the states."""
+    return formula_text(value, states).replace("+ -", "- ")

@@ -18,18 +18,24 @@ from typing import TypeAlias
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.checker.theorems import STABLE
+from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational, rational_terms, started
 from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
-from nonsmooth.proofs.kernel.search import NotShownError
-from nonsmooth.proofs.kernel.written import formula_text, null_basis
+from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.written import null_basis
 from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
     Split,
+    place_text,
     smooth_fields,
     split_at,
+    sum_text,
     times,
 )
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
@@ -147,7 +153,8 @@ def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
 # A function V for a point on a curve of equilibria beside which everything falls back to the curve (Malkin 1952).
 #
 # Let ``x' = f(x)`` be smooth near the point, its Jacobian have one eigenvalue zero and else stable ones, and let the
-# curve ``x = R u + h(u)`` rest, u one number, h a polynomial with values in the stable subspace.  With
+# curve ``x = R u + h(u)`` rest, u one number, h a polynomial with values in a subspace beside R: the stable one, or
+# that of all states but one, as a curve is often a polynomial of a state.  With
 # ``u = L x`` and ``w = K (x - h(u))``, where ``[R S]`` is a basis of both subspaces and ``[L; K]`` its inverse,
 #
 #     ``u' = a(u) w + ...``,    ``w' = B(u) w + ...``
@@ -159,7 +166,7 @@ def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
 # Then W falls and rises as the second term rises and falls, up to terms of degree two in w, which ``k w^T P w``
 # outweighs near the point, for k large.  So V is positive and does not increase: the epidemic ``S' = -S I, I' = S I -
 # I`` is stable where S is below one.  V is a proposal in rational numbers; the claims of the theorem on stability are
-# proved of it.
+# proved of it, where the curve bends in coordinates (u, w): V' vanishes along it, which no cut of the cube follows.
 
 
 SHARES = tuple(Fraction(1, 8**k) for k in range(3))  # of the checked cube, tried in turn
@@ -176,12 +183,16 @@ class RestingCurve:
     """A curve of equilibria near which a point is stable.
 
     Attributes:
-        function: V, which shows that; None where it was not asked for.
         words: the curve.
+        function: V with its conditions, which shows that; None where it was not asked for, or is shown by evidence.
+        entry: the theorem with its evidence in coordinates that follow the curve, as a certificate holds it.
+        facts: of such evidence, V and where it does not increase.
     """
 
-    function: ExaminedLyapunov | None
     words: str
+    function: ExaminedLyapunov | None = None
+    entry: Record | None = None
+    facts: tuple[Fact, ...] = ()
 
 
 def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> RestingCurve | None:
@@ -196,33 +207,48 @@ def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> Rest
     """
     try:
         subject, search = started(system)
-        for number, _, field in smooth_fields(system, subject, search, SHARES):
+        for number, stated, field in smooth_fields(system, subject, search, SHARES):
             curve = curve_of_rest(field)
             if curve is None:
                 return None
+            words, radius = curve.words(system), system.check.radius * SHARES[number]
             if not with_function:
-                return RestingCurve(None, curve.words(system))
+                return RestingCurve(words)
             for function in curve.functions():
-                formula = parse_piecewise(formula_text(function, system.states).replace("+ -", "- "), system.states)
-                examined = examine(system, formula, system.check.radius * SHARES[number])
+                text = sum_text(function, system.states)
+                examined = examine(system, parse_piecewise(text, system.states), radius)
                 if examined.decrease is Decrease.WEAK:
-                    return RestingCurve(examined, curve.words(system))
+                    return RestingCurve(words, examined)
+                entry = _shown_along(curve, subject, search, text, stated.record)
+                if entry is not None:
+                    facts = function_facts(text, place_text(entry, radius, system.states))
+                    return RestingCurve(words, None, entry, facts)
     except NotShownError:
         return None
     return None
 
 
+def _shown_along(curve: Curve, subject: System, search: Search, text: str, cells: Record) -> Record | None:
+    """The theorem on stability with evidence in coordinates that follow a curve which bends; None where not shown."""
+    if not any(curve.manifold):
+        return None
+    own = {**cells, **curve.split.frame(Fraction(1), curve.manifold).written(subject.states)}
+    found = search.tried(subject, "lyapunov", stability_hypotheses(own, text, STABLE))
+    return None if found is None else found[0]
+
+
 def curve_of_rest(field: Sequence[Polynomial]) -> Curve | None:
     """The curve of equilibria of a polynomial field through the origin; None without one, and for other eigenvalues."""
-    split = split_at(field)
-    if split is None or split.size != 1 or split.count == 1:
+    line = split_at(field)
+    if line is None or line.size != 1 or line.count == 1:
         return None
-    manifold = Reduction(split, field).manifold
-    along = times(split.right, [variable(1, 0)])
-    places = [own + more for own, more in zip(along, manifold, strict=True)]
-    if any(part.on(places, 1) for part in field):
-        return None
-    return Curve(split, tuple(field), tuple(places), tuple(manifold))
+    for split in (line, *line.by_states()):
+        manifold = Reduction(split, field).manifold
+        along = times(split.right, [variable(1, 0)])
+        places = [own + more for own, more in zip(along, manifold, strict=True)]
+        if not any(part.on(places, 1) for part in field):
+            return Curve(split, tuple(field), tuple(places), tuple(manifold))
+    return None
 
 
 @dataclass(frozen=True)
@@ -230,7 +256,7 @@ class Curve:
     """A curve of equilibria through the origin.
 
     Attributes:
-        split: the line along it at the origin, and the stable subspace.
+        split: the line along it at the origin, and the subspace beside it.
         field: f, which vanishes on it.
         places: ``R u + h(u)``.
         manifold: h.
@@ -248,16 +274,15 @@ class Curve:
         parts = []
         for state, value, own in zip(system.states, centre, self.places, strict=True):
             place = constant(1, as_fraction(value)) + own
-            parts.append(f"{state} = {formula_text(place, [name])}")
-        return ", ".join(parts).replace("+ -", "- ")
+            parts.append(f"{state} = {sum_text(place, [name])}")
+        return ", ".join(parts).replace("-1*", "-")
 
     def functions(self) -> Iterator[Polynomial]:
         """V for some k, of no large degree."""
         split, count = self.split, self.split.count
-        stable = null_basis(split.left)
-        basis = fmpq_mat([left + right for left, right in zip(split.right.tolist(), stable.tolist(), strict=True)])
-        onto_stable = fmpq_mat(basis.inv().tolist()[1:])
-        slopes, rates = self._first_terms(stable, onto_stable)
+        side = null_basis(split.left)
+        onto_side = fmpq_mat(split.frame(Fraction(1)).inverse.tolist()[1:])
+        slopes, rates = self._first_terms(side, onto_side)
         adjugate, determinant = _adjugate(rates)
         scale = 1 / determinant.at_origin
         u = variable(1, 0, 2)
@@ -265,7 +290,7 @@ class Curve:
         mixed = [(u * own).times(-scale) for own in _row_times(slopes, adjugate)]
         (centre,) = times(split.left, [variable(count, k) for k in range(count)])
         off = [variable(count, k) - own.on([centre], count) for k, own in enumerate(self.manifold)]
-        beside = times(onto_stable, off)
+        beside = times(onto_side, off)
         base = rising.on([centre], count)
         for row, own in zip(mixed, beside, strict=True):
             base += row.on([centre], count) * own
@@ -278,15 +303,15 @@ class Curve:
         for gain in GAINS:
             yield base + square.times(gain)
 
-    def _first_terms(self, stable: fmpq_mat, onto_stable: fmpq_mat) -> tuple[Vector, Matrix]:
+    def _first_terms(self, side: fmpq_mat, onto_side: fmpq_mat) -> tuple[Vector, Matrix]:
         """``a(u)`` and ``B(u)``."""
         count = self.split.count
         jacobian = [[part.derivative(k).on(self.places, 1) for k in range(count)] for part in self.field]
-        by_stable = [times(stable.transpose(), row) for row in jacobian]  # Df S
-        columns = [[row[j] for row in by_stable] for j in range(count - 1)]
+        by_side = [times(side.transpose(), row) for row in jacobian]  # Df S
+        columns = [[row[j] for row in by_side] for j in range(count - 1)]
         slopes = [times(self.split.left, column)[0] for column in columns]
-        bend = times(onto_stable, [own.derivative(0) for own in self.manifold])  # K h'
-        moved = [times(onto_stable, column) for column in columns]
+        bend = times(onto_side, [own.derivative(0) for own in self.manifold])  # K h'
+        moved = [times(onto_side, column) for column in columns]
         rates = [
             [moved[j][i] - bend[i] * slopes[j] for j in range(count - 1)]  # entry i, j of B
             for i in range(count - 1)

@@ -7,7 +7,7 @@ Gram matrix that is forced to be singular survives no rounding.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement
 from typing import TypeAlias
@@ -96,24 +96,65 @@ def build_blocks(condition: Condition, level: int = 0) -> Blocks:
         condition: p and where it must be positive.
         level: how far degrees go beyond that of p, in steps of two.
     """
-    support, count = condition.support, condition.variables
-    order, degree = min(map(sum, support), default=0), max(map(sum, support), default=0)
-    zero = (0,) * count
-    beyond = any(guard.get(zero, 0) < 0 for guard in condition.guards)  # the origin is no point of the domain
-    low = 0 if beyond or condition.at_origin else order
-    half = max((degree + 1) // 2, 1) + level
-    one = {zero: fmpq(1)}
-    blocks = [Block((), one, monomials_between(count, (low + 1) // 2, half))]
+    low, one = _least_order(condition), {(0,) * condition.variables: fmpq(1)}
+    half = max((max(map(sum, condition.support), default=0) + 1) // 2, 1) + level
+    blocks = [Block((), one, monomials_between(condition.variables, (low + 1) // 2, half))]
     for factors in _products(condition):
         product: Terms = dict(one)
         for k in factors:
             product = multiply_terms(product, condition.multipliers[k])
         own = max(0, low - min(map(sum, product)))
         room = (2 * half - max(map(sum, product))) // 2
-        monomials = monomials_between(count, (own + 1) // 2, room)
+        monomials = monomials_between(condition.variables, (own + 1) // 2, room)
         if monomials:
             blocks.append(Block(factors, product, monomials))
     return tuple(blocks)
+
+
+def _least_order(condition: Condition) -> int:
+    """The least degree of terms that squares need."""
+    zero = (0,) * condition.variables
+    beyond = any(guard.get(zero, 0) < 0 for guard in condition.guards)  # the origin is no point of the domain
+    return 0 if beyond or condition.at_origin else min(map(sum, condition.support), default=0)
+
+
+def programs(condition: Condition, level: int = 0) -> Iterator[Blocks]:
+    """The blocks that are tried: those beside what is positive at the origin, where the Newton polyhedron tells more.
+
+    The others are left to guards that vanish at the origin, whose terms may cancel what lies beneath the polyhedron.
+    """
+    blocks, zero = build_blocks(condition, level), (0,) * condition.variables
+    if not _least_order(condition) or is_above_order(condition.support):
+        yield blocks
+        return
+    inner = [own for own in blocks if own.product.get(zero, 0) > 0]
+    kept = [replace(own, monomials=above_polyhedron(condition.support, own)) for own in inner]
+    yield tuple(own for own in kept if own.monomials or not own.factors)
+    if len(inner) < len(blocks):
+        yield blocks
+
+
+# Near the origin squares have no terms beneath the Newton polyhedron of p, the hull of its exponents and all above:
+# with weights of the variables for which no term of p has a lower weight than d, the terms of least weight of squares,
+# and of squares beside what is positive at the origin, are not negative and cannot cancel, so none is lower than d.
+
+
+def is_above_order(support: Collection[Exponents]) -> bool:
+    """Whether the lowest terms hold a power of every variable: the polyhedron is that of all terms of their degree."""
+    order = min(map(sum, support), default=0)
+    return sum(sum(own) == max(own) == order for own in support) == len(next(iter(support), ()))
+
+
+def above_polyhedron(support: Collection[Exponents], block: Block) -> tuple[Exponents, ...]:
+    """The monomials of a block whose squares lie above the polyhedron beside all terms of its product."""
+    corners = np.array(sorted(support), float).T
+    ones = np.ones((1, corners.shape[1]))
+
+    def holds(place: Floats) -> bool:  # in floats: what is proposed need not be certain
+        solved = solve_program(np.zeros(len(ones[0])), A_ub=corners, b_ub=place, A_eq=ones, b_eq=[1.0])
+        return solved.status == 0
+
+    return tuple(m for m in block.monomials if all(holds(2.0 * np.array(m) + np.array(e)) for e in block.product))
 
 
 def plain_block(condition: Condition) -> Blocks:

@@ -23,6 +23,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import (
     build_blocks,
     gram_entries,
     plain_block,
+    programs,
     without_idle,
 )
 from nonsmooth.proofs.sums_of_squares.conic_program import (
@@ -106,7 +107,8 @@ def _programs(condition: Condition, effort: Effort) -> Iterator[Blocks]:
     """The sums that are tried: of squares alone, which are few, and where those do not serve, beside guards."""
     if effort is not Effort.HASTY:
         yield from filter(_is_solvable, [plain_block(condition)])
-    yield from takewhile(_is_solvable, (build_blocks(condition, level) for level in LEVELS[effort]))
+    every = (blocks for level in LEVELS[effort] for blocks in programs(condition, level))
+    yield from takewhile(_is_solvable, every)
 
 
 def _is_solvable(blocks: Blocks) -> bool:

@@ -236,6 +236,10 @@ def nonlinear_systems() -> Iterator[Case]:
     yield Case("frame", subject(["2*y - x - x**3", "x - 2*y"]), "lyapunov", lyapunov("(x + y)**2 + (x - 2*y)**2", skew))
     away = instability("(x - 2*y)**2 - x - y", skew, ["1", "0"])
     yield Case("frame-away", subject(["2*y - x + x**2", "x - 2*y"]), "instability", away)
+    bent = cells(within="1/8", coordinates=[["x", "y + x**2"], ["x", "y - x**2"]])  # of u = x and w = y - x**2
+    yield Case("bent", subject(["-x*y**2", "-y + x**2"]), "lyapunov", lyapunov("x**2/2 + (y - x**2)**2", bent))
+    away = instability("(y - x**2)**2 - x**2/2", bent, ["1", "0"])
+    yield Case("bent-away", subject(["x*y**2", "-y + x**2"]), "instability", away)
     rows = subject(["-x + relu(y - 1/8)/4", "-y + relu(x - 1/4)/4"])
     yield Case("rectifiers", rows, "lyapunov", lyapunov(squares_of("xy"), cells("y - 1/8", "x - 1/4")))
 

@@ -76,6 +76,13 @@ def of_lyapunov() -> Iterator[Forgery]:
     # x' = x in coordinates whose velocities have the other sign; and more than a verdict, which is of no cube of x
     turned: Record = {"cells": {**cube("1"), "frame": [[["1"]], [["-1"]]]}}
     yield of_one_state("a frame of two matrices whose product is one", "x", [ATTRACTS], FALLS, turned)
+    # maps of which one does not undo the other; that leave the point; and two descriptions of coordinates
+    bent = {"cells": {**cube("1"), "coordinates": [["x"], ["-x"]]}}
+    yield of_one_state("two maps of which one undoes the other", "x", [ATTRACTS], FALLS, bent)
+    moved: Record = {"cells": {**cube("1/2"), "coordinates": [["x + 1"], ["x - 1"]]}}
+    yield of_one_state("coordinates that are zero at the point", "x - x**2", [ATTRACTS], FALLS, moved)
+    both: Record = {"cells": {**cube("1"), "frame": [[["1"]], [["1"]]], "coordinates": [["x"], ["x"]]}}
+    yield of_one_state("a frame, or other coordinates", "-x", [ATTRACTS], FALLS, both)
     wide: Record = {"cells": {**cube("1"), "frame": [[["1/2"]], [["2"]]]}, "level": "1/4"}
     region = {"attracts": {"function": "x**2", "within": "1", "below": "1/4"}}
     more = {**FALLS, "border  +0": PLAIN, "border  -0": PLAIN}

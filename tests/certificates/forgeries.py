@@ -216,8 +216,19 @@ def other_cells(good: Record) -> Iterator[Any]:
 
 
 def other_coordinates(good: Record) -> Iterator[Any]:
-    """Frames whose matrices are not inverse, or none; and a V that was shown in one, with more than a verdict."""
+    """Frames whose matrices are not inverse, or none; and a V that was shown in one, with more than a verdict.
+
+    The same of maps that bend.
+    """
     where, own = cells_of(good)
+    if "coordinates" in own:
+        to_states, back = own["coordinates"]
+        shifted = [f"{text} + 1" for text in to_states]
+        others: list[Any] = [[back, to_states], [to_states, to_states], [to_states], [to_states, back[:1]]]
+        for other in (*others, [shifted, back], 1):
+            yield [([*where, "coordinates"], other)]
+        yield [([*where, "coordinates"], [to_states, [f"-({text})" for text in back]])]
+        yield [([*where, "frame"], [[["1", "0"], ["0", "1"]]] * 2)]
     if "frame" not in own:
         return
     to_states, back = own["frame"]

@@ -39,24 +39,8 @@ from tests.oracles.second_formulas import (
 # ---- cells, functions by pieces, and faces -------------------------------------------------------
 
 Signs: TypeAlias = tuple[int, ...]
-Matrix: TypeAlias = list[list[fmpq]]
 Subspace: TypeAlias = tuple[list[Poly], int]  # all variables on it, and its dimension
 Term: TypeAlias = tuple[fmpq, list[tuple[Poly, int]]]  # a factor, and bases with their powers
-
-
-def unit_matrix(n: int) -> Matrix:
-    return [[fmpq(i == k) for k in range(n)] for i in range(n)]
-
-
-def matrix_product(a: Matrix, b: Matrix) -> Matrix:
-    return [
-        [sum((x * y for x, y in zip(row, column, strict=True)), fmpq(0)) for column in zip(*b, strict=True)]
-        for row in a
-    ]
-
-
-def times(matrix: Matrix, vector: Sequence[Poly]) -> list[Poly]:
-    return [sum((z * x for z, x in zip(vector, row, strict=True)), ZERO) for row in matrix]
 
 
 @dataclass(frozen=True)
@@ -77,20 +61,17 @@ class Inclusion:
         states, rhs, at = keys(subject, "states rhs at", "order")
         order = subject.get("order", 0)
         need(type(order) is int and 0 <= order <= 4, "further terms of sines and cosines")
-        within, listed, empty = keys(cells, "within surfaces empty", "frame")
+        within, listed, empty = keys(cells, "within surfaces empty", "frame coordinates")
         need(all(type(own) is list for own in (states, at, rhs, listed, empty)), "lists")
         self.count = n = len(states)
         need(1 <= n == len(set(states)) == len(at) and n < SIZE and rhs, "a system in one to eight states")
         self.z = list(GENS[:n])
         self.bounded, self.radius = within is not None, fmpq(1) if within is None else number(within)
         need(self.radius > 0, "a cube of positive size")
-        self.frame = [unit_matrix(n), unit_matrix(n)]
-        if cells.get("frame") is not None:
-            self.frame = [[[number(c) for c in row] for row in own] for own in cells["frame"]]
-            need(all(len(own) == n and all(len(row) == n for row in own) for own in self.frame), "square matrices")
-        need(len(self.frame) == 2 and matrix_product(*self.frame) == unit_matrix(n), "a matrix and its inverse")
+        self.is_framed = cells.get("frame") is not None or cells.get("coordinates") is not None
+        to_states, back = self.maps(states, cells)
         units = [z * self.radius for z in self.z]
-        self.away = dict(zip(states, times(self.frame[0], units), strict=True))
+        self.away = dict(zip(states, [on(own, units) for own in to_states], strict=True))
         place = {name: z + number(x) for (name, z), x in zip(self.away.items(), at, strict=True)}
         self.surfaces = [Reading(self.away).value(own) for own in listed]
         need(all(degree(g) for g in self.surfaces), "surfaces that are not constant")
@@ -105,11 +86,30 @@ class Inclusion:
             reading = Reading(place, partial(self.sign_on, signs), order)
             stated = [field for side in rhs for field in reading.fields(side)]
             need(all(len(own) == n for own in stated), "a formula for each state in every right-hand side")
-            fields = [times(self.frame[1], field) for field in stated]
+            slopes = [[on(own.derivative(k), list(self.away.values())) for k in range(n)] for own in back]
+            fields = [[sum((a * b for a, b in zip(row, f, strict=True)), ZERO) for row in slopes] for f in stated]
             different = [(k, f) for k, f in enumerate(fields) if f not in fields[:k]]
             self.cells.append(Cell(signs, different, [self.function_on(signs, own) for own in functions]))
         self.bending = sorted(self.bending_surfaces())
         self.parted = set(self.parted_pieces(proofs))
+
+    def maps(self, states: Sequence[str], cells: Any) -> tuple[list[Poly], list[Poly]]:
+        """From coordinates to states, and back."""
+        frame, texts = cells.get("frame"), cells.get("coordinates")
+        if texts is not None:
+            need(frame is None and len(texts) == 2, "one pair of maps")
+            reading = Reading(dict(zip(states, self.z, strict=True)))
+            first, second = ([reading.value(own) for own in way] for way in texts)
+        elif frame is not None:
+            need(len(frame) == 2 and all(len(row) == self.count for own in frame for row in own), "two square matrices")
+            first, second = (
+                [sum((z * number(c) for z, c in zip(self.z, row, strict=True)), ZERO) for row in own] for own in frame
+            )
+        else:
+            first, second = self.z, self.z
+        need(len(first) == len(second) == self.count and not any(map(at_zero, first)), "maps that keep the point")
+        need([on(own, first) for own in second] == self.z, "a map and its inverse")
+        return first, second
 
     def marked(self, mark: str) -> dict[int, int]:
         need(len(mark) == len(self.surfaces) and set(mark) <= set("+-."), "a pattern")
@@ -451,7 +451,7 @@ def statements(subject: Any, entry: Any) -> list[Any]:
     proofs = Proofs(evidence)
     inclusion = Inclusion(subject, cells, [function, *further(second)], proofs)
     alone = second is None and level is None and rate is None and everywhere is False
-    need(cells.get("frame") is None or alone, "a verdict alone in a frame")
+    need(alone or not inclusion.is_framed, "a verdict alone in a frame")
     own = Lyapunov(inclusion, number(level) if below else None, proofs)
     own.show_zero()
     own.show_positive()
@@ -517,7 +517,7 @@ def departure(subject: Any, hypotheses: Any, evidence: Any) -> list[Any]:
     cells, direction = keys(hypotheses, "cells direction")
     proofs, n = Proofs(evidence), [number(x) for x in direction]
     inclusion = Inclusion(subject, cells, ["0"], proofs)
-    need(cells.get("frame") is None, "the states themselves")
+    need(not {"frame", "coordinates"} & set(cells), "the states themselves")
     fields = [f for cell in inclusion.cells_at_point() for _, f in cell.fields]
     need(all(sum(x * at_zero(p) for x, p in zip(n, f, strict=True)) > 0 for f in fields), "fields in a direction")
     need(not proofs.left, "proofs that are asked for")

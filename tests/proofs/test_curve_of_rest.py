@@ -28,6 +28,8 @@ EPIDEMIC = (["S", "I"], ["-S*I", "S*I - I"])
         (["u", "y"], ["u**2*y + y**2", "-2*y + u*y"], None, "u = r, y = 0"),
         (["x", "y", "z"], ["x*y + x*z", "-2*y + z", "-z/2 - y"], None, "x = u, y = 0, z = 0"),
         (["x", "y"], ["x*(y - x**2)", "-(y - x**2)"], None, "x = u, y = u**2"),
+        (["x", "y"], ["y + x**2", "-y - x**2"], None, "x = u, y = -u**2"),  # no polynomial of the centre coordinate x + y
+        (["x", "y"], ["y - x**2", "-2*y + 2*x**2"], None, "x = u, y = u**2"),
     ],
 )
 def test_the_point_is_stable_and_does_not_attract(
@@ -49,7 +51,7 @@ def test_an_epidemic_beyond_its_threshold_is_unstable() -> None:
     [
         ["x*y + x**9", "-2*y"],  # rests at the origin alone
         ["x*y", "2*y"],  # everything leaves the line
-        ["y - x**2", "-2*y + 2*x**2"],  # a curve that is no polynomial of u
+        ["-x - x**2 - y**2", "0"],  # a circle
         ["x*y", "y**3"],  # two eigenvalues zero
     ],
 )

@@ -204,6 +204,25 @@ def test_equations_without_a_solution_have_none() -> None:
     assert matrix * found == fmpq_mat([[1], [2]])
 
 
+def test_squares_that_lie_beneath_the_newton_polyhedron_are_left_out() -> None:
+    """Near the origin ``y^2 + x^6`` is larger than the rest; squares of x and x^2 could only be zero."""
+    asked = positive({(0, 2): 2, (6, 0): 1, (4, 1): 2, (2, 2): 1, (6, 1): (-1, 8), (2, 3): (-1, 8)}, box=True)
+    found = find(asked, Effort.STRICT)
+    assert found is not None
+    assert follows(asked, found)
+    used = {tuple(m) for entry in found.evidence["squares"][0] for m in entry["monomials"]}
+    assert (3, 0) in used
+    assert not used & {(1, 0), (2, 0)}
+
+
+def test_guards_that_vanish_at_the_origin_may_cancel_what_lies_beneath() -> None:
+    """``y > 0`` where ``y >= x^2`` off the origin: ``y = (y - x^2) + x^2``, and y has no term in x."""
+    asked = positive({(0, 1): 1, (0, 2): 1}, [{(0, 1): 1, (2, 0): -1}], box=True)
+    found = find(asked, Effort.STRICT)
+    assert found is not None
+    assert follows(asked, found)
+
+
 def test_high_degrees_need_the_monomials_of_half_the_newton_polytope_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = []
 
