@@ -28,7 +28,7 @@ EPIDEMIC = (["S", "I"], ["-S*I", "S*I - I"])
         (["u", "y"], ["u**2*y + y**2", "-2*y + u*y"], None, "u = r, y = 0"),
         (["x", "y", "z"], ["x*y + x*z", "-2*y + z", "-z/2 - y"], None, "x = u, y = 0, z = 0"),
         (["x", "y"], ["x*(y - x**2)", "-(y - x**2)"], None, "x = u, y = u**2"),
-        (["x", "y"], ["y + x**2", "-y - x**2"], None, "x = u, y = -u**2"),  # no polynomial of the centre coordinate x + y
+        (["x", "y"], ["y + x**2", "-y - x**2"], None, "x = u, y = -u**2"),  # of x, not of x + y
         (["x", "y"], ["y - x**2", "-2*y + 2*x**2"], None, "x = u, y = u**2"),
     ],
 )
