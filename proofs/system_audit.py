@@ -123,13 +123,13 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
 
 
 def _waves(system: SwitchedSystem, stated: Mapping[str, Polynomial], place: Sequence[Number]) -> list[arb]:
-    """Balls around the sines and cosines at a place."""
+    """Balls around the sines and the like at a place."""
     found = []
     values = [*place, *(system.field.zero for _ in system.names)]  # no wave stands in the argument of another
     for wave in system.names:
         formula = parse_piecewise(wave.argument, system.states)
         argument = system.field(formula.polynomial(stated, no_sign)(values)).ball()
-        found.append(argument.sin() if wave.kind == "sin" else argument.cos())
+        found.append(getattr(argument, wave.kind)())
     return found
 
 

@@ -23,6 +23,7 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
+from nonsmooth.symbolic.formulas.sine_enclosures import kinds_text
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
@@ -127,7 +128,10 @@ def rewriting_words(system: SwitchedSystem) -> str:
         said.append(
             f"multiplied by {tidied(one_line(system.scale.text))}, which is positive on the square: other speeds"
         )
-    enclosed = ["sin and cos of states lie between polynomials"] if system.waves else []
+    enclosed = []
+    if system.waves:
+        kinds = kinds_text(system.waves)
+        enclosed.append(f"{kinds} of states {'lie' if ' and ' in kinds else 'lies'} between polynomials")
     enclosed += ["irrational numbers lie between rational ones"] if system.encloses_numbers else []
     if system.intervals:
         takes = (

@@ -24,10 +24,10 @@ from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 @dataclass(frozen=True)
 class PlaneWave:
-    """A sine or cosine.
+    """A sine, or another function that is enclosed.
 
     Attributes:
-        kind: ``"sin"`` or ``"cos"``.
+        kind: its name.
         argument: a polynomial in the displacement from the checked point.
     """
 
@@ -128,7 +128,7 @@ def rate_values(field: StatedField, xs: Floats, ys: Floats) -> tuple[Floats, Flo
     values = [xs, ys]
     for wave in field.waves:
         argument = polynomial_values(wave.argument, xs, ys)
-        values.append(np.sin(argument) if wave.kind == "sin" else np.cos(argument))
+        values.append(getattr(np, "arctan" if wave.kind == "atan" else wave.kind)(argument))
     first, second = (_values(rate, values) for rate in field.rates)
     return first, second
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from math import cos, inf, isfinite, sin, sqrt
-from operator import mul
+from math import inf, isfinite, nan, sqrt
 from typing import TypeAlias
 
 import numpy as np
@@ -24,9 +24,8 @@ from nonsmooth.analysis.fields.switched_field import (
     Velocity,
     affine_surface,
 )
-from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import SignOf
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
-from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -96,19 +95,17 @@ def _shortened(polynomial: Polynomial, count: int) -> dict[tuple[int, ...], Numb
 
 
 def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Velocity:
-    """The stated field from right-hand sides that are scaled, or enclose it.
-
-    With enclosed sines it is their mixture with the weights that give each sine its value.
-    """
-    named = dict(zip(system.states, states, strict=True))
-    members = _Polynomials([part for member in system.members for part in member.velocity(sign_of, states)])
-    if not system.waves and system.scale is None:
-        return members.velocity
-    arguments = [parse_piecewise(wave.argument, system.states).polynomial(named, sign_of) for wave in system.waves]
-    rates = _mixed(system, members, arguments)
+    """The stated field from right-hand sides that are scaled, or enclose it."""
+    if system.names:
+        rates = _with_waves(system, sign_of, states)
+    else:
+        members = _Polynomials(system.velocity(sign_of, states))
+        if system.scale is None:
+            return members.velocity
+        rates = members.at
     if system.scale is None:
         return ScalarVelocity(rates)
-    scale = _Polynomials([system.scale.polynomial(named, sign_of)]).at
+    scale = _Polynomials([system.scale.polynomial(dict(zip(system.states, states, strict=True)), sign_of)]).at
 
     def divided(*x: float) -> Numbers:
         (factor,) = scale(*x)
@@ -117,21 +114,27 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
     return ScalarVelocity(divided)
 
 
-def _mixed(system: SwitchedSystem, members: _Polynomials, arguments: Sequence[Polynomial]) -> Callable[..., Numbers]:
-    """The rates of a system by those of its members, one after the other: two for each sine that is enclosed."""
-    if not arguments:
-        return members.at
-    inner, count = _Polynomials(arguments).at, len(system.states)
+def _with_waves(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Callable[..., Numbers]:
+    """The rates of a system as polynomials in its states and in the values of its sines and the like."""
+    variables = (*system.states, *(wave.name for wave in system.names))
+    beside = (0,) * len(system.names)
 
-    def rates(*x: float) -> Numbers:
-        weights = [1.0]
-        for wave, v in zip(system.waves, inner(*x), strict=True):
-            e = wave_weight(wave, v)
-            weights = [weight * share for weight in weights for share in (1.0 - e, e)]
-        values = members.at(*x)
-        return tuple([sum(map(mul, weights, values[k::count])) for k in range(count)])
+    def extended(own: Polynomial) -> Polynomial:
+        return Polynomial(own.field, variables, {(*e, *beside): c for e, c in own.terms.items()})
 
-    return rates
+    def sign_of_states(own: Polynomial) -> int:  # what switches holds no sines
+        return sign_of(Polynomial(own.field, system.states, {e[: len(states)]: c for e, c in own.terms.items()}))
+
+    values = dict(zip(system.states, map(extended, states), strict=True))
+    values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in system.names}
+    rates = _Polynomials([side.polynomial(values, sign_of_states) for side in system.named_rhs]).at
+    inner = _Polynomials([system.argument_of(wave, states) for wave in system.names]).at
+    functions = [getattr(math, wave.kind) for wave in system.names]
+
+    def at(*x: float) -> Numbers:
+        return rates(*x, *[own(v) if isfinite(v) else nan for own, v in zip(functions, inner(*x), strict=True)])
+
+    return at
 
 
 def constant_system(system: SwitchedSystem) -> ConstantField | None:
@@ -216,32 +219,6 @@ def _in_arrays(count: int, sums: Sequence[Terms]) -> Callable[..., Numbers]:
         for c, e in terms:
             row[exponents.index(e)] = c
     return lambda *x: tuple((coefficients @ np.multiply.reduce(np.array(x) ** powers, axis=1)).tolist())
-
-
-# ---- weights of waves ----------------------------------------------------------------------------
-#
-# With ``sin v = v - v^3/6 + e v^5/120`` and ``cos v = 1 - v^2/2 + v^4/24 - e v^6/720``
-# (:mod:`nonsmooth.symbolic.formulas.sine_enclosures`) this is e, which lies between 0 and 1.
-
-
-SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5
-LARGEST = 50.0  # of v: farther out the powers of v, each rounded, hold sin v and cos v to less than 1e-9
-
-
-def wave_weight(wave: Wave, v: float) -> float:
-    """The e of a wave at its argument v; near v = 0 by its series.
-
-    Raises:
-        RefusalError: where v is so large that floats do not hold the value that e stands for.
-    """
-    if not abs(v) <= LARGEST:
-        raise RefusalError(f"the argument of a sine is {v:.3g}: beyond {LARGEST:g} floats do not hold its enclosure")
-    if abs(v) < SERIES_BELOW:
-        first, second = (42, 3024) if wave.kind == "sin" else (56, 5040)
-        return 1 - v * v / first + v**4 / second
-    if wave.kind == "sin":
-        return float((sin(v) - v + v**3 / 6) * 120 / v**5)
-    return float((1 - v * v / 2 + v**4 / 24 - cos(v)) * 720 / v**6)
 
 
 # ---- signed roots --------------------------------------------------------------------------------

@@ -62,7 +62,7 @@ from operator import add, mul, sub
 from typing import Any, Protocol, TypeAlias, TypeVar
 
 from .cells import Domain, Function, Pattern, Surfaces, System
-from .formulas import Formula
+from .formulas import ANGULAR, Formula
 from .polynomials import Exponents, Polynomial, constant
 from .positivity import Proofs
 from .theorems import Statement, show_stability
@@ -262,7 +262,8 @@ class Plane:
             found: list[tuple[str, Polynomial]] = []
             for count, text in zip(counts, side, strict=True):
                 found += Formula(text, self.domain.place, [0] * count).arguments()
-            require(all(v.degree <= 1 for _, v in found), "sines and cosines of affine functions")
+            affine = all(name in ANGULAR and v.degree <= 1 for name, v in found)
+            require(affine, "sines and cosines of affine functions")
             self.waves.append(found)
             self._whole_arguments.append([whole_argument(v) for _, v in found])
 

@@ -27,7 +27,7 @@ from fractions import Fraction
 from typing import Any
 
 from .cells import MAX_STATES, Inclusion, System
-from .formulas import WAVES, Formula, SignOf, WaveAt, no_sign
+from .formulas import ANGULAR, WAVES, Formula, SignOf, WaveAt, no_sign
 from .lyapunov import Lyapunov
 from .polynomials import Polynomial, constant, variable
 from .positivity import Proofs
@@ -97,6 +97,7 @@ class CircleFormula(Formula):
             case ast.Name(id=name):
                 require(name not in circle_names(self.angles), "formulas in the states")
             case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in WAVES:
+                require(name in ANGULAR, "no other functions than sines and cosines on circles")
                 sine, cosine = self._turned(argument)
                 return sine if name == "sin" else cosine
         return super()._value(node, sign_of, depth)
@@ -120,7 +121,7 @@ class CircleFormula(Formula):
 
 def circle_names(angles: Sequence[str]) -> set[str]:
     """The names of the coordinates of angles."""
-    return {f"{kind}_{name}" for name in angles for kind in WAVES}
+    return {f"{kind}_{name}" for name in angles for kind in ANGULAR}
 
 
 def show_on_circles(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:

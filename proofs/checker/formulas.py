@@ -4,14 +4,18 @@ A formula is built of the states, names of irrational numbers, decimals, ``+ - *
 ``sign``, ``Abs``, ``Max``, ``Min``, ``relu`` and ``sat``.  Where the signs of its switching expressions are known it is
 a polynomial.
 
-A right-hand side may hold ``sin`` and ``cos`` of polynomials v, too (*waves*).  For every real v, with an e between 0
-and 1 that depends on v,
+A right-hand side may hold ``sin``, ``cos``, ``tanh``, ``atan`` and ``exp`` of polynomials v, too (*waves*).  For every
+real v, with an e between 0 and 1 that depends on v,
 
     sin v = v - v^3/6 + e v^5/120,    cos v = 1 - v^2/2 + v^4/24 - e v^6/720,
+    tanh v = v - v^3/3 + e 2 v^5/15,  atan v = v - v^3/3 + e v^5/5,  and exp v = 1 + v + e v^2/2 for v <= 0,
 
-by integrating ``cos <= 1`` from 0 again and again; and so between later sums, with further terms, whose number is the
-*order* of a system.  A wave stands in sums and products alone, and each has its own e, so that the formula is affine in
-every e: its value is in the hull of those with all e at 0 or 1.
+and so between later sums, with further terms, whose number is the *order* of a system.  (Integrate ``cos <= 1`` and
+``exp <= 1`` from 0 again and again, and ``1/(1 + t^2)`` between sums of its geometric series; ``tanh v`` is the sum
+over odd k of ``8 v/(k^2 pi^2 + 4 v^2)``, each between sums of its geometric series.)  What exp is of must be minus a
+sum of even powers as it is written.  In other files *sines and cosines* stand for all five, unless they speak of
+angles.  A wave stands in sums and products alone, and each has its own e, so that the formula is affine in every e: its
+value is in the hull of those with all e at 0 or 1.
 """
 
 from __future__ import annotations
@@ -20,30 +24,66 @@ import ast
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
+from math import factorial
 from typing import Any, TypeAlias
 
 from .polynomials import Polynomial, constant
 from .work import BUDGET, MAX_DIGITS, RejectedError, require, text
 
 MAX_DEPTH, MAX_WAVES = 60, 5
-WAVES = ("sin", "cos")
+TERMS = {"sin": 3, "cos": 4, "tanh": 3, "atan": 3, "exp": 3}  # of the series, the last one times e
+WAVES, ANGULAR = tuple(TERMS), ("sin", "cos")
 DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
 WRITTEN = re.compile(r"[A-Za-z0-9_.+*/(), -]*")  # one line, without comments, texts and comparisons
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 SignOf: TypeAlias = Callable[[Polynomial], int]  # the sign of a switching expression on a cell: -1 or 1
-WaveAt: TypeAlias = Callable[[str, Polynomial, int], Polynomial]  # sin or cos of a polynomial, with e at an end
+WaveAt: TypeAlias = Callable[[str, Polynomial, int], Polynomial]  # a wave of a polynomial, with e at an end
 
 
 def series(name: str, v: Polynomial, e: int, order: int = 0) -> Polynomial:
-    """The sine or cosine of a polynomial with ``e`` at 0 or 1, which weighs the last term."""
-    power = 1 if name == "sin" else 0
-    own = total = v if power else constant(v.count, 1)
-    for left in range(2 + order - power, -1, -1):
-        own = (own * v * v).times(Fraction(-1, (power + 1) * (power + 2)))
-        power += 2
-        total += own if left else own.times(e)
-    return total
+    """A wave of a polynomial with ``e`` at 0 or 1, which weighs the last term."""
+    numbers = coefficients(name, TERMS[name] + order)
+    own = v if name in ("sin", "tanh", "atan") else constant(v.count, 1)
+    step, total = v if name == "exp" else v * v, constant(v.count, 0)
+    for number in numbers[:-1]:
+        total += own.times(number)
+        own *= step
+    return total + own.times(numbers[-1] * e)
+
+
+def coefficients(name: str, count: int) -> list[Fraction]:
+    """Of the powers that occur in a series; those of tanh by ``tanh' = 1 - tanh^2``."""
+    if name == "tanh":
+        found = [Fraction(1)]
+        for k in range(1, count):
+            found.append(-sum((found[i] * found[k - 1 - i] for i in range(k)), Fraction(0)) / (2 * k + 1))
+        return found
+    if name == "atan":
+        return [Fraction((-1) ** k, 2 * k + 1) for k in range(count)]
+    if name == "exp":
+        return [Fraction(1, factorial(k)) for k in range(count)]
+    return [Fraction((-1) ** k, factorial(2 * k + (name == "sin"))) for k in range(count)]
+
+
+def sign_as_written(node: ast.expr) -> int:
+    """1 where a formula is seen to have no negative value, -1 where it has no positive one; 0 where that is not seen.
+
+    It is a sum, product or quotient of even powers and numbers.
+    """
+    match node:
+        case ast.Constant():
+            return 1
+        case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent % 2 == 0:
+            return 1
+        case ast.UnaryOp(op=ast.USub()):
+            return -sign_as_written(node.operand)
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            right = sign_as_written(node.right) * (1 if isinstance(node.op, ast.Add) else -1)
+            return right if right == sign_as_written(node.left) else 0
+        case ast.BinOp(op=ast.Mult() | ast.Div()):
+            return sign_as_written(node.left) * sign_as_written(node.right)
+    return 0
 
 
 class Formula:
@@ -112,6 +152,8 @@ class Formula:
                 return self._operation(node, sign_of, depth - 1)
             case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in WAVES:
                 require(not waves_in(argument), "no sine or cosine inside another")
+                known = name != "exp" or sign_as_written(argument) < 0
+                require(known, "exp of minus a sum of even powers")
                 return self.wave(name, self._value(argument, sign_of, depth - 1), self.ends[node])
             case ast.Call(func=ast.Name(), keywords=[]):
                 own = self.smooth.issuperset(node.args) or not waves_in(*node.args)

@@ -19,7 +19,7 @@ from typing import Any
 
 from nonsmooth.proofs.findings.exact_json import Generators, Record
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.formulas.sine_enclosures import in_place_of_names
+from nonsmooth.symbolic.formulas.sine_enclosures import ONE_AT_ZERO, Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
@@ -123,7 +123,8 @@ def _with_waves(system: SwitchedSystem) -> list[list[str]]:
     """
     terms = [list(_terms(side, system)) for side in system.named_rhs]
     bounds = [own for side in terms for own, _ in side]
-    if not system.names or not all(bounds) or sum(len(own) > 1 for own in bounds) > MOST_PLACES:
+    written = all(own.kind != "exp" or not NUMBERS.search(own.argument) for own in system.names)
+    if not system.names or not written or not all(bounds) or sum(len(own) > 1 for own in bounds) > MOST_PLACES:
         return []
     found = []
     for chosen in product(*bounds):
@@ -137,7 +138,7 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
 
     With ``cos v - 1`` in place of ``cos v`` constant terms cancel, so that the point remains one of rest.
     """
-    waves = {own.name: f"{own.kind}({system.argument_of(own)})" for own in system.names}
+    waves = {own.name: f"{own.kind}({_argument_text(own, system)})" for own in system.names}
     if side.switching_parts:
         text = one_line(side.text)
         can_be_written = not NUMBERS.search(in_place_of_names(text, dict.fromkeys(waves, "w")))
@@ -146,7 +147,7 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
     factors = {name: name for name in system.states} | waves
     values = {name: Polynomial.variable(system.field, tuple(factors), name) for name in factors}
     for wave in system.names:
-        if wave.kind == "cos":
+        if wave.kind in ONE_AT_ZERO:
             values[wave.name] += 1
             factors[wave.name] = f"({waves[wave.name]} - 1)"
     for exponents, value in side.polynomial(values, lambda _: 0).terms.items():
@@ -154,6 +155,11 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
         exact = value.as_rational()
         bounds = bounds_of(value) if exact is None else (exact,)
         yield list(map(str, bounds)), "*".join(factor for factor, exponent in powers for _ in range(exponent))
+
+
+def _argument_text(wave: Wave, system: SwitchedSystem) -> str:
+    """What a sine is of, multiplied out; that of exp stays as it is written, as its sign is seen there."""
+    return one_line(wave.argument) if wave.kind == "exp" else str(system.argument_of(wave))
 
 
 def _sum(terms: Iterator[tuple[str, str]]) -> str:

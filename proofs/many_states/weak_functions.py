@@ -53,7 +53,7 @@ from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.formulas.sine_enclosures import Wave, in_place_of_names
+from nonsmooth.symbolic.formulas.sine_enclosures import TURNING, Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
@@ -300,6 +300,8 @@ def _turned(wave: Wave, system: SwitchedSystem, values: Mapping[str, Polynomial]
     Raises:
         ExpressionError: for another one.
     """
+    if wave.kind not in TURNING:
+        raise ExpressionError("required sines and cosines alone")
     one = next(iter(values.values())) * 0 + 1
     sine, cosine = one * 0, one
     for exponents, value in system.argument_of(wave).terms.items():

@@ -33,6 +33,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     trimmed,
     value,
 )
+from nonsmooth.symbolic.formulas.sine_enclosures import ONE_AT_ZERO
 from nonsmooth.symbolic.mechanics.constraints import cross_product
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.plane import between, dot
@@ -223,7 +224,7 @@ class NormalPart:
         """Whether the function is exactly zero at a place at which all arguments of its waves are."""
         if any(evaluated(wave.argument(place)) for wave in self._waves):
             return False
-        return not evaluated(self._rate([*place, *(int(wave.kind == "cos") for wave in self._waves)]))
+        return not evaluated(self._rate([*place, *(int(wave.kind in ONE_AT_ZERO) for wave in self._waves)]))
 
     def _over(self, low: Fraction, high: Fraction) -> tuple[Any, Any]:
         """Balls of the function and of its derivative on a part."""
@@ -233,7 +234,7 @@ class NormalPart:
         waves = []
         for kind, terms in self._arguments:
             argument = _value(terms, place)
-            waves.append(argument.sin() if kind == "sin" else argument.cos())
+            waves.append(1 - 2 / ((2 * argument).exp() + 1) if kind == "tanh" else getattr(argument, kind)())
         value = _value(self._terms, [*place, *waves])
         return value[0], value[1]
 

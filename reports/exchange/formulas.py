@@ -40,7 +40,7 @@ class Target:
     Attributes:
         number: of a rational number.
         pi: the number.
-        functions: sgn, Abs, Max and Min of two, sqrt, sin, cos.
+        functions: sgn, Abs, Max and Min of two, sqrt, and those of :data:`SMOOTH`.
         operators: of the classes of Python's grammar: Add, Sub, Mult, Div, USub and Pow.
     """
 
@@ -173,7 +173,7 @@ class FieldFormulas:
         """
         casadi = Reading("casadi").library("casadi")
         functions = {"Abs": casadi.fabs, "Max": casadi.fmax, "Min": casadi.fmin, "sgn": casadi.sign}
-        functions |= {name: getattr(casadi, name) for name in ("sqrt", "sin", "cos")}
+        functions |= {name: getattr(casadi, name) for name in ("sqrt", *SMOOTH)}
         x = casadi.SX.sym("x", len(self.states))
         target = _objects(lambda value: casadi.SX(float(value)), casadi.SX(casadi.pi), functions)
         fields, lyapunov = self.written(target, x.elements())
@@ -194,7 +194,8 @@ class FieldFormulas:
         return PROGRAMS[language](self)
 
 
-_NAMED = ("Abs", "Max", "Min", "sqrt", "sin", "cos")
+SMOOTH = ("sin", "cos", "tanh", "atan", "exp")
+_NAMED = ("Abs", "Max", "Min", "sqrt", *SMOOTH)
 
 
 def _formula(target: Target, text: str, names: Mapping[str, Any]) -> Any:
@@ -230,12 +231,19 @@ def _target(names: dict[str, str], pi: str, power: Callable[..., str]) -> Target
 
 
 PYTHON = _target(
-    {"sgn": "sgn", "Abs": "abs", "sqrt": "sqrt", "sin": "sin", "cos": "cos", "Max": "max", "Min": "min"},
+    {"sgn": "sgn", "Abs": "abs", "sqrt": "sqrt", "Max": "max", "Min": "min", **dict(zip(SMOOTH, SMOOTH, strict=True))},
     "pi",
     "({} ** {})".format,
 )
 C = _target(
-    {"sgn": "sgn", "Abs": "fabs", "sqrt": "sqrt", "sin": "sin", "cos": "cos", "Max": "fmax", "Min": "fmin"},
+    {
+        "sgn": "sgn",
+        "Abs": "fabs",
+        "sqrt": "sqrt",
+        "Max": "fmax",
+        "Min": "fmin",
+        **dict(zip(SMOOTH, SMOOTH, strict=True)),
+    },
     repr(3.141592653589793),
     "pow({}, {})".format,
 )
@@ -264,7 +272,9 @@ def _functions(formulas: FieldFormulas, target: Target) -> tuple[list[tuple[str,
 def python_program(formulas: FieldFormulas) -> str:
     """A module with ``field(x)``, a list, and ``lyapunov(x)``."""
     fields, lyapunov = _functions(formulas, PYTHON)
-    lines = [f'"""{chr(10).join(_head(formulas))}"""', "", "from math import cos, pi, sin, sqrt  # noqa: F401"]
+    used = [kind for kind in SMOOTH if any(f"{kind}(" in part for _, own in fields for part in own)]
+    imported = ", ".join(sorted({"cos", "pi", "sin", "sqrt", *used}))
+    lines = [f'"""{chr(10).join(_head(formulas))}"""', "", f"from math import {imported}  # noqa: F401"]
     lines += ["", "", "def sgn(a):", "    return float(a > 0) - float(a < 0)"]
     for name, own in fields:
         lines += ["", "", f"def {name}(x):", "    return [", *(f"        {part}," for part in own), "    ]"]

@@ -29,12 +29,16 @@ if TYPE_CHECKING:
 Names: TypeAlias = Mapping[Any, str]  # of symbols, and of functions of time such as x(t)
 
 DOUBLE_BITS = 53
-ALLOWED = "states, parameters, numbers, + - * /, powers, sqrt, sin, cos, Abs, sign, Max, Min, Heaviside and Piecewise"
+ALLOWED = "states, parameters, numbers, + - * /, powers, sqrt, sin, cos, tanh, atan, exp, Abs, sign, Max, "
+ALLOWED += "Min, Heaviside and Piecewise"
 
 FUNCTIONS: dict[str, Callable[..., str]] = {
     "sqrt": "sqrt({})".format,
     "sin": "sin({})".format,
     "cos": "cos({})".format,
+    "tanh": "tanh({})".format,
+    "atan": "atan({})".format,
+    "exp": "exp({})".format,
     "Abs": "Abs({})".format,
     "sign": "sgn({})".format,
     "Heaviside": "((1 + sgn({}))/2)".format,

@@ -58,6 +58,7 @@ from nonsmooth.reports.output.refusals import LARGEST, LEAST
 from nonsmooth.reports.simulations.paths import follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.formulas.formula_text import tidied
+from nonsmooth.symbolic.formulas.sine_enclosures import kinds_text
 from nonsmooth.symbolic.formulas.surfaces import symbol_latex
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
@@ -191,7 +192,9 @@ def cells_section(subject: SystemSubject) -> Section:
         "is {}. Corners and rates are written in the displacement from the point, whose entries are called "
         "like the states.",
         str(len(subject.cells)),
-        "a polynomial in the states and in sines and cosines of them" if subject.scene.names else "a polynomial",
+        f"a polynomial in the states and in {kinds_text(subject.scene.names)} of them"
+        if subject.scene.names
+        else "a polynomial",
     )
     rows = [row for k, cell in enumerate(subject.cells) for row in _cell_rows(k, cell, subject)]
     header: list[Entry] = ["cell", "corners", *(Math(rf"\dot{{{state_latex(name)}}}", f"{name}'") for name in states)]

@@ -30,7 +30,7 @@ from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, refuse_waves_of_rooted, signed_root
-from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
+from nonsmooth.symbolic.formulas.sine_enclosures import LISTED, TURNING, has_waves
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
@@ -48,7 +48,7 @@ SQUARE = 2  # the order of a square root
 
 
 # What right-hand sides take beside what V takes.
-IN_RIGHT_HAND_SIDES = "sin and cos of polynomials in the states", "sqrt and rational powers of Abs of a state"
+IN_RIGHT_HAND_SIDES = f"{LISTED} of polynomials in the states", "sqrt and rational powers of Abs of a state"
 
 
 def parse_lyapunov(
@@ -323,7 +323,7 @@ def _float_point(states: tuple[str, ...], values: Sequence[Exact] | None, file: 
 
 
 def _require_zero_arguments(system: SwitchedSystem) -> None:
-    """Refuse sines and cosines of what does not vanish at the checked point.
+    """Refuse sines and the like of what does not vanish at the checked point.
 
     Raises:
         SceneError: for such an argument.
@@ -332,10 +332,12 @@ def _require_zero_arguments(system: SwitchedSystem) -> None:
         try:
             argument = system.argument_of(wave, system.displaced(system.states))
         except ExpressionError:
-            expected = "sin and cos of polynomials in the states"
+            expected = f"{LISTED} of polynomials in the states"
             raise SceneError(system.source, "system.rhs", expected, wave.argument) from None
         if (0,) * len(system.states) in argument.terms:
-            expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
+            expected = f"{wave.kind} of what is zero at the checked point"
+            if wave.kind in TURNING:
+                expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
             raise SceneError(system.source, "system.rhs", expected, str(system.argument_of(wave)))
 
 

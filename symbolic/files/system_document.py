@@ -18,6 +18,7 @@ from nonsmooth.symbolic.files.scene_values import Exact, ExactField, Name, TomlT
 from nonsmooth.symbolic.formulas.expression import ExpressionError, with_whole_exponents
 from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text
 from nonsmooth.symbolic.formulas.piecewise import NUMBERS, SWITCHES
+from nonsmooth.symbolic.formulas.sine_enclosures import WAVES
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 
 # ---- named parameters of a plain system: numbers that stand in its formulas by name --------------
@@ -94,7 +95,7 @@ def names_in(formula: object) -> set[str]:
 
 MAX_STATES = 8
 _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
-RESERVED = {*NUMBERS, *SWITCHES}
+RESERVED = {*NUMBERS, *SWITCHES, *WAVES}
 
 
 def is_state(value: object) -> bool:

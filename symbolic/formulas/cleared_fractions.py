@@ -27,6 +27,9 @@ from nonsmooth.symbolic.messages.scene_error import shown
 _FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin,
     "cos": math.cos,
+    "tanh": math.tanh,
+    "atan": math.atan,
+    "exp": math.exp,
     "sqrt": math.sqrt,
     "Abs": abs,
     "Max": max,

@@ -22,7 +22,7 @@ from flint import fmpz
 
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
-from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
+from nonsmooth.symbolic.formulas.sine_enclosures import LISTED, WAVES, has_waves
 from nonsmooth.symbolic.messages.scene_error import shown
 
 MAX_ORDER = 8  # of a root: states are polynomials of that degree in it
@@ -197,8 +197,8 @@ def refuse_waves_of_rooted(formula: object, rooted: Sequence[str]) -> None:
         return
     text, tree = parse_tree(formula, MAX_TEXT, "a formula")
     for node in ast.walk(tree):
-        if (_is_call(node, "sin") or _is_call(node, "cos")) and _names(node) & set(rooted):
-            expected = f"sin and cos of states without a square root, as {', '.join(rooted)} stands under sqrt(Abs())"
+        if any(_is_call(node, kind) for kind in WAVES) and _names(node) & set(rooted):
+            expected = f"{LISTED} of states without a square root, as {', '.join(rooted)} stands under sqrt(Abs())"
             raise ExpressionError(f"required {expected}, received {shown(text)}")
 
 

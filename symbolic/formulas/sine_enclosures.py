@@ -1,24 +1,30 @@
-"""Sines and cosines of states between polynomials: a formula as the hull of several without them.
+"""Sines and cosines, tanh, atan and exp of states between polynomials: a formula as the hull of several without them.
 
 For every real v the alternating series enclose, with some e between 0 and 1 that depends on v,
 
-    sin v = v - v^3/6 + e v^5/120,    cos v = 1 - v^2/2 + v^4/24 - e v^6/720.
+    sin v = v - v^3/6 + e v^5/120,    cos v = 1 - v^2/2 + v^4/24 - e v^6/720,
+    tanh v = v - v^3/3 + e 2 v^5/15,  atan v = v - v^3/3 + e v^5/5,  and exp v = 1 + v + e v^2/2 for v <= 0.
 
-(For v >= 0 integrate ``cos <= 1`` again and again from 0; sin is odd, cos is even.)  So they lie between later sums,
-too: the *order* says how many further terms are taken, where the first ones cancel against others.  A formula of sums
-and products in which every sine and cosine stands alone is affine in each e, so its value lies in the hull of its
-values with all e at 0 or 1.  Equal sines that are multiplied get an e each.  A system becomes one under arbitrary
-switching, whose solutions hold those of the system: what is proved of all of them is proved of these.  Multiples of pi
-may be added to v.
+(For v >= 0 integrate ``cos <= 1`` again and again from 0; sin is odd, cos is even.  Likewise integrate ``exp <= 1``,
+and ``1/(1 + t^2)`` between sums of its geometric series.  And ``tanh v`` is the sum over odd k of ``8 v/(k^2 pi^2 + 4
+v^2)``, each between sums of its geometric series.)  So they lie between later sums, too: the *order* says how many
+further terms are taken, where the first ones cancel against others.  A formula of sums and products in which every one
+of them stands alone is affine in each e, so its value lies in the hull of its values with all e at 0 or 1.  Equal sines
+that are multiplied get an e each.  A system becomes one under arbitrary switching, whose solutions hold those of the
+system: what is proved of all of them is proved of these.  Multiples of pi may be added to the argument of a sine or
+cosine.
+
+In other files *sines* (or *waves*) stand for all five functions, unless turns or angles are spoken of.
 """
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cache
 from itertools import product
 from math import factorial
 
@@ -26,18 +32,22 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree, 
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
 from nonsmooth.symbolic.messages.scene_error import shown
 
-WAVES = ("sin", "cos")
+TURNING = ("sin", "cos")
+TERMS = {"sin": 3, "cos": 4, "tanh": 3, "atan": 3, "exp": 3}  # of the series, the last one times e
+WAVES = tuple(TERMS)
+ONE_AT_ZERO = ("cos", "exp")
 MAX_WAVES = 5  # in one right-hand side: two to this power polynomials
 _OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 _NUMBERS = {"pi", "sqrt", *WAVES}
+LISTED = "sin, cos, tanh, atan and exp"
 
 
 @dataclass(frozen=True)
 class Wave:
-    """A sine or cosine that is enclosed.
+    """A sine, or another function, that is enclosed.
 
     Attributes:
-        kind: which of the two.
+        kind: its name.
         argument: v, which must vanish at the checked point.
         name: what stands for it in a formula; empty where a polynomial does.
     """
@@ -49,7 +59,7 @@ class Wave:
 
 @dataclass
 class Template:
-    """Formulas in which sines and cosines of states are written as polynomials with a place for each e.
+    """Formulas in which sines and the like of states are written as polynomials with a place for each e.
 
     Attributes:
         waves: one for each e.
@@ -59,30 +69,22 @@ class Template:
     waves: list[Wave] = field(default_factory=list)
     order: int = 0
 
-    def sine(self, v: str) -> str:
-        """``sin v`` with a new e."""
-        return self._alternating("sin", v, [v], 1, 2)
-
-    def cosine(self, v: str) -> str:
-        """``cos v`` with a new e."""
-        return self._alternating("cos", v, ["1"], 0, 3)
-
-    def _alternating(self, kind: str, v: str, terms: list[str], first: int, last: int) -> str:
-        """The sum up to a number of terms beyond the first, the last one times e."""
-        for k in range(1, last + self.order + 1):
-            weight = f"{self._place(kind, v)}*" if k == last + self.order else ""
-            power = first + 2 * k
-            terms += ["-" if k % 2 else "+", f"{weight}{v}**{power}/{factorial(power)}"]
-        return f"({' '.join(terms)})"
-
-    def _place(self, kind: str, v: str) -> str:
+    def wave(self, kind: str, v: str) -> str:
+        """A function of v with a new e, which weighs the last term of the series."""
+        terms = series(kind, TERMS[kind] + self.order)
         self.waves.append(Wave(kind, v))
-        return f"<{len(self.waves) - 1}>"
+        parts = []
+        for power, coefficient in terms:
+            weight = f"<{len(self.waves) - 1}>*" if (power, coefficient) == terms[-1] else ""
+            factor = f"{abs(coefficient.numerator)}*" if abs(coefficient.numerator) > 1 else ""
+            own = f"{weight}{factor}{v}**{power}/{coefficient.denominator}" if power > 1 else v if power else "1"
+            parts += ["-" if coefficient < 0 else "+", own]
+        return f"({' '.join(parts[1:])})"
 
 
 @dataclass
 class NamedTemplate(Template):
-    """Formulas in which sines and cosines of states are names, equal ones with one name.
+    """Formulas in which sines and the like of states are names, equal ones with one name.
 
     Attributes:
         taken: names that mean something else.
@@ -90,15 +92,8 @@ class NamedTemplate(Template):
 
     taken: frozenset[str] = frozenset()
 
-    def sine(self, v: str) -> str:
-        """The name of ``sin v``."""
-        return self._named("sin", v)
-
-    def cosine(self, v: str) -> str:
-        """The name of ``cos v``."""
-        return self._named("cos", v)
-
-    def _named(self, kind: str, v: str) -> str:
+    def wave(self, kind: str, v: str) -> str:
+        """The name of a function of v."""
         for wave in self.waves:
             if (wave.kind, wave.argument) == (kind, v):
                 return wave.name
@@ -109,11 +104,31 @@ class NamedTemplate(Template):
         return name
 
 
+@cache
+def series(kind: str, count: int) -> tuple[tuple[int, Fraction], ...]:
+    """The first terms of the series of a function: powers and coefficients.
+
+    Those of tanh follow from ``tanh' = 1 - tanh^2``.
+    """
+    if kind == "exp":
+        return tuple((k, Fraction(1, factorial(k))) for k in range(count))
+    if kind == "tanh":
+        found = [Fraction(1)]
+        for k in range(1, count):
+            found.append(-sum((found[i] * found[k - 1 - i] for i in range(k)), Fraction(0)) / (2 * k + 1))
+        return tuple((2 * k + 1, c) for k, c in enumerate(found))
+    first = 0 if kind == "cos" else 1
+    powers = range(first, first + 2 * count, 2)
+    return tuple(
+        (power, Fraction((-1) ** k, power if kind == "atan" else factorial(power))) for k, power in enumerate(powers)
+    )
+
+
 def named_formulas(formulas: Sequence[object], taken: frozenset[str]) -> tuple[tuple[object, ...], tuple[Wave, ...]]:
-    """Formulas with a name in place of each sine and cosine of states, and what these names mean.
+    """Formulas with a name in place of each sine and the like of states, and what these names mean.
 
     Args:
-        formulas: with a sine or cosine of states in some of them.
+        formulas: with a sine or the like of states in some of them.
         taken: names that mean something else.
 
     Raises:
@@ -125,13 +140,20 @@ def named_formulas(formulas: Sequence[object], taken: frozenset[str]) -> tuple[t
 
 
 def in_place_of_names(formula: str, meanings: Mapping[str, str]) -> str:
-    """A formula with texts in place of the names of its sines and cosines."""
+    """A formula with texts in place of the names of its sines and the like."""
     named = re.compile(rf"\b({'|'.join(map(re.escape, meanings))})\b")
     return named.sub(lambda own: meanings[own[0]], formula)
 
 
+def kinds_text(waves: Iterable[Wave]) -> str:
+    """What functions of states a system has, in words: of sines and cosines, which turn into each other, both."""
+    found = {wave.kind for wave in waves}
+    *first, last = (kind for kind in WAVES if kind in found or (kind in TURNING and not found.isdisjoint(TURNING)))
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def has_waves(formula: object) -> bool:
-    """Whether a text holds a sine or cosine of something with a name."""
+    """Whether a text holds a sine or the like of something with a name."""
     if not isinstance(formula, str):
         return False
     try:
@@ -142,23 +164,23 @@ def has_waves(formula: object) -> bool:
 
 
 def enclosing_formulas(formulas: Sequence[object], order: int = 0) -> tuple[list[tuple[object, ...]], tuple[Wave, ...]]:
-    """Lists of formulas without sines and cosines of states, whose hull holds the given one, and what is enclosed.
+    """Lists of formulas without sines and the like of states, whose hull holds the given one, and what is enclosed.
 
     The lists are in the order of the values of all e, 0 before 1, the last one fastest.
 
     Args:
         formulas: one for each state.
-        order: further terms of each sine and cosine.
+        order: further terms of each series.
 
     Raises:
-        ExpressionError: for a sine or cosine of states that does not stand in sums and products only, for one inside
-            another, and for too many of them.
+        ExpressionError: for a sine or the like of states that does not stand in sums and products only, for one inside
+            another, for exp of what may be positive, and for too many of them.
     """
     template = Template(order=order)
     written = [_template(formula, template) if has_waves(formula) else formula for formula in formulas]
     count = len(template.waves)
     if count > MAX_WAVES:
-        raise ExpressionError(f"required at most {MAX_WAVES} sines and cosines of states, received {count}")
+        raise ExpressionError(f"required at most {MAX_WAVES} of {LISTED} of states, received {count}")
     return [tuple(_filled(w, e) for w in written) for e in product("01", repeat=count)], tuple(template.waves)
 
 
@@ -189,12 +211,41 @@ def _written(node: ast.expr, text: str, template: Template) -> str:
             return f"({left} {_OPERATORS[type(node.op)]} {right})"
         case ast.Call(func=ast.Name(id=name), args=[argument]) if name in WAVES:
             if any(map(_is_wave, ast.walk(argument))):
-                raise ExpressionError(f"required no sine or cosine inside another, received {shown(text)}")
-            return _wave(name, argument, text, template)
-    raise ExpressionError(f"required sin and cos of states in sums and products only, received {shown(text)}")
+                raise ExpressionError(f"required none of {LISTED} inside another, received {shown(text)}")
+            if name in TURNING:
+                return _turned(name, argument, text, template)
+            if name == "exp" and _sign(argument) != -1:
+                expected = "exp of minus a sum of even powers, such as exp(-x**2)"
+                raise ExpressionError(f"required {expected}, received {shown(text)}")
+            return template.wave(name, f"({ast.get_source_segment(text, argument)})")
+    raise ExpressionError(f"required {LISTED} of states in sums and products only, received {shown(text)}")
 
 
-def _wave(name: str, argument: ast.expr, text: str, template: Template) -> str:
+def _sign(node: ast.expr) -> int | None:
+    """1 where a formula is seen to have no negative value, -1 where it has no positive one; None elsewhere.
+
+    It is a sum, product or quotient of even powers and numbers.
+    """
+    match node:
+        case ast.Constant() | ast.BinOp(op=ast.Pow(), right=ast.Constant(value=0 | 2 | 4 | 6 | 8)):
+            return 1
+        case ast.UnaryOp(op=ast.USub()):
+            return _opposite(_sign(node.operand))
+        case ast.BinOp(op=ast.Add() | ast.Sub()):
+            left, right = _sign(node.left), _sign(node.right)
+            right = right if isinstance(node.op, ast.Add) else _opposite(right)
+            return left if left == right else None
+        case ast.BinOp(op=ast.Mult() | ast.Div()):
+            left, right = _sign(node.left), _sign(node.right)
+            return None if left is None or right is None else left * right
+    return None
+
+
+def _opposite(sign: int | None) -> int | None:
+    return None if sign is None else -sign
+
+
+def _turned(name: str, argument: ast.expr, text: str, template: Template) -> str:
     """``sin(v + t pi)`` or ``cos(v + t pi)`` by the addition theorem; parts with coefficient zero are left out."""
     parts, turn = _parts(argument, text)
     v = f"({' '.join(parts)})"
@@ -213,9 +264,9 @@ def _wave(name: str, argument: ast.expr, text: str, template: Template) -> str:
 def _waves(v: str, along: object, across: object, template: Template) -> list[tuple[object, str]]:
     found = []
     if along:
-        found.append((along, template.sine(v)))
+        found.append((along, template.wave("sin", v)))
     if across:
-        found.append((across, template.cosine(v)))
+        found.append((across, template.wave("cos", v)))
     return found
 
 
@@ -240,7 +291,7 @@ def _holds_pi(node: ast.expr) -> bool:
 
 
 def _is_wave(node: ast.AST) -> bool:
-    """Whether a part is a sine or cosine of something with a name."""
+    """Whether a part is a sine or the like of something with a name."""
     named = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in WAVES
     return named and isinstance(node, ast.Call) and any(_names(argument) for argument in node.args)
 

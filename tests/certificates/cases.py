@@ -240,6 +240,8 @@ def nonlinear_systems() -> Iterator[Case]:
     yield Case("bent", subject(["-x*y**2", "-y + x**2"]), "lyapunov", lyapunov("x**2/2 + (y - x**2)**2", bent))
     away = instability("(y - x**2)**2 - x**2/2", bent, ["1", "0"])
     yield Case("bent-away", subject(["x*y**2", "-y + x**2"]), "instability", away)
+    squared = lyapunov(squares_of("xy"), cells(within="1/2"))
+    yield Case("tanh", subject(["-tanh(x) + y/4", "-atan(y) - y*exp(-x**2 - (2*y)**4/3)"]), "lyapunov", squared)
     rows = subject(["-x + relu(y - 1/8)/4", "-y + relu(x - 1/4)/4"])
     yield Case("rectifiers", rows, "lyapunov", lyapunov(squares_of("xy"), cells("y - 1/8", "x - 1/4")))
 

@@ -358,6 +358,7 @@ def of_formulas() -> Iterator[Forgery]:
         ("no sine or cosine inside a switching function", "-x + relu(0*sin(x))"),
         ("no sine or cosine inside another", "-x + 0*sin(sin(x))"),
         ("no powers of sines and cosines", "-x + 0*sin(x)**2"),
+        ("exp of minus a sum of even powers", "-x + 0*exp(-x**2 + x**4)"),
         ("switching expressions that are products of the surfaces", "x*sign(2 - x)"),
     ):
         yield of_one_state(words, rhs, [ATTRACTS], FALLS, {})
@@ -599,6 +600,7 @@ def of_circles() -> Iterator[Forgery]:
 
     yield turns("sines and cosines of sums of multiples of angles", "-sin(x + 1)")
     yield turns("whole multiples of angles", "4*sin(x/2) - sin(x)")
+    yield turns("no other functions than sines and cosines on circles", "sin(x) + 0*tanh(y)")
     yield turns("formulas in the states", "-sin(x) + 0*sin_x")
     yield turns("a V that is zero at the point", "1", {"V ": PLAIN, "cell  field 0": PLAIN}, "1")
     yield turns("no roots beside angles", "-sin(x)", roots=["x"])

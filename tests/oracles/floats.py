@@ -16,6 +16,7 @@ Floats: TypeAlias = NDArray[np.float64]
 NAMES: dict[str, Any] = {
     "__builtins__": {},
     **{"sin": np.sin, "cos": np.cos, "sqrt": np.sqrt, "pi": math.pi},
+    **{"tanh": np.tanh, "atan": np.arctan, "exp": np.exp},
     **{"Abs": np.abs, "sign": np.sign, "sgn": np.sign, "Max": np.maximum, "Min": np.minimum},
     "relu": lambda v: np.maximum(v, 0.0),
     "sat": np.clip,

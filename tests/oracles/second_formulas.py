@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import permutations, product
 from typing import Any, TypeAlias
 
-from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import Ordering, ctx, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_series
 
 SIZE = 9  # variables: those of eight states, of a face, or the coordinates in a simplex
 RING = fmpq_mpoly_ctx.get(tuple("abcdefghi"), Ordering.lex)
@@ -55,7 +56,7 @@ def at_zero(p: Poly) -> fmpq:
 # ---- formulas ------------------------------------------------------------------------------------
 
 
-WAVES = {"sin": 1, "cos": 0}  # the least power in the series
+WAVES = {"sin": (5, 2), "cos": (6, 2), "tanh": (5, 2), "atan": (5, 2), "exp": (2, 1)}  # the power with e, and the step
 Tree: TypeAlias = tuple[Any, ...]  # what is done, and to what: trees, but a name or a number
 
 
@@ -126,6 +127,28 @@ def waves_in(*trees: Any) -> list[Tree]:
     return found
 
 
+@cache
+def taylor(kind: str) -> list[fmpq]:
+    """The coefficients of a wave's Taylor series at 0, by FLINT."""
+    before, ctx.cap = ctx.cap, 20
+    try:
+        return list(getattr(fmpq_series([0, 1], prec=20), kind)())
+    finally:
+        ctx.cap = before
+
+
+def sense(tree: Tree) -> int:
+    """1 where a formula has no negative value as it is written, -1 where it has no positive one, else 0."""
+    kind, *parts = tree
+    if kind == "number" or (kind == "**" and parts[1] % 2 == 0):
+        return 1
+    senses = [sense(own) for own in parts] if kind in ("+", "-", "*", "/") else [0]
+    if kind in ("*", "/"):
+        return senses[0] * senses[1]
+    last = senses[-1] * (-1 if kind == "-" else 1)
+    return last if last == senses[0] or len(senses) == 1 else 0
+
+
 class Reading:
     """Values of formulas where names, the signs of switching expressions and the ends of waves are known."""
 
@@ -157,6 +180,7 @@ class Reading:
             return RING.constant(parts[0])
         if kind in WAVES:
             need(len(parts) == 1 and not waves_in(*parts), f"arguments of {kind}")
+            need(kind != "exp" or sense(parts[0]) < 0, "exp of what is not positive")
             end = next(own for wave, own in ends if wave is tree)
             return self.wave(kind, Reading(self.names).of_tree(parts[0], []), end)
         need(kind in "+-*/" or not waves_in(*parts), "sines and cosines in sums and products")
@@ -166,13 +190,11 @@ class Reading:
         return self.operation(kind, values) if kind in "+-*/" else self.call(kind, values)
 
     def wave(self, kind: str, v: Poly, end: int) -> Poly:
-        power = WAVES[kind]
-        own = value = v if power else ONE
-        last = 6 - power + 2 * self.order
-        while power < last:
-            own = own * v * v * fmpq(-1, (power + 1) * (power + 2))
-            power += 2
-            value = value + (own * end if power == last else own)
+        power, step = WAVES[kind]
+        last = power + step * self.order
+        value = ZERO
+        for k, c in enumerate(taylor(kind)[: last + 1]):
+            value = value + v**k * (c * end if k == last else c)
         return value
 
     def operation(self, kind: str, values: list[Poly]) -> Poly:

@@ -269,7 +269,10 @@ BAD = [
     (["-sqrt(Abs(x))*sgn(x)", "-sqrt(1 + Abs(y))"], "sqrt"),
     (["-sqrt(Abs(x))*sgn(x) + sin(sqrt(Abs(x)))", "-y"], "sin and cos"),
     (["-sqrt(Abs(x), 2)", "-y"], "formula"),
-    (["-sqrt(Abs(x))*sgn(x)", "-y + sin(x)"], "rhs[2]: required sin and cos of states without a square root"),
+    (
+        ["-sqrt(Abs(x))*sgn(x)", "-y + sin(x)"],
+        "rhs[2]: required sin, cos, tanh, atan and exp of states without a square root",
+    ),
 ]
 
 

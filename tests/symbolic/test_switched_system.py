@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from flint import arb, ctx, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
@@ -24,7 +25,7 @@ from scipy.optimize import linprog
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.system_field import system_field, wave_weight
+from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
@@ -33,7 +34,7 @@ from nonsmooth.symbolic.files.scene_values import read_start_angle, read_start_v
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.formulas.sine_enclosures import Wave
+from nonsmooth.symbolic.formulas.sine_enclosures import ONE_AT_ZERO, TERMS, WAVES, series
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
@@ -180,7 +181,7 @@ def test_formulas_are_tried_with_signs_that_occur_together(load: Load) -> None:
         (
             ["x"],
             ["tan(x)"],
-            "numbers, sin and cos of polynomials in the states, sqrt and rational powers of Abs of a state",
+            "sin, cos, tanh, atan and exp of polynomials in the states, sqrt and rational powers of Abs of a state",
         ),
         (["x"], ["Max()"], "system.rhs[1]: required Max(a, b, ...)"),
         (["x"], ["Max(x, key=1)"], "system.rhs[1]: required Max(a, b, ...)"),
@@ -241,6 +242,9 @@ WRITTEN = [
     "Max(x/(2 + y), y)/(1 + Abs(x))",
     "sgn(x/(y - 2)) - 3*relu(y/(1 + x**2))**2",
     "sin(x)/(1 + y**2) - 1/(2 + x) + 1/2",
+    "tanh(2*x)*sgn(y) - y",
+    "atan(x - y) - (1 + exp(-(2*x)**2 - y**2/3))*y",
+    "tanh(x)**2/(3 + x) - tanh(x)*atan(y)",
 ]
 
 
@@ -262,7 +266,7 @@ def test_the_float_field_is_the_formula(formula: str) -> None:
 
 
 @few(2)
-@pytest.mark.parametrize("formula", [text for text in WRITTEN if "sin" in text or "cos" in text])
+@pytest.mark.parametrize("formula", [text for text in WRITTEN if any(kind in text for kind in WAVES)])
 def test_right_hand_sides_enclose_the_formula(formula: str) -> None:
     system = built(["y", formula])
     assert system.others
@@ -275,28 +279,48 @@ def test_right_hand_sides_enclose_the_formula(formula: str) -> None:
 
 
 @examples(200)
-@given(st.floats(-20, 20), st.sampled_from(["sin", "cos"]))
-def test_weights_of_waves_lie_between_zero_and_one(v: float, kind: str) -> None:
-    e = wave_weight(Wave(kind, "v"), v)
-    assert -1e-9 <= e <= 1 + 1e-9
-    if abs(v) < 3:
-        enclosed = v - v**3 / 6 + e * v**5 / 120 if kind == "sin" else 1 - v**2 / 2 + v**4 / 24 - e * v**6 / 720
-        assert enclosed == pytest.approx(getattr(math, kind)(v), abs=1e-9)
+@given(st.floats(-20, 20), st.sampled_from(WAVES), st.integers(0, 4))
+def test_series_enclose_at_every_place(v: float, kind: str, order: int) -> None:
+    """With their last term and without it; the function itself in balls."""
+    v = -abs(v) if kind == "exp" else v
+    terms = [Fraction(v) ** power * c for power, c in series(kind, TERMS[kind] + order)]
+    low, high = sorted((sum(terms[:-1]), sum(terms)))
+    with ctx.workprec(400):
+        exact = getattr(arb(v), kind)()
+        assert not exact < fmpq(low.numerator, low.denominator)
+        assert not exact > fmpq(high.numerator, high.denominator)
 
 
-def test_a_sine_of_a_large_argument_is_not_mixed_of_powers() -> None:
-    """Beyond it the rounding of ``v^5`` alone would be seen; where it is allowed, the value is right to nine digits."""
-    for kind in ("sin", "cos"):
-        e = wave_weight(Wave(kind, "v"), 49.0)
-        enclosed = 49 - 49**3 / 6 + e * 49**5 / 120 if kind == "sin" else 1 - 49**2 / 2 + 49**4 / 24 - e * 49**6 / 720
-        assert enclosed == pytest.approx(getattr(math, kind)(49), abs=1e-8)
-        with pytest.raises(RefusalError, match="the argument of a sine is 1e"):
-            wave_weight(Wave(kind, "v"), 1e5)
+@pytest.mark.parametrize("kind", WAVES)
+def test_paths_take_functions_themselves_however_large_what_they_are_of(kind: str) -> None:
+    system = built(["y", f"-x - {kind}(-(100*y)**2)" + (" + 1" if kind in ONE_AT_ZERO else "")])
+    for y in (1e-3, 1.0, 20.0):
+        expected = getattr(math, kind)(-((100 * y) ** 2)) - (kind in ONE_AT_ZERO)
+        assert velocity(system, np.array([0.0, y]))[1] == pytest.approx(-expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("formula", "expected"),
+    [
+        ("exp(x)", "exp of minus a sum of even powers"),
+        ("exp(-x*y)", "exp of minus a sum of even powers"),
+        ("exp(x**2 - y**4)", "exp of minus a sum of even powers"),
+        ("exp(-x**3)", "exp of minus a sum of even powers"),
+        ("tanh(x + 1)", "tanh of what is zero at the checked point"),
+        ("atan(tanh(x))", "none of sin, cos, tanh, atan and exp inside another"),
+        ("sign(tanh(x))", "sin, cos, tanh, atan and exp of states in sums and products only"),
+        ("tanh(1)*x", "without 'tanh(1)'"),
+    ],
+)
+def test_other_functions_are_refused(formula: str, expected: str) -> None:
+    with pytest.raises(SceneError, match="rhs") as caught:
+        built([f"-x + {formula}", "-y"])
+    assert expected in str(caught.value)
 
 
 def test_paths_of_numbers_beyond_floats_are_refused() -> None:
     with pytest.raises(RefusalError, match="coefficients within the range of floats"):
-        velocity(built(["y", "-x - sin(x*1e300)"]), np.array([0.1, 0.1]))
+        velocity(built(["y", "-x - y*1e200*1e200"]), np.array([0.1, 0.1]))
 
 
 def test_interval_parameters_stand_for_their_ends() -> None:
@@ -337,13 +361,21 @@ def test_whole_exponents_may_be_written_otherwise(written: str, whole: str) -> N
         (["y", "sin(x - 1)"], None, "system.rhs: required sin and cos of what is zero at the checked point"),
         (["y", "sin(x + 1 + pi)"], None, "up to a multiple of pi, received 'x + 1'"),
         (["y", "sin(x + 1 + pi*sqrt(2))"], None, "system.rhs[2]: required a rational multiple of pi"),
-        (["y", "sgn(sin(x))"], None, "system.rhs[2]: required sin and cos of states in sums and products only"),
-        (["y", "sin(sin(x))"], None, "system.rhs[2]: required no sine or cosine inside another"),
+        (
+            ["y", "sgn(sin(x))"],
+            None,
+            "system.rhs[2]: required sin, cos, tanh, atan and exp of states in sums and products only",
+        ),
+        (["y", "sin(sin(x))"], None, "system.rhs[2]: required none of sin, cos, tanh, atan and exp inside another"),
         (["-sin(x)", "sin(sin(y))"], None, "inside another, received 'sin(sin(y))'"),
         (["sin(x) + sin(2*x) + sin(3*x)", "sin(y) + sin(2*y) + sin(3*y)"], None, "system.rhs: required at most 5"),
         (["sin(x) + sin(2*x) + sin(3*x)", "sin(y) + sin(2*y) + sin(3*y)"], None, "of states, received 6"),
-        (["y", "sin(Abs(x))"], None, "required sin and cos of polynomials in the states"),
-        (["y", "sin(x)**4*cos(y)**3"], None, "system.rhs[2]: required at most 5 sines and cosines of states"),
+        (["y", "sin(Abs(x))"], None, "required sin, cos, tanh, atan and exp of polynomials in the states"),
+        (
+            ["y", "sin(x)**4*cos(y)**3"],
+            None,
+            "system.rhs[2]: required at most 5 of sin, cos, tanh, atan and exp of states",
+        ),
         (["y", "-x/k"], {"k": [1, 2]}, "system.rhs[2]: required a formula that is affine in the interval parameter k"),
         (["y", "-Abs(k)*x"], {"k": [1, 2]}, "required a formula that is affine"),
         (["y", "-k*x"], {"k": [2, 1]}, "system.parameters.k: required an interval of two rational numbers"),
