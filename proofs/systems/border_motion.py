@@ -134,6 +134,7 @@ def _root_point(root: RealRoot, edge: Segment) -> tuple[Point, bool]:
 
 SHORT = Fraction(1, 2**20)  # of a border: parts that are left out
 NARROW = Fraction(1, 2**40)  # of a border: what encloses a root
+CUTS = (Fraction(1, 2), Fraction(3, 7))  # of what encloses it: the second one where the root is in the middle
 MOST_PARTS = 400  # of a border that are looked at for one sign
 BITS = 128
 
@@ -206,11 +207,11 @@ class NormalPart:
     def _root_between(self, low: Fraction, high: Fraction, first: int | None) -> tuple[Fraction, Fraction]:
         """A narrow enclosure of the one root between ends with different signs."""
         while high - low > NARROW:
-            middle = (low + high) / 2
-            here = self._sign_at(middle)
-            if not here:  # zero, or too near to it to tell
+            signs = ((at, self._sign_at(at)) for at in (low + share * (high - low) for share in CUTS))
+            cut, here = next((own for own in signs if own[1]), (low, None))
+            if here is None:  # too near to the root to tell
                 return low, high
-            low, high = (middle, high) if here == first else (low, middle)
+            low, high = (cut, high) if here == first else (low, cut)
         return low, high
 
     def _sign_at(self, t: Fraction) -> int | None:

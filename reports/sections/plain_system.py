@@ -461,7 +461,8 @@ def _polynomial_math(polynomial: Polynomial, names: Sequence[str], symbols: Sequ
 def stated_math(field: StatedField, states: Sequence[str]) -> tuple[Math, ...]:
     """The rate of each state, with its sines and cosines."""
     waves = [polynomial_math(wave.argument, states) for wave in field.waves]
-    latex = [rf"\{wave.kind}\left({math.latex}\right)" for wave, math in zip(field.waves, waves, strict=True)]
+    named = [{"atan": "arctan"}.get(wave.kind, wave.kind) for wave in field.waves]
+    latex = [rf"\{name}\left({math.latex}\right)" for name, math in zip(named, waves, strict=True)]
     return tuple(
         _polynomial_math(rate, field.names(states), [*map(state_latex, states), *latex]) for rate in field.rates
     )

@@ -355,6 +355,8 @@ SYSTEMS = [
     ("y/(1 + x**2)", "sgn(y)*(1/8 - sin(x)**2)"),  # escapes near the point, slides farther out
     ("sin(x + pi) + y", "cos(x) - 1 - sgn(2*x - y)*cos(3*y)"),
     ("cos(x - pi/2) - sgn(x)", "sin(x*y) - y*Abs(sgn(x))"),
+    ("y", "-4*x - (1 + cos(y)/2)*sgn(y)"),  # slides to x = 3/8, which halves of the border meet
+    ("y", "-x - (1 + exp(-(2*y)**2)/2)*sgn(y) - atan(x)*tanh(y)"),
 ]
 
 
@@ -388,7 +390,7 @@ def test_borders_agree_with_samples_beside_them(rhs: tuple[str, str]) -> None:
 
 def test_borders_miss_nothing_but_roots() -> None:
     """The parts of each border follow each other, and together are as long as the border."""
-    for rhs in SYSTEMS[:3]:
+    for rhs in (*SYSTEMS[:3], *SYSTEMS[-2:]):
         parts = PhasePortrait(built(rhs)).borders
         length = sum(math.dist(*(list(map(float, end)) for end in (part.start, part.end))) for part in parts)
         border = 3.0 if "x + y" not in rhs[1] else 3 * math.sqrt(2)

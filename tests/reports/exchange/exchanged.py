@@ -29,6 +29,7 @@ STATED: dict[str, dict[str, Any]] = {
     "arbitrary": {"rhs": [["-x + y", "-x - y"], ["-2*x", "-sign(x) - y"]]},
     "fraction": {"rhs": ["-x/(1 + y**2)", "-y - x/3"]},
     "sines": {"rhs": ["y", "-sin(x) - sign(y)/4"]},
+    "smooth": {"rhs": ["tanh(y)", "-atan(x) - (1 + exp(-(y/2)**2))*sign(y)"]},
     "one state": {"states": ["s"], "rhs": ["-sign(s)*(1 + Abs(s)/5) - s**3"]},
     "three states": {"states": ["x", "y", "z"], "rhs": ["-x + y", "-y - sign(y)", "-z - relu(x)/9"]},
     "roots of numbers": {"rhs": ["-sqrt(2)*x + cos(pi/5)*y", "-x - sign(y)/sqrt(3)"]},
