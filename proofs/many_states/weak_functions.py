@@ -16,6 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import chain
 from math import comb
 
@@ -154,10 +155,13 @@ class LinearProgram:
             rows = np.vstack([self.rates, matrix])
             bounds = np.r_[np.zeros(len(self.rates)), limits]
             values = least_sum(rows, bounds, self.costs, MOST)
-            if values is not None:
-                found = rounded(values, lambda own: bool(np.all(self.rates @ own <= SLACK)))
-                if found is not None:
-                    yield found
+            found = None if values is None else rounded(values, partial(self._holds, matrix))
+            if found is not None:
+                yield found
+
+    def _holds(self, matrix: Floats, own: Floats) -> bool:
+        """Whether V rises nowhere, and has the signs that are asked for."""
+        return bool(np.all(self.rates @ own <= SLACK) and np.all(matrix @ own < 0))
 
 
 # ---- functions that are proved -------------------------------------------------------------------

@@ -327,6 +327,15 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
 
 
+@pytest.mark.parametrize("rhs", [["Abs(y)", "-y"], ["Abs(y)", "-y - y**3"]])
+def test_rounding_keeps_a_proposal_positive(load: Load, rhs: list[str]) -> None:
+    """``(x + Abs(y))**2 + y**2``: the nearest shorter numbers that let V rise nowhere leave ``y**2`` alone."""
+    result = decide_system(load(*rhs))
+    assert result.verdict is Translation.STABLE
+    assert "not asymptotically" in result.reason
+    assert result.check()
+
+
 # ---- Quadratic functions of linear systems: short, nearly as fast as solutions, and never faster.
 
 
