@@ -12,11 +12,11 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from itertools import chain
 from math import comb
 
@@ -34,7 +34,14 @@ from nonsmooth.proofs.inequalities.linear_program import least_sum
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
-from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, Search, instability_hypotheses
+from nonsmooth.proofs.kernel.search import (
+    Entry,
+    Functions,
+    NotShownError,
+    Search,
+    instability_hypotheses,
+    sample_points,
+)
 from nonsmooth.proofs.kernel.second_function import find_second, gradient, rounded, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
@@ -66,6 +73,7 @@ SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
 MOST = 64.0  # of a coefficient
 SLACK = 2.0**-30  # by which floats may miss an equality
 DIRECTIONS = 200
+MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
 def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) -> Iterator[str]:
@@ -83,7 +91,9 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) ->
     for basis in families(stated.cells):
         conditions = functions_on(system, stated, [own.text for own in basis])
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in basis])
-        asked = LinearProgram(_rates(conditions), *_values(conditions), costs)
+        asked = LinearProgram(
+            _rates(conditions), *_values(conditions), costs, cache(partial(_rates_beside, conditions))
+        )
         kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
         for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
             for chosen in asked.combined(columns).solutions(positive=positive) if columns.ncols() else ():
@@ -105,9 +115,28 @@ def _rates(conditions: Functions) -> Floats:
         if len(own.points):
             slopes = [np.sum(gradient(value, own.points) * own.velocities, axis=1) for value in cells[0].functions]
             found.append(np.stack(slopes, axis=1))
-    rows = np.vstack(found)
+    return np.unique(np.round(scaled(np.vstack(found)), 12), axis=0)
+
+
+def _rates_beside(conditions: Functions) -> Floats:
+    """The same in the cells alone, at points that lie near coordinate planes too."""
+    inclusion, found = conditions.inclusion, []
+    for cell in inclusion.cells:
+        points = sample_points(inclusion.count, bounded=True)
+        signed = [inclusion.surfaces.signed(j, sign) for j, sign in enumerate(cell.signs)]
+        points = points[np.all([float_values(own.terms, points) > 0 for own in signed], axis=0)] if signed else points
+        for _, field in cell.fields:
+            velocities = np.stack([float_values(part.terms, points) for part in field], axis=1)
+            found.append(
+                np.stack([np.sum(gradient(own, points) * velocities, axis=1) for own in cell.functions], axis=1)
+            )
+    return scaled(np.vstack(found))
+
+
+def scaled(rows: Floats) -> Floats:
+    """Rows over their largest entries; none that is zero."""
     largest = np.max(np.abs(rows), axis=1, keepdims=True)
-    return np.unique(np.round(rows[largest[:, 0] > 0] / largest[largest[:, 0] > 0], 12), axis=0)
+    return rows[largest[:, 0] > 0] / largest[largest[:, 0] > 0]
 
 
 def _values(conditions: Functions) -> tuple[Floats, Floats]:
@@ -130,17 +159,20 @@ class LinearProgram:
         points: of all cells, of shape (n, states).
         values: of the functions there, of shape (n, k).
         costs: of the functions.
+        beside: further rates, of which those that refute a proposal are added.
     """
 
     rates: Floats
     points: Floats
     values: Floats
     costs: Floats
+    beside: Callable[[], Floats]
 
     def combined(self, columns: fmpq_mat) -> LinearProgram:
         """The same about sums of the functions; many rows need such sums to meet equalities that rounding breaks."""
         sums = np.array(columns.tolist(), dtype=float)
-        return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums))
+        beside = cache(lambda: self.beside() @ sums)
+        return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums), beside)
 
     def solutions(self, *, positive: bool) -> Iterator[list[Fraction]]:
         """In short fractions."""
@@ -152,16 +184,23 @@ class LinearProgram:
             axes = [int(np.argmax(side * along[:, k])) for k in range(along.shape[1]) for side in (1, -1)]
             asked = [(self.values[[k]], -sizes[[k]]) for k in axes]
         for matrix, limits in asked:
-            rows = np.vstack([self.rates, matrix])
-            bounds = np.r_[np.zeros(len(self.rates)), limits]
-            values = least_sum(rows, bounds, self.costs, MOST)
-            found = None if values is None else rounded(values, partial(self._holds, matrix))
-            if found is not None:
-                yield found
+            rates = self.rates
+            for _ in range(MOST_ROUNDS):
+                bounds = np.r_[np.zeros(len(rates)), limits]
+                values = least_sum(np.vstack([rates, matrix]), bounds, self.costs, MOST)
+                found = None if values is None else rounded(values, partial(_holds, rates, matrix))
+                if found is None:
+                    break
+                rising = self.beside() @ np.array(list(map(float, found))) > SLACK
+                if not rising.any():
+                    yield found
+                    break
+                rates = np.vstack([rates, self.beside()[rising]])
 
-    def _holds(self, matrix: Floats, own: Floats) -> bool:
-        """Whether V rises nowhere, and has the signs that are asked for."""
-        return bool(np.all(self.rates @ own <= SLACK) and np.all(matrix @ own < 0))
+
+def _holds(rates: Floats, matrix: Floats, own: Floats) -> bool:
+    """Whether V rises nowhere, and has the signs that are asked for."""
+    return bool(np.all(rates @ own <= SLACK) and np.all(matrix @ own < 0))
 
 
 # ---- functions that are proved -------------------------------------------------------------------

@@ -327,9 +327,9 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
 
 
-@pytest.mark.parametrize("rhs", [["Abs(y)", "-y"], ["Abs(y)", "-y - y**3"]])
-def test_rounding_keeps_a_proposal_positive(load: Load, rhs: list[str]) -> None:
-    """``(x + Abs(y))**2 + y**2``: the nearest shorter numbers that let V rise nowhere leave ``y**2`` alone."""
+@pytest.mark.parametrize("rhs", [["Abs(y)", "-y"], ["Abs(y)", "-y - y**3"], ["Abs(x + 2*y) - x", "-y"]])
+def test_energies_whose_numbers_must_agree(load: Load, rhs: list[str]) -> None:
+    """``(x + Abs(y))**2 + y**2``: shorter numbers leave ``y**2`` alone, and others that V rises on thin cones."""
     result = decide_system(load(*rhs))
     assert result.verdict is Translation.STABLE
     assert "not asymptotically" in result.reason
