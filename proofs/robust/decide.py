@@ -237,7 +237,7 @@ class SmoothProof(DiscProof):
         margin = contact_set(self.scene).margin
         if margin is not None and radius + _displaced(box) >= margin:
             return None
-        return Robust(Certainty.CERTIFIED, radius=radius, equilibrium=radius, drift=found.drift)
+        return Robust(Certainty.CERTIFIED, radius=radius, equilibrium=radius, drift=rational_above(abs(found.spin)))
 
 
 class BoxRuleProof(DiscProof):
