@@ -24,7 +24,8 @@ from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _shapes, decide_ends, field_beside, velocity_of
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_away
-from nonsmooth.proofs.robust.touching_rings import FINER, TouchingRings, ring_rates, rings_about
+from nonsmooth.proofs.robust.rings import TouchingRings
+from nonsmooth.proofs.robust.touching_rings import FINER, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
