@@ -6,9 +6,9 @@ twist of a body that turns about its own centre, ``xi = (omega c_y, -omega c_x, 
     K(Z) = z_0 - Y F(z_0; Q) + (1 - Y F'(Z; Q))(Z - z_0)
 
 maps the box Z into its interior only where, for every array of the box Q, Z holds exactly one zero.  About it, to first
-order, ``c' = A c`` with ``A = V + omega J + (J c) w^T``, ``(V; w) = -(dg/dxi)^-1 dg/dc``.  Where dg/dxi is positive
-definite, the trace of A negative and its determinant positive, all over Z and Q, each of these equilibria attracts
-exponentially.
+order, ``c' = A c`` with ``A = V + omega J + (J c) w^T``, ``(V; w) = -(dg/dxi)^-1 dg/dc``.  Where dg/dxi is regular, and
+so positive definite as D is convex, the trace of A negative and its determinant positive, all over Z and Q, each of
+these equilibria attracts exponentially.
 
 Per unit of weight, about the origin, with ``alpha, beta`` the half-axes of a wheel's friction set, r and s its slips
 along the friction axis a and across it and ``f = |(alpha r, beta s)|``, its force is ``N_i (alpha^2 r a + beta^2 s J
