@@ -130,7 +130,11 @@ class BoxEnumeration:
             ValueError: for more than :data:`MAX_WHEELS` wheels, or fewer than three independent loaded rows.
         """
         normal = model.checked_loads(loads)
-        triples, candidates = regular_triples(model)
+        if model.wheels > MAX_WHEELS:
+            raise ValueError(f"required at most {MAX_WHEELS} wheels to try all triples, received {model.wheels}")
+        scale = _column_sizes(model)
+        triples, candidates = regular_triples(model.rows / scale, model.targets)
+        candidates = candidates / scale
         twists, forces = np.empty((len(normal), 3)), np.empty((*normal.shape, 2))
         faces = {}
         for k, load in enumerate(normal):
@@ -145,21 +149,14 @@ class BoxEnumeration:
         return Minima(self.functional, model, normal, twists, forces, faces)
 
 
-def regular_triples(model: ContactRows) -> tuple[Indices, Floats]:
-    """Triples of independent rows, shape (t, 3), and the twist of each, shape (t, 3).
-
-    Raises:
-        ValueError: for more than :data:`MAX_WHEELS` wheels.
-    """
-    if model.wheels > MAX_WHEELS:
-        raise ValueError(f"required at most {MAX_WHEELS} wheels to try all triples, received {model.wheels}")
-    scale = _column_sizes(model)
-    triples = np.array(list(combinations(range(len(model.rows)), 3)))
-    matrices = (model.rows / scale)[triples]
+def regular_triples(rows: Floats, targets: Floats) -> tuple[Indices, Floats]:
+    """Triples of independent rows (k, 3), and the twists at which these have their targets (k), shape (t, 3) each."""
+    triples = np.array(list(combinations(range(len(rows)), 3)))
+    matrices = rows[triples]
     sizes = np.linalg.norm(matrices, axis=2).prod(axis=1)
-    triples = triples[np.abs(np.linalg.det(matrices)) > REGULAR * sizes]
-    twists = np.linalg.solve((model.rows / scale)[triples], model.targets[triples][..., None])[..., 0] / scale
-    return triples, twists
+    regular = np.abs(np.linalg.det(matrices)) > REGULAR * sizes
+    twists = np.linalg.solve(matrices[regular], targets[triples[regular]][..., None])[..., 0]
+    return triples[regular], twists
 
 
 def _best(model: ContactRows, loads: Floats, candidates: Floats) -> Floats:

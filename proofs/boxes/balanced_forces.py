@@ -395,11 +395,17 @@ class LoadBox:
         return [c0 + cx * x + cy * y for c0, cx, cy in self.forms]
 
 
-def load_box(scene: Scene, step: arb) -> LoadBox | None:
-    """Loads of a scene whose positions may be off by ``step``; None where the springs do not fix them."""
+def load_box(scene: Scene, step: arb, carrying: Sequence[int] | None = None) -> LoadBox | None:
+    """Loads of a scene whose positions may be off by ``step``; None where the springs do not fix them.
+
+    Args:
+        scene: the array.
+        step: tolerance of each coordinate.
+        carrying: the places of the wheels that carry, where not all do; of the others what springs would push.
+    """
     off = step * arb(0, 1)
     moments = [(arb(1), x.ball() + off, y.ball() + off) for x, y in (wheel.position for wheel in scene.wheels)]
-    forms = load_model(scene).forms(moments, range(len(moments)), BALLS)
+    forms = load_model(scene).forms(moments, range(len(moments)) if carrying is None else carrying, BALLS)
     return None if forms is None else LoadBox(tuple(forms))
 
 

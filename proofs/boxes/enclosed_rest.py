@@ -48,8 +48,8 @@ from nonsmooth.symbolic.numbers.number_text import upper_text
 PRECISION = 128  # bits
 NEWTON_STEPS = 6
 CENTRED = 2.0**-30  # of twist and forces: Newton's step in the middle of a box after which no better one is needed
-INFLATIONS = 10
-GROWTH = 1.25  # of the image of a box, which is the next one
+INFLATIONS = 20
+GROWTH = 1.0625  # of the image of a box, which is the next one
 LEAST = 2.0**-100  # of its half-widths, beside one
 DIGITS = 4  # of a bound of its distance from the point
 SPIN_DECIMALS = 15  # of the bounds of a rotation rate
@@ -175,6 +175,12 @@ class EnclosedRest:
         return hash(float(self.spin))
 
     @property
+    def squared(self) -> Fraction:
+        """An upper bound of the square of its distance from the origin."""
+        x, y = self.place
+        return rational_above(x * x + y * y)
+
+    @property
     def distance(self) -> Fraction:
         """An upper bound of its distance from the origin, of a few digits."""
         x, y = (abs(entry).upper() for entry in self.place)
@@ -220,7 +226,12 @@ def enclosed_rest(scene: Scene) -> EnclosedRest | None:
 def _enclosed(balance: Balance, start: arb_mat) -> EnclosedRest | None:
     """The place of rest for some wheels that are held, from about where it is."""
     centre = newton(balance.at_rest, start, NEWTON_STEPS)
-    box = None if centre is None else isolated_zero(balance.at_rest, centre)
+    return None if centre is None else isolated_rest(balance, centre)
+
+
+def isolated_rest(balance: Balance, centre: arb_mat) -> EnclosedRest | None:
+    """The only place of rest near an approximate one, by place, rotation rate and held forces; None if not shown."""
+    box = isolated_zero(balance.at_rest, centre)
     if box is None:
         return None
     x, y, omega, *_ = box.entries()

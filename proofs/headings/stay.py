@@ -14,13 +14,14 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
+import numpy as np
 from flint import arb, arb_mat
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs import clause_registry
-from nonsmooth.proofs.boxes.balanced_forces import LoadBox
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosed_rest import Balance, enclosed_motion
 from nonsmooth.proofs.boxes.enclosures import linear_stability
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
@@ -245,35 +246,22 @@ def set_motion(
     So it is where a loaded wheel may be free or a free one pressed, and where it is not smooth in c.
     """
     guess = guesses.of(wheels, (float(centre[0].mid()), float(centre[1].mid())))
-    chosen = [scene.wheels[k] for k in wheels]
-    forms = None if guess is None else _elastic_loads(chosen, guess.loaded)
-    if guess is None or forms is None:
+    chosen = tuple(scene.wheels[k] for k in wheels)
+    on_these = replace(scene, wheels=chosen)
+    springs = None if guess is None else load_box(on_these, arb(0), np.flatnonzero(guess.loaded).tolist())
+    if guess is None or springs is None:
         return None
-    springs = LoadBox(forms).at(centre)
-    if not all(spring > 0 if pressed else spring < 0 for spring, pressed in zip(springs, guess.loaded, strict=True)):
+    pushes = zip(springs.at(centre), guess.loaded, strict=True)
+    if not all(push > 0 if pressed else push < 0 for push, pressed in pushes):
         return None  # loads may change their form
     sets = [smooth_rule_of(scene).friction_set(wheel.friction) for wheel in chosen]
     rubbing = [k for k, own in enumerate(sets) if guess.loaded[k] and (own.along or own.across)]
     part = replace(scene, wheels=tuple(chosen[k] for k in rubbing))
     held = {n: 2 for n, k in enumerate(rubbing) if guess.stuck[k]}
-    balance = Balance(part, LoadBox(tuple(forms[k] for k in rubbing)), held)
+    balance = Balance(part, LoadBox(tuple(springs.forms[k] for k in rubbing)), held)
     start = [*guess.twist, *[0.0] * (balance.size - 3)]
     found = enclosed_motion(balance, arb_mat([[arb(value)] for value in start]), centre)
     if found is None:
         return None
     vx, vy, omega = found[0].entries()[:3]
     return EnclosedMotion(centre, (vx, vy, omega), found[1])
-
-
-def _elastic_loads(wheels: Sequence[Wheel], loaded: Sequence[bool]) -> tuple[tuple[arb, arb, arb], ...] | None:
-    """Forms in c of springs with total force 1 under the loaded wheels; None where these may stand on one line."""
-    moments = [arb_mat([[arb(1)], *([ball_of(entry)] for entry in wheel.position)]) for wheel in wheels]
-    stiffness = arb_mat(3, 3)
-    for moment, pressed in zip(moments, loaded, strict=True):
-        stiffness += moment * moment.transpose() * arb(int(pressed))
-    try:
-        inverse = stiffness.inv()
-    except ZeroDivisionError:
-        return None
-    forms = ((inverse * moment).entries() for moment in moments)
-    return tuple((a, b, c) for a, b, c in forms)

@@ -181,7 +181,7 @@ class DiscProof(BoxProof):
 
     def _disc(self, box: Tolerance) -> Robust | None:
         disc = self.rings.disc(box, self._most(box)) if self.rings is not None and self._follows(box) else None
-        return None if disc is None else _ends(box, disc.radius, disc.start, disc.within)
+        return None if disc is None else _ends(box, disc.radius, disc.start, disc.time_to(disc.radius))
 
     def _follows(self, box: Tolerance) -> bool:
         """Whether a body that turns on its way keeps its wheels, as one without an outline does."""
@@ -237,7 +237,7 @@ class SmoothProof(DiscProof):
         margin = contact_set(self.scene).margin
         if margin is not None and radius + _displaced(box) >= margin:
             return None
-        return Robust(Certainty.CERTIFIED, radius=radius, equilibrium=radius, drift=found.drift)
+        return Robust(Certainty.CERTIFIED, radius=radius, equilibrium=radius, drift=rational_above(abs(found.spin)))
 
 
 class BoxRuleProof(DiscProof):

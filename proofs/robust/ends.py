@@ -21,8 +21,8 @@ import numpy as np
 
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
-from nonsmooth.proofs.robust.rings import root_above
-from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, TouchingRings, rings_about
+from nonsmooth.proofs.robust.rings import TouchingRings, root_above
+from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, rings_about
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -9,13 +9,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_rule import friction_sets, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.minimizers.box_minimizers import regular_triples
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import affine_loads
 from nonsmooth.proofs.inequalities.linear_program import solve_program
@@ -172,7 +172,6 @@ def _middle(piece: AnnulusPiece) -> tuple[float, float]:
 
 
 MAX_WHEELS = 30  # 34,220 triples of rows
-REGULAR = 2.0**-30  # volume of three unit rows below which they count as dependent
 SATISFIED = 2.0**-30  # of the fastest wheel's speed: a smaller slip is rounding
 LARGEST_SHARE = 0.999  # largest share of a limit that is proposed for a row that is satisfied
 
@@ -199,11 +198,7 @@ class BoxCorners(ArrayRows):
     def twists(self) -> Floats:
         """All corners, (m, 3), with ``length omega`` last."""
         able = np.flatnonzero(self.friction > 0)
-        triples = np.array(list(combinations(able, 3)))
-        matrices, right = self.rows[triples], self.speeds[triples]
-        sizes = np.linalg.norm(matrices, axis=2).prod(axis=1)
-        regular = np.abs(np.linalg.det(matrices)) > REGULAR * sizes
-        return np.linalg.solve(matrices[regular], right[regular][..., None])[..., 0]
+        return regular_triples(self.rows[able], self.speeds[able])[1]
 
     @cached_property
     def _slips(self) -> Floats:

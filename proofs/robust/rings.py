@@ -14,7 +14,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from flint import arb, ctx, fmpq
@@ -36,35 +35,46 @@ Bound = TypeVar("Bound")
 
 
 @dataclass(frozen=True)
-class EndDisc:
-    """What holds for every array of the box.
+class TouchingRings:
+    """Rings that touch, from the largest inward.
 
     Attributes:
-        start: radius of the disc of starts.
-        inner: radius of the inner border of each ring, from there inward.
-        rates: at which the distance falls on each (length/time).
+        outer: level of the first one's outer border (length).
+        inner: level of the inner border of each (length).
+        rates: kappa on each (length/time).
+        inside: radius of a disc that a level set holds, over its level.
+        outside: radius of a disc that holds it.
     """
 
-    start: Fraction
+    outer: Fraction
     inner: tuple[Fraction, ...]
     rates: tuple[Fraction, ...]
+    inside: Fraction = Fraction(1)
+    outside: Fraction = Fraction(1)
+
+    @property
+    def start(self) -> Fraction:
+        """Radius of the disc of starts."""
+        return self.outer * self.inside
 
     @property
     def radius(self) -> Fraction:
-        """Of the disc in which bodies end."""
-        return self.inner[-1]
+        """Of the disc in which every body ends."""
+        return self.inner[-1] * self.outside
 
-    @property
-    def kappa(self) -> Fraction:
-        """The least rate at which the distance falls outside it."""
-        return min(self.rates)
+    def swing_from(self, start: Fraction) -> Fraction:
+        """A distance that no body from within ``start`` exceeds: of the level set that holds that disc."""
+        return start * self.outside / self.inside
 
-    @property
-    def within(self) -> Fraction:
-        """After which bodies have come from the disc of starts to that of ends: ring after ring."""
-        outer = (self.start, *self.inner)
-        widths = (far - near for far, near in pairwise(outer))
-        return sum((width / rate for width, rate in zip(widths, self.rates, strict=True)), Fraction(0))
+    def time_to(self, radius: Fraction, start: Fraction | None = None) -> Fraction:
+        """After which every body from within ``start`` is within a radius that is not below :attr:`radius`."""
+        outer, total = self.outer, Fraction(0)
+        most = self.outer if start is None else start / self.inside
+        for inner, rate in zip(self.inner, self.rates, strict=True):
+            width = min(outer, most) - max(inner, radius / self.outside)
+            total += max(width, Fraction(0)) / rate
+            outer = inner
+        return total
 
 
 class RingProof(ABC, Generic[Bound]):
@@ -108,7 +118,7 @@ class RingProof(ABC, Generic[Bound]):
             bound = self.over(box)
             return bound is not None and self._first_ring(bound, most, at_any=True) is not None
 
-    def disc(self, box: Tolerance, most: Fraction) -> EndDisc | None:
+    def disc(self, box: Tolerance, most: Fraction) -> TouchingRings | None:
         """The disc in which bodies end that start in one of a radius up to ``most``; None where none is found."""
         with ctx.workprec(PRECISION):
             first = self._outermost(box, most)
@@ -178,13 +188,13 @@ class RingProof(ABC, Generic[Bound]):
         return least
 
 
-def _fastest(found: list[tuple[Fraction, arb]], start: Fraction) -> EndDisc:
+def _fastest(found: list[tuple[Fraction, arb]], start: Fraction) -> TouchingRings:
     """Nearly the smallest disc: slow rings at the end, which would bring bodies hardly nearer, are left out."""
     radius = max(found[-1][0], LEAST * start)
     kept = [k for k, (inner, _) in enumerate(found) if inner <= GROWTH * radius] or [len(found) - 1]
     rates = [rational_below(rate) for _, rate in found]
     last = max(kept, key=lambda k: (min(rates[: k + 1]), -found[k][0]))
-    return EndDisc(start, tuple(inner for inner, _ in found[: last + 1]), tuple(rates[: last + 1]))
+    return TouchingRings(start, tuple(inner for inner, _ in found[: last + 1]), tuple(rates[: last + 1]))
 
 
 # ---- the distance at which bodies end, from cells with bounds of their velocities ----------------

@@ -6,9 +6,9 @@ twist of a body that turns about its own centre, ``xi = (omega c_y, -omega c_x, 
     K(Z) = z_0 - Y F(z_0; Q) + (1 - Y F'(Z; Q))(Z - z_0)
 
 maps the box Z into its interior only where, for every array of the box Q, Z holds exactly one zero.  About it, to first
-order, ``c' = A c`` with ``A = V + omega J + (J c) w^T``, ``(V; w) = -(dg/dxi)^-1 dg/dc``.  Where dg/dxi is positive
-definite, the trace of A negative and its determinant positive, all over Z and Q, each of these equilibria attracts
-exponentially.
+order, ``c' = A c`` with ``A = V + omega J + (J c) w^T``, ``(V; w) = -(dg/dxi)^-1 dg/dc``.  Where dg/dxi is regular, and
+so positive definite as D is convex, the trace of A negative and its determinant positive, all over Z and Q, each of
+these equilibria attracts exponentially.
 
 Per unit of weight, about the origin, with ``alpha, beta`` the half-axes of a wheel's friction set, r and s its slips
 along the friction axis a and across it and ``f = |(alpha r, beta s)|``, its force is ``N_i (alpha^2 r a + beta^2 s J
@@ -18,7 +18,6 @@ a)/f``.  Over the box of its own parameters it is enclosed by the mean value the
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 
@@ -28,17 +27,12 @@ from flint import arb, arb_mat, ctx
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
+from nonsmooth.proofs.boxes.enclosed_rest import Balance, EnclosedRest, isolated_rest
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Jet,
-    approximate_inverse,
-    is_positive_definite,
-    krawczyk,
-    lies_inside,
-    linear_stability,
     newton,
     parameters,
-    slope_of_pose_rate,
     turned_by,
     unit_vector,
 )
@@ -51,110 +45,72 @@ from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
-from nonsmooth.symbolic.numbers.enclosures import rational_above
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 PRECISION = 64  # bits of the balls
-INFLATIONS = 12  # of the box Z
-GROWTH = 1.125  # of the image of the box, which is the next one
-LEAST = 2.0**-50  # of its half-widths
 NEWTON_STEPS = 20  # to the middle of the box
 
 TWIST = 3  # entries; then x, y, angle, speed and the two frictions of a wheel, and its load
 
 
-@dataclass(frozen=True)
-class EquilibriumBox:
-    """Where the equilibria of all arrays are.
-
-    Attributes:
-        squared: bound of ``|c|^2``.
-        drift: bound of ``|omega|`` there (1/time).
-    """
-
-    squared: Fraction
-    drift: Fraction
-
-
-def equilibrium_box(scene: Scene, box: Tolerance) -> EquilibriumBox | None:
+def equilibrium_box(scene: Scene, box: Tolerance) -> EnclosedRest | None:
     """The equilibria of all arrays of a box about a centred scene, where they are proved to attract; else None."""
     with ctx.workprec(PRECISION):
-        loads, nominal = load_box(scene, box.position.ball()), load_box(scene, arb(0))
-        centre = _centre(scene, box.times(Fraction(0)))
-        if loads is None or nominal is None or centre is None:
-            return None
-        return _proved(_Arrays(scene, box, loads, nominal), centre)
+        arrays, centre = ArrayBalance.of(scene, box), _centre(scene, box.times(Fraction(0)))
+        rest = None if arrays is None or centre is None else isolated_rest(arrays, centre)
+        return rest if rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE else None
 
 
 @lru_cache(maxsize=8)  # many boxes about one scene are asked for
 def _centre(scene: Scene, none: Tolerance) -> arb_mat | None:
     """About the equilibrium of the scene itself, without tolerances, from the spin at the point in floats."""
-    loads = load_box(scene, arb(0))
+    nominal = ArrayBalance.of(scene, none)
     omega = float(minima_under(smooth_rule_of(scene), scene, np.zeros((1, 2))).twists[0, 2])
-    if loads is None or not np.isfinite(omega):
+    if nominal is None or not np.isfinite(omega):
         return None
-    nominal = _Arrays(scene, none, loads, loads)
-    return newton(nominal.nominal_map, arb_mat([[arb(0)], [arb(0)], [arb(omega)]]), NEWTON_STEPS)
+    return newton(nominal.at_rest, arb_mat([[arb(0)], [arb(0)], [arb(omega)]]), NEWTON_STEPS)
 
 
-@dataclass(frozen=True)
-class _Balance:
-    """g over a box of places and spins.
+class ArrayBalance(Balance):
+    """The equations of all arrays of a box, none of whose wheels is held.
 
-    Attributes:
-        value: g (3, 1).
-        spread: what the parameters add to it (3, 1).
-        by_twist: its slopes (3, 3).
-        by_place: its slopes through the loads (3, 2).
-        slope: ``F'``, by c and omega (3, 3).
+    Their values are right to first order in the size of the box: those of the scene itself, and what the parameters of
+    each wheel add by the mean value theorem.
     """
 
-    value: arb_mat
-    spread: arb_mat
-    by_twist: arb_mat
-    by_place: arb_mat
-    slope: arb_mat
-
-
-class _Arrays:
-    """All arrays of a box."""
-
     def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, nominal: LoadBox) -> None:
+        """From the loads of all arrays, and those of the scene."""
+        super().__init__(scene, loads, {})
         wheels = zip(scene.wheels, rollers(scene), strict=True)
         self._wheels = [(wheel, rolls, half_widths(wheel, box)) for wheel, rolls in wheels]
-        self._loads, self._nominal = loads, nominal
+        self._nominal = nominal
 
-    def nominal_map(self, z: arb_mat) -> tuple[arb_mat, arb_mat] | None:
-        """F of the scene itself, and its Jacobian."""
-        found = self.balance(z, whole=False)
-        return None if found is None else (found.value, found.slope)
+    @classmethod
+    def of(cls, scene: Scene, box: Tolerance) -> ArrayBalance | None:
+        """Those of a box about a centred scene; None where springs may not fix the loads."""
+        loads, nominal = load_box(scene, box.position.ball()), load_box(scene, arb(0))
+        return None if loads is None or nominal is None else cls(scene, box, loads, nominal)
 
-    def balance(self, z: arb_mat, *, whole: bool) -> _Balance | None:
-        """At places and spins ``z = (c_x, c_y, omega)`` of all arrays, or of the scene; None where a wheel may stick
-        or lift off.
-        """
-        x, y, omega = z.entries()
-        loads, middles = self._loads.at((x, y)), self._nominal.at((x, y))
-        value, spread, by_twist, by_place = arb_mat(3, 1), arb_mat(3, 1), arb_mat(3, 3), arb_mat(3, 2)
+    def at(self, unknowns: arb_mat, place: Sequence[arb]) -> tuple[arb_mat, arb_mat, arb_mat] | None:
+        """As of one array; None where a wheel of some array may stick or lift off."""
+        twist = unknowns.entries()
+        loads, middles = self._loads.at(place), self._nominal.at(place)
+        value, by_twist, by_place = arb_mat(3, 1), arb_mat(3, 3), arb_mat(3, 2)
         for (wheel, rolls, own), load, middle, form in zip(
             self._wheels, loads, middles, self._loads.forms, strict=True
         ):
-            shifts = [size * UNIT if whole else arb(0) for size in own]
-            at = [omega * y, -omega * x, omega, *shifts, load if whole else middle]
-            wrench = _wrench(wheel, at, has_rollers=rolls)
-            if wrench is None or not load > 0:
+            at_middle = _wrench(wheel, [*twist, *[arb(0)] * len(own), middle], has_rollers=rolls)
+            over_box = _wrench(wheel, [*twist, *(size * UNIT for size in own), load], has_rollers=rolls)
+            if at_middle is None or over_box is None or not load > 0:
                 return None
             sizes = [*own, abs(load - middle)]
-            for r, entry in enumerate(wrench):
-                value[r, 0] += entry.value
-                spread[r, 0] += Jet(arb(0), entry.slopes[TWIST:]).over(sizes, arb(0))
+            for r, (known, entry) in enumerate(zip(at_middle, over_box, strict=True)):
+                value[r, 0] += Jet(entry.value, entry.slopes[TWIST:]).over(sizes, known.value)
                 for k in range(TWIST):
                     by_twist[r, k] += entry.slopes[k]
                 for k in range(2):
                     by_place[r, k] += entry.slopes[-1] * form[k + 1]
-        through = arb_mat([[arb(0), omega, y], [-omega, arb(0), -x], [arb(0), arb(0), arb(1)]])  # of the twist by z
-        places = arb_mat([[arb(1), arb(0), arb(0)], [arb(0), arb(1), arb(0)]])
-        return _Balance(value, spread, by_twist, by_place, by_twist * through + by_place * places)
+        return value, by_twist, by_place
 
 
 def _wrench(wheel: Wheel, values: Sequence[arb], *, has_rollers: bool) -> tuple[Jet, Jet, Jet] | None:
@@ -180,42 +136,6 @@ def _wrench(wheel: Wheel, values: Sequence[arb], *, has_rollers: bool) -> tuple[
     pull, push = mu_roll * unit[0], mu_across * unit[1]
     fx, fy = load * (pull * a - push * b), load * (pull * b + push * a)
     return fx, fy, px * fy - py * fx
-
-
-def _proved(arrays: _Arrays, centre: arb_mat) -> EquilibriumBox | None:
-    """Krawczyk's test, and the linearization, on a box that is inflated until it maps into itself."""
-    at_centre, of_all = arrays.balance(centre, whole=False), arrays.balance(centre, whole=True)
-    inverse = None if at_centre is None else approximate_inverse(at_centre.slope)
-    if at_centre is None or of_all is None or inverse is None:
-        return None
-    value = at_centre.value + of_all.spread
-    box = _inflated(centre, inverse * value)
-    for _ in range(INFLATIONS):
-        found = arrays.balance(box, whole=True)
-        if found is None:
-            return None
-        image = krawczyk(centre, value, inverse, found.slope, box)
-        if lies_inside(image, box):
-            return _attracting(found, box)
-        box = _inflated(centre, image - centre)
-    return None
-
-
-def _inflated(centre: arb_mat, offset: arb_mat) -> arb_mat:
-    """A box about a point that holds offsets in both directions, and a little more."""
-    pairs = zip(centre.entries(), offset.entries(), strict=True)
-    return arb_mat([[entry + (GROWTH * abs(move).upper() + LEAST) * UNIT] for entry, move in pairs])
-
-
-def _attracting(balance: _Balance, box: arb_mat) -> EquilibriumBox | None:
-    """Bounds of the box, where A is Hurwitz all over it."""
-    x, y, omega = box.entries()
-    motion = slope_of_pose_rate(balance.by_twist, balance.by_place, (x, y), omega)
-    if motion is None or not is_positive_definite(balance.by_twist.tolist()):
-        return None
-    if linear_stability(motion.tolist()) is not Translation.ASYMPTOTICALLY_STABLE:
-        return None
-    return EquilibriumBox(rational_above(x * x + y * y), rational_above(abs(omega)))
 
 
 # ---- rules ``ellipse`` and ``roller`` over a box of parameters: where every body comes nearer ----

@@ -11,7 +11,6 @@ One rate for all rings would make that time many times too long: near a place of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -20,7 +19,7 @@ from flint import fmpq
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import TINY, Intervals
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPieces, short_levels
-from nonsmooth.proofs.robust.rings import root_above, squared_radius
+from nonsmooth.proofs.robust.rings import TouchingRings, root_above, squared_radius
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell
@@ -39,49 +38,6 @@ STILL = 2.0**-20  # of the fastest wheel: speeds that are not looked at under ru
 SLOW = 2.0**-24  # the same under the others, where floats do not tell a circle from a spiral
 ENOUGH = 0.5  # of the speed inward that is seen: with less, other strengths are tried
 RATES = 48  # values of kappa that are tried under rule nearest
-
-
-@dataclass(frozen=True)
-class TouchingRings:
-    """Rings that touch, from the largest inward.
-
-    Attributes:
-        outer: level of the first one's outer border (length).
-        inner: level of the inner border of each (length).
-        rates: kappa on each (length/time).
-        inside: radius of a disc that a level set holds, over its level.
-        outside: radius of a disc that holds it.
-    """
-
-    outer: Fraction
-    inner: tuple[Fraction, ...]
-    rates: tuple[Fraction, ...]
-    inside: Fraction = Fraction(1)
-    outside: Fraction = Fraction(1)
-
-    @property
-    def start(self) -> Fraction:
-        """Radius of the disc of starts."""
-        return self.outer * self.inside
-
-    @property
-    def radius(self) -> Fraction:
-        """Of the disc in which every body ends."""
-        return self.inner[-1] * self.outside
-
-    def swing_from(self, start: Fraction) -> Fraction:
-        """A distance that no body from within ``start`` exceeds: of the level set that holds that disc."""
-        return start * self.outside / self.inside
-
-    def time_to(self, radius: Fraction, start: Fraction | None = None) -> Fraction:
-        """After which every body from within ``start`` is within a radius that is not below :attr:`radius`."""
-        outer, total = self.outer, Fraction(0)
-        most = self.outer if start is None else start / self.inside
-        for inner, rate in zip(self.inner, self.rates, strict=True):
-            width = min(outer, most) - max(inner, radius / self.outside)
-            total += max(width, Fraction(0)) / rate
-            outer = inner
-        return total
 
 
 def rings_about(

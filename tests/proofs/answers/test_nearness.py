@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,8 @@ from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _shapes, decide_ends, field_beside, velocity_of
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_away
-from nonsmooth.proofs.robust.touching_rings import FINER, TouchingRings, ring_rates, rings_about
+from nonsmooth.proofs.robust.rings import TouchingRings
+from nonsmooth.proofs.robust.touching_rings import FINER, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
@@ -512,6 +514,29 @@ def test_an_exact_array_still_comes_home() -> None:
 def test_a_slide_outward_is_followed_to_the_accuracy() -> None:
     assert decided(load_scene("saddle")).verdict is Position.LEAVES
     assert decided(load_scene("outward")).verdict is Position.LEAVES
+
+
+SQUARE = (("1", "0"), ("0", "1"), ("-1", "0"), ("0", "-1"))
+HEXAGON = tuple((f"{x}1/2", f"{y}sqrt(3)/2") for x, y in (("", ""), ("-", ""), ("-", "-"), ("", "-"))) + SQUARE[::2]
+
+
+@pytest.mark.parametrize(
+    ("corners", "turn", "how"), [(SQUARE, 2, "_is_carried_out"), (HEXAGON, 1, "_comes_home_reversed")]
+)
+def test_bodies_that_spiral_out_leave_and_one_method_alone_shows_it(
+    corners: Sequence[tuple[str, str]], turn: int, how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Along a ray between two cells; or as the array whose rims are reversed brings every body home."""
+    wheels = ", ".join(
+        f'{{ position = ["{x}", "{y}"], heading = ["{x} - {turn}*({y})", "{y} + {turn}*({x})"], speed = 1 }}'
+        for x, y in corners
+    )
+    text = f'friction = {{ mu_roll = 1, mu_side = "1/2" }}\ncheck = {{ radius = "1/4" }}\nwheel = [{wheels}]\n'
+    file = tmp_path / "spiral.toml"
+    file.write_text(text, encoding="utf-8")
+    assert decided(load_scene(str(file))).verdict is Position.LEAVES
+    monkeypatch.setattr(f"nonsmooth.proofs.answers.nearness.{how}", lambda *_: False)
+    assert decided(load_scene(str(file))).verdict is Position.UNDECIDED
 
 
 def test_a_sweep_takes_the_accuracy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -22,7 +22,7 @@ from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece, polygon_about, ring
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
-from nonsmooth.proofs.robust.rings import PARTS, EndDisc, _last_slow, is_slow, root_above
+from nonsmooth.proofs.robust.rings import PARTS, TouchingRings, _last_slow, is_slow, root_above
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
@@ -296,7 +296,7 @@ def twists(model: ContactModel, points: Floats) -> Floats:
     return BoxHighs().minimize(model, loads_at(model, points)).twists
 
 
-def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Scene, EndDisc]:
+def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Scene, TouchingRings]:
     """A disc that is found in a few rings."""
     monkeypatch.setattr(rings, "RINGS", 8)
     monkeypatch.setattr(BoxRingProof, "halvings", 0)
@@ -318,7 +318,7 @@ def test_no_array_of_the_box_breaks_the_rate(name: str, radius: str, monkeypatch
         angles = rng.uniform(0, 2 * np.pi, 6)
         points = sizes[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
         falling = (points * twists(model, points)[:, :2]).sum(axis=1)
-        assert (falling <= -float(found.kappa) * sizes + PROGRAM_ROUNDING).all()
+        assert (falling <= -float(min(found.rates)) * sizes + PROGRAM_ROUNDING).all()
 
 
 @thorough  # the small one: test_no_array_of_the_box_breaks_the_rate
@@ -326,7 +326,7 @@ def test_paths_end_in_the_disc_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Euler's steps; a path may be outside by a step, for it slides along borders of cells."""
     scene, found = disc_of("four-wheel", "7/10", monkeypatch)
     within, rng = small_box(scene), np.random.default_rng(2)
-    time = float(found.within)
+    time = float(found.time_to(found.radius))
     for k in range(3):
         model = drawn_model(scene, within, rng, corner=k < 2)
         angles = rng.uniform(0, 2 * np.pi, 4)

@@ -24,7 +24,7 @@ from nonsmooth.proofs.robust.decide import Robust, SmoothProof, decide_robust
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima
-from nonsmooth.proofs.robust.rings import EndDisc, RingProof
+from nonsmooth.proofs.robust.rings import RingProof, TouchingRings
 from nonsmooth.proofs.robust.smooth_rules import SmoothDisc, equilibrium_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
@@ -127,7 +127,7 @@ def assert_each_attracts(scene: Scene, count: int, tolerances: Tolerance | None 
         columns = [velocity(model, place + step * e) - velocity(model, place - step * e) for e in np.eye(2)]
         assert np.linalg.eigvals(np.column_stack(columns) / (2 * step)).real.max() < 0
         omega = EllipseMinimizer().minimize(model, loads_at(model, place[None])).twists[0, 2]
-        assert abs(omega) <= float(found.drift) + 1e-5
+        assert abs(omega) <= float(abs(found.spin).upper()) + 1e-5
 
 
 @thorough  # the small one: test_every_array_has_its_equilibrium_in_the_disc_and_it_attracts
@@ -228,14 +228,14 @@ def box_of(scene: Scene, share: Fraction) -> Tolerance:
 
 
 @cache
-def disc_of(name: str, rule: str, share: Fraction) -> tuple[Scene, EndDisc | None]:
+def disc_of(name: str, rule: str, share: Fraction) -> tuple[Scene, TouchingRings | None]:
     """A scene about its point, and the rings on which bodies come nearer."""
     scene = standing(load_scene(name, rule=rule)).recentred()
     return scene, SmoothDisc(scene).disc(box_of(scene, share), Fraction(str(inner_radius(scene))))
 
 
 @pytest.fixture(scope="module")
-def nearby() -> tuple[Scene, EndDisc, Robust]:
+def nearby() -> tuple[Scene, TouchingRings, Robust]:
     """An array with a small square, its rings, and what is said where the proof divides neither quadrangles nor rings.
 
     The disc is then larger than it need be, and found in a second.
@@ -255,17 +255,17 @@ def nearby() -> tuple[Scene, EndDisc, Robust]:
     return about, disc, said
 
 
-def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, EndDisc, Robust]) -> None:
+def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, TouchingRings, Robust]) -> None:
     scene, disc, said = nearby
-    assert (said.radius, said.start, said.within) == (disc.radius, disc.start, disc.within)
+    assert (said.radius, said.start, said.within) == (disc.radius, disc.start, disc.time_to(disc.radius))
     assert_nearer_outside(scene, disc, NEAR)
 
 
-def test_bodies_are_there_in_the_sum_of_the_times_of_the_rings(nearby: tuple[Scene, EndDisc, Robust]) -> None:
+def test_bodies_are_there_in_the_sum_of_the_times_of_the_rings(nearby: tuple[Scene, TouchingRings, Robust]) -> None:
     """Small steps from the border of the disc of starts; one rate for all rings would ask for more time."""
     scene, disc, _ = nearby
-    assert disc.within < (disc.start - disc.radius) / disc.kappa
-    rng, step = np.random.default_rng(6), float(disc.within) / 40
+    assert disc.time_to(disc.radius) < (disc.start - disc.radius) / min(disc.rates)
+    rng, step = np.random.default_rng(6), float(disc.time_to(disc.radius)) / 40
     for corner in (True, False):
         model = drawn(scene, box_of(scene, NEAR), rng, corner=corner)
         angles = rng.uniform(0, 2 * np.pi, 8)
@@ -285,7 +285,7 @@ def test_every_array_comes_nearer_outside_the_disc(name: str, rule: str) -> None
     assert_nearer_outside(scene, disc, QUARTER)
 
 
-def assert_nearer_outside(scene: Scene, disc: EndDisc, share: Fraction) -> None:
+def assert_nearer_outside(scene: Scene, disc: TouchingRings, share: Fraction) -> None:
     """At places on the disc's border and beyond it, for corners of the box and arrays inside it, ring by ring."""
     rng = np.random.default_rng(5)
     for k in range(DRAWN):
@@ -298,7 +298,7 @@ def assert_nearer_outside(scene: Scene, disc: EndDisc, share: Fraction) -> None:
         assert (rates <= -kappas(disc, radii) + SLACK).all()
 
 
-def kappas(disc: EndDisc, radii: Floats) -> Floats:
+def kappas(disc: TouchingRings, radii: Floats) -> Floats:
     """The rate of the ring of each radius."""
     ring = (radii[:, None] < np.array([float(inner) for inner in disc.inner])).sum(axis=1)
     return np.array([float(rate) for rate in disc.rates])[np.minimum(ring, len(disc.rates) - 1)]
@@ -353,7 +353,7 @@ def test_the_disc_reaches_further_than_the_equilibrium() -> None:
     assert 0 < farthest <= float(disc.radius)
 
 
-def test_what_is_said(nearby: tuple[Scene, EndDisc, Robust]) -> None:
+def test_what_is_said(nearby: tuple[Scene, TouchingRings, Robust]) -> None:
     scene = load_scene("four-wheel", rule="ellipse")
     large = replace(scene, tolerances=box_of(scene, QUARTER))
     small = replace(scene, tolerances=box_of(scene, Fraction(1, 32)))
