@@ -53,6 +53,7 @@ MALFORMED = [
     (FRICTION + WHEEL + f'speed = "{"1" * 500}"\n' + TWO, "wheel[1].speed", "400 characters"),
     ("".join(f'[[wheel]]\nposition = ["sqrt({k})", {k}]\n' for k in range(1, 400)) + FRICTION,
      "wheel[313].position", "square roots"),
+    ("field = 0.5\n" + FRICTION + RING, "field", "a table, received 0.5"),
 ]  # fmt: skip
 
 MALFORMED_CSV = [
