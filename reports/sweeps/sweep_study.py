@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -197,4 +197,6 @@ def swept(base: Base, vary: Mapping[str, Any], means: Means, *, draws: int | Non
 
 def _text(values: Any) -> str:
     """Values as the command line takes them."""
-    return values if isinstance(values, str) else ",".join(str(entry(value)) for value in values)
+    if isinstance(values, str):
+        return values
+    return ",".join(str(entry(value)) for value in (values if isinstance(values, Iterable) else [values]))
