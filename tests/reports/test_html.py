@@ -17,6 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import nonsmooth as ns
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import derive_report, render_report
 from nonsmooth.reports.derivations.parts import chosen_parts
@@ -190,6 +191,14 @@ def test_bars_and_named_operators_are_set_as_such() -> None:
     assert "<mtext>sgn</mtext><mspace" in named
     (called,) = inline_mathml(r"\operatorname{sgn}(x)")
     assert "<mtext>sgn</mtext><mo" in called
+
+
+def test_states_whose_names_are_words_are_set_as_such() -> None:
+    """The report of a system with a state `x1` ended with a traceback."""
+    (dotted,) = inline_mathml(r"\dot{\mathit{speed\_of\_mass}}")
+    assert "<mtext>speed_of_mass</mtext>" in dotted
+    report = ns.System(["x1", "speed_of_mass"], ["-x1 - sign(x1)", "-speed_of_mass"]).derive(only="cells")
+    assert "<mtext>x1</mtext>" in report.text(".html")
 
 
 @pytest.mark.parametrize("latex", [r"\nosuchcommand x", "a & b", r"\href{javascript:x}{y}"])
