@@ -33,6 +33,7 @@ from nonsmooth.reports.output.document import (
     display,
     table,
 )
+from nonsmooth.reports.output.files import OutputError
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import PART_NAMES, derived, derived_afresh, page
@@ -304,6 +305,14 @@ def test_figures_lie_in_a_folder_beside_the_source(tmp_path: Path, extent: str) 
     said = compiled(tmp_path, (tmp_path / "report.tex").read_text(encoding="utf-8"))
     unbroken = said.replace("\n", "")  # pdflatex breaks its lines at 79 characters
     assert all(f"report-figures/{name}" in unbroken for name in files)
+
+
+def test_nothing_is_written_where_the_folder_of_the_figures_cannot_be(tmp_path: Path) -> None:
+    (tmp_path / "report-figures").touch()
+    line = "report-figures: required a folder that can be made, received file exists"
+    with pytest.raises(OutputError, match=line):
+        derive_report(load_scene("four-wheel"), parts=("array",)).save(tmp_path / "report.tex")
+    assert [file.name for file in tmp_path.iterdir()] == ["report-figures"]
 
 
 # The sections that write the scene's name, or a command that names it, without the long trajectories and precision.
