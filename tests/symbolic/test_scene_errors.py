@@ -165,6 +165,13 @@ def test_overrides_are_checked_like_the_file(overrides: dict[str, Any], key: str
     check_line(caught.value, f"four-wheel: {key}: ")
 
 
+def test_a_point_beyond_floats_is_refused() -> None:
+    """It ended with a traceback, of plain systems."""
+    with pytest.raises(SceneError) as caught:
+        load_any("relay-chain", at="0,0,-1e400")
+    check_line(caught.value, "relay-chain: check.equilibrium: required numbers within the range of floats")
+
+
 def test_error_carries_its_values(tmp_path: Path) -> None:
     (tmp_path / "my.toml").write_text(f"{FRICTION}{TWO}speed = 'nan'\n", encoding="utf-8")
     error = error_of(tmp_path / "my.toml")
