@@ -96,7 +96,7 @@ class CheckOptions(Options):
         """
         if self.require is None:
             return (THEOREM,)
-        names = tuple(name.strip() for name in self.require.split(","))
+        names = tuple(name.strip() for name in str(self.require).split(","))
         unknown = next((name for name in names if name not in REQUIRABLE), None)
         if unknown is not None:
             raise RefusedError(f"--require: required names among {', '.join(REQUIRABLE)}, received {unknown[:60]!r}")

@@ -238,9 +238,9 @@ class CheckResult(ArrayAnswers):
             ValueError: for another name.
         """
         from nonsmooth.reports.laws.law_languages import law_of
-        from nonsmooth.reports.output.study_options import LawName
+        from nonsmooth.reports.output.study_options import LawName, read_keyword
 
-        return law_of(self.evidence, LawName(name))
+        return law_of(self.evidence, read_keyword("name", LawName, name))
 
     def with_triangles(self, search: str) -> Self:
         """The same with the region as triangles, or why there are none: see ``nonsmooth check --region``.

@@ -223,7 +223,7 @@ class ArraySubject(ReportSubject):
     def records(self) -> Record:
         """The check, its cells and its contact states."""
         result = self.result
-        check = {key: value for key, value in check_record(result).items() if key != "seconds"}
+        check = {key: value for key, value in check_record(result, self.answers).items() if key != "seconds"}
         records: Record = {"check": check, "partition": None, "contact_states": None}
         if isinstance(result, CellCheck):
             records["partition"] = partition_record(result.partition)

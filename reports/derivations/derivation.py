@@ -139,12 +139,12 @@ class ReportResult(Result):
         write(self.text())
 
     def write_to(self, path: Path) -> None:
-        """Write it; LaTeX with its figures in a folder beside it."""
+        """Write it; LaTeX after its figures, in a folder beside it: where there can be none, nothing is written."""
         suffix = path.suffix.lower()
         folder = path.with_name(f"{path.stem}-figures")
-        files = {path: render_report(self, suffix, folder.name).encode()}
-        if suffix == ".tex":
-            files |= {folder / f"{figure.key}.pdf": figure.draw(".pdf") for figure in self.document.figures}
+        figures = self.document.figures if suffix == ".tex" else ()
+        files = {folder / f"{figure.key}.pdf": figure.draw(".pdf") for figure in figures}
+        files[path] = render_report(self, suffix, folder.name).encode()
         for file, content in files.items():
             make_folder(file.parent)
             write_whole(file, content)

@@ -23,6 +23,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 FREE = (*KINDS, WHEELS)
 REQUIRED = ("position", "heading", "pose")
 MOST_CHECKS = 100_000
+MOST_SEED = 2**32 - 1  # that SciPy takes
 FINEST = 1000  # denominator of the usual distance that wheels may move
 
 
@@ -49,8 +50,8 @@ def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int)
         raise DesignError(f"maximize: required one name, received {maximize[:60]!r}")
     if not 1 <= checks <= MOST_CHECKS:
         raise DesignError(f"checks: required a number from 1 to {MOST_CHECKS}, received {checks}")
-    if seed < 0:
-        raise DesignError(f"seed: required a number of at least 0, received {seed}")
+    if not 0 <= seed <= MOST_SEED:
+        raise DesignError(f"seed: required a number from 0 to {MOST_SEED}, received {seed}")
     if objective == "tolerance" and scene.tolerances is None:
         raise SceneError(scene.source, "tolerance", "a [tolerance] table to maximize it", StatedFact("nothing"))
     if objective == "settling":
@@ -80,7 +81,7 @@ def read_freedom(scene: Scene, free: str, move: Any, symmetry: int | None) -> Fr
 
 def _names(text: str, keyword: str, known: tuple[str, ...]) -> tuple[str, ...]:
     """Names of a list with commas, in the order in which they are known."""
-    names = {name.strip() for name in text.split(",")}
+    names = {name.strip() for name in str(text).split(",")}
     unknown = sorted(names - set(known))
     if unknown:
         raise DesignError(f"{keyword}: required names among {', '.join(known)}, received {unknown[0][:60]!r}")

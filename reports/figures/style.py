@@ -53,7 +53,7 @@ ROOM = 6  # points above and below: what is laid out before it is drawn is some 
 DOTS = 150  # to an inch, of a picture of dots
 LABEL = 9  # points, the size of a label
 LARGEST, RESOLUTION = 1e100, 1e-9  # what Matplotlib draws faithfully with floats
-TITLE = 64  # characters of a line of a title over one picture
+TITLE = 48  # characters of a line of a title over one picture
 WIDE_TITLE = 100  # over several side by side
 
 TO_SHOW = np.array([1.0, 1.0, 180 / np.pi])  # from poses to what pictures show: headings in degrees
@@ -110,7 +110,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 def title_axes(axes: Axes, title: str) -> None:
     """A title over one picture, which may hold any name of a scene."""
-    axes.set_title(wrapped(title), parse_math=False)
+    axes.set_title(wrapped(title), parse_math=False, wrap=True)
 
 
 def title_figure(figure: Figure, title: str, width: int = WIDE_TITLE) -> None:

@@ -294,9 +294,9 @@ def _frame(root: ET.Element, figure: Figure, *, interactive: bool) -> None:
 
 # ---- formulas ------------------------------------------------------------------------------------
 #
-# latex2mathml translates; here its gaps are bridged (``aligned``, bars and named operators are written as what it
-# knows) and its output is checked: anything but known elements and attributes, or a command it passed on unread, is an
-# error and not a report.  A formula is cut where its LaTeX says that a line may break, since browsers break no line
+# latex2mathml translates; here its gaps are bridged (``aligned``, bars, words and named operators are written as what
+# it knows) and its output is checked: anything but known elements and attributes, or a command it passed on unread, is
+# an error and not a report.  A formula is cut where its LaTeX says that a line may break, since browsers break no line
 # inside MathML.
 
 
@@ -316,6 +316,7 @@ _KNOWN = (
     (r"\rvert", r"\right|"),
 )
 _OPERATOR = re.compile(r"\\operatorname\{(\w+)\}\s*(?=(\(|\\left|\\\{)?)")
+_WORD = re.compile(r"\\mathit\{((?:[^{}\\]|\\_)+)\}")  # a state whose name is a word: `x1`, `speed\_of\_mass`
 _TOKENS = re.compile(r"\\allowbreak\\ |\\qquad\s?|\\(?:begin|end|left|right)(?![a-z])|\\.|[{}]|[^\\{}]+", re.DOTALL)
 _OPENING, _CLOSING = (r"\begin", r"\left", "{"), (r"\end", r"\right", "}")
 
@@ -347,11 +348,17 @@ def _mathml(latex: str, mode: str) -> str:
     from latex2mathml.converter import convert
 
     source = _OPERATOR.sub(_operator, latex.replace(r"\allowbreak", ""))
+    source = _WORD.sub(_word, source)
     for ours, theirs in _KNOWN:
         source = source.replace(ours, theirs)
     markup = convert(source, display=mode)
     _require_mathml(latex, markup)
     return markup.replace(f' xmlns="{NAMESPACE}"', "").replace(' display="inline"', "")
+
+
+def _word(match: re.Match[str]) -> str:
+    """The name of a state as text, which escapes nothing."""
+    return rf"\text{{{match[1]}}}".replace(r"\_", "_")
 
 
 def _operator(match: re.Match[str]) -> str:

@@ -15,6 +15,7 @@ from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.simulations.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.studies.study import takes
+from nonsmooth.symbolic.messages.scene_error import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -131,7 +132,11 @@ class Array(PythonScene):
         **more: Any,
     ) -> None:
         given = dict(mu_roll=mu_roll, mu_side=mu_side, rule=rule, at=at, radius=radius, **more)
-        document = placed({"wheel": [wheel.table() for wheel in wheels]}, given)
+        listed = list(wheels)
+        stranger = next((wheel for wheel in listed if not isinstance(wheel, Wheel)), None)
+        if stranger is not None:
+            raise SceneError(str(more.get("name") or self._nameless), "wheels", "ns.Wheel(position) for each", stranger)
+        document = placed({"wheel": [wheel.table() for wheel in listed]}, given)
         self._set(document, Path())
 
     def _set(self, document: Mapping[str, Any], folder: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
@@ -15,6 +15,7 @@ from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.mechanics.body import support_polygon
+from nonsmooth.symbolic.messages.scene_error import shown
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, exact_place, short_text
 from nonsmooth.symbolic.numbers.plane import XY, dot, in_floats, minus
@@ -133,8 +134,11 @@ def filippov_set(partition: Partition, point: Sequence[Any]) -> FilippovSet:
     Raises:
         ValueError: for a point outside, or one that is not rational.
     """
+    coordinates = list(point) if isinstance(point, Iterable) else []
+    if len(coordinates) != 2:
+        raise ValueError(f"required a point (x, y), received {shown(point)}")
     one = partition.scene.field.one
-    x, y = (one * _rational(value) for value in point)
+    x, y = (one * _rational(value) for value in coordinates)
     members = tuple((cell.index, state) for cell in partition.cells_at((x, y)) for state in cell.states)
     if not members:
         raise ValueError(f"required a point of the checked square, received ({short_text(x)}, {short_text(y)})")

@@ -30,6 +30,8 @@ def entry(value: Any) -> Entry:
         return str(value)
     if isinstance(value, Real):
         return Decimal(repr(float(value)))
+    if getattr(value, "ndim", None) == 0:  # an array of one number, as NumPy and xarray have it
+        return entry(value.item())
     if isinstance(value, Iterable):
         return [entry(part) for part in value]
     return str(value)  # a SymPy number prints as a formula

@@ -93,7 +93,7 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(exist_ok=True)
     except OSError as error:
-        raise _unusable(path, error) from None
+        raise OutputError(path, "a folder that can be made", (error.strerror or "an error").lower()) from None
 
 
 def _create_beside(target: Path) -> tuple[Path, int]:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, fields
 from enum import Enum, StrEnum
+from operator import index
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
 import typer
 
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES, MIXED
+from nonsmooth.symbolic.messages.scene_error import shown
 
 # what `fail` means for one array and for each of a sweep
 FAIL = "Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named."
@@ -50,14 +52,39 @@ class Options:
     """The options of a study: the fields that :func:`option` makes are offered."""
 
     def __post_init__(self) -> None:
-        """Names of Python become members of their enumerations.
+        """Names of Python become members of their enumerations, and its numbers whole numbers and floats.
 
         Raises:
-            ValueError: for a name that is none.
+            ValueError: for a name that is none, and for what is no number; it begins with the keyword.
         """
-        for name, typed in types_of(type(self)).items():
-            if isinstance(typed, type) and issubclass(typed, Enum):
-                object.__setattr__(self, name, typed(getattr(self, name)))
+        hints = get_type_hints(type(self))
+        for name, own in options_of(type(self)).items():
+            value = getattr(self, name)
+            if not (isinstance(value, str) and own.typed is str):  # which is read later, as on the command line
+                object.__setattr__(self, name, read_keyword(name, hints[name], value))
+
+
+def read_keyword(keyword: str, kind: Any, value: Any) -> Any:
+    """The value of a keyword of Python as its kind holds it: a member of an enumeration, a whole number, a float.
+
+    What is of another kind, and None where that is allowed, stays as it is.
+
+    Raises:
+        ValueError: for a name that is none, and for what is no number.
+    """
+    read: Any
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        read, required = kind, f"one of {', '.join(member.value for member in kind)}"
+    elif kind is int or (kind == int | None and value is not None):
+        read, required = index, "a whole number"
+    elif kind is float or (kind == float | None and value is not None):
+        read, required = float, "a number within the range of floats"
+    else:
+        return value
+    try:
+        return read(value)
+    except (ArithmeticError, TypeError, ValueError):
+        raise ValueError(f"{keyword}: required {required}, received {shown(value)}") from None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -183,7 +183,8 @@ class SimulateOptions(Options):
         required = f"--from: required {len(states)} numbers {','.join(states)}"
         if self.start is None:
             raise OptionError(f"{required}, received nothing")
-        parts: Sequence[Any] = self.start.split(",") if isinstance(self.start, str) else self.start
+        given: Any = self.start.split(",") if isinstance(self.start, str) else self.start
+        parts = tuple(given) if isinstance(given, Iterable) else (given,)
         if len(parts) != len(states):
             received = repr(self.start[:60]) if isinstance(self.start, str) else len(parts)
             raise OptionError(f"{required}, received {received}")

@@ -62,6 +62,7 @@ SAME = 1e-9
 # the picture
 SIZE = (7.4, 6.6)  # inches
 NEAREST, FARTHEST = 1e-6, 10.0  # ratios of distances at the ends of the color scale
+RATIOS = (1e-6, 1e-4, 0.01, 1.0)  # its ticks
 LOST = "0.85"
 
 
@@ -183,7 +184,8 @@ class SystemMap(MapResult):
         figure = new_figure(*SIZE)
         axes = figure.add_subplot()
         image = self._draw_ratios(axes)
-        draw_bar(figure, image, "distance from the point: at the end by at the start", ax=axes, shrink=0.8)
+        label = "distance from the point: at the end by at the start"
+        draw_bar(figure, image, label, ax=axes, shrink=0.8, ticks=RATIOS)
         legend_below(figure, columns=3, fontsize="small")
         head = f"{one_line(self.title)}: {self.count} x {self.count} starts at t = {self.until:g}"
         title_figure(figure, f"{head}; proved: {self.verdict}\n{self.summary()}", TITLE)

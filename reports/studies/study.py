@@ -111,8 +111,8 @@ class SceneStudy(ABC, Generic[Chosen]):
         Raises:
             ValueError: for keywords that cannot be used, named as such; or the error of the scene's own.
         """
-        options = self.options(**given)
         try:
+            options = self.options(**given)
             self.refuse(StudyRequest(options, tuple(given), scene), None)
             return self.run(scene, options)
         except RefusedError as error:

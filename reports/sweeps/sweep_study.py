@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.document import Block
 from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.output.files import PICTURES, write_whole
-from nonsmooth.reports.output.refusals import RefusedError, option_named
+from nonsmooth.reports.output.refusals import OptionError, RefusedError, option_named
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import DataTable, Result, short_lines
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
@@ -159,7 +159,10 @@ class SweepStudy(SceneStudy[SweepOptions]):
         return replace(options, workers=workers, borders=borders)
 
     def refuse(self, asked: StudyRequest[SweepOptions], path: Path | None) -> None:
-        """Refuse a picture of what has none, before the work."""
+        """Refuse a picture of what has none, and one file for the rows and the store, before the work."""
+        store = asked.options.store
+        if path is not None and store is not None and Path(store).resolve() == path.resolve():
+            raise OptionError(f"--store: required another file than that of -o, received {str(store)!r}")
         if path is not None and path.suffix.lower() in PICTURES:
             from nonsmooth.reports.sweeps.figure import require_picture
 
@@ -197,4 +200,6 @@ def swept(base: Base, vary: Mapping[str, Any], means: Means, *, draws: int | Non
 
 def _text(values: Any) -> str:
     """Values as the command line takes them."""
-    return values if isinstance(values, str) else ",".join(str(entry(value)) for value in values)
+    if isinstance(values, str):
+        return values
+    return ",".join(str(entry(value)) for value in (values if isinstance(values, Iterable) else [values]))

@@ -162,10 +162,17 @@ def _require_arguments(formulas: Sequence[object], states: Collection[str], file
 
 
 def float_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[str, float]:
-    """The checked point in floats, the origin unless given; what has no value is left to others."""
+    """The checked point in floats, the origin unless given; what has no value is left to others.
+
+    Raises:
+        ExpressionError: for a number beyond floats.
+    """
     found = dict.fromkeys(states, 0.0)
     for name, value in zip(states, values or (), strict=False):
-        found[name] = float(value) if isinstance(value, Fraction) else float_value(value.tree, {}, value.text)
+        try:
+            found[name] = float(value) if isinstance(value, Fraction) else float_value(value.tree, {}, value.text)
+        except OverflowError:
+            raise ExpressionError("required numbers within the range of floats, received another") from None
     return found
 
 

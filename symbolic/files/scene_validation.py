@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
@@ -37,7 +38,7 @@ def validate(model: type[Model], data: object, file: str, angle_unit: AngleUnit 
 def _key(detail: Any) -> str:
     """The offending key; pydantic's location in a field holds the kind as well."""
     location = detail["loc"]
-    if detail["type"] in _NO_KIND:
+    if _lacks_kind(detail):
         location = (*location, "kind")
     elif location[0] == "field":
         location = location[:1] + location[2:]
@@ -50,7 +51,7 @@ def _received(detail: Any) -> object:
             return StatedFact("nothing")
         case "extra_forbidden":
             return StatedFact("an unknown key")
-        case kind if kind in _NO_KIND:
+        case _ if _lacks_kind(detail):
             return detail["input"].get("kind", StatedFact("nothing"))
     return detail["input"]
 
@@ -75,8 +76,13 @@ _EXPECTED = {
     "less_than_equal": "an integer of at most {le}",
     "enum": "{expected}",
     "literal_error": "{expected}",
+    "union_tag_not_found": "a table",  # of a number, which is none
 }
-_NO_KIND = ("union_tag_not_found", "union_tag_invalid")
+
+
+def _lacks_kind(detail: Any) -> bool:
+    """Whether a table of a field has no ``kind``, or one that there is not."""
+    return detail["type"] in ("union_tag_not_found", "union_tag_invalid") and isinstance(detail["input"], Mapping)
 
 
 def _expected(model: type[TomlTable], detail: Any) -> str:
@@ -87,7 +93,7 @@ def _expected(model: type[TomlTable], detail: Any) -> str:
     if detail["type"] == "extra_forbidden":
         keys = _keys(model, detail["loc"])
         return f"one of the keys {', '.join(keys)}{is_meant(detail['loc'][-1], keys)}"
-    if detail["type"] in _NO_KIND:
+    if _lacks_kind(detail):
         kinds = (t.model_fields["kind"].default for t in tables_in(model.model_fields["field"].annotation))
         return f"one of {', '.join(kinds)}"
     known = _EXPECTED.get(detail["type"])

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import nonsmooth as ns
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import CellCheck
@@ -215,6 +216,16 @@ def test_json_holds_document_and_exact_records(four_wheel: ReportResult) -> None
     assert [part["title"] for part in record["sections"]] == [s.title for s in four_wheel.document.sections]
     formulas = [block for block in record["sections"][3]["blocks"] if block["kind"] == "formula"]
     assert all(set(block) == {"kind", "latex", "plain"} for block in formulas)
+
+
+@pytest.mark.parametrize("name", keep(1, ["four-wheel", "off-center"]))
+def test_json_holds_the_check_of_the_command(name: str) -> None:
+    """Where bodies go was null there, which stands for an array whose bodies all come home; so were the other rules."""
+    array = ns.load(name)
+    report, check = (json.loads(json.dumps(found.to_dict())) for found in (array.derive(only="verdict"), array.check()))
+    assert report["check"] == {key: value for key, value in check.items() if key != "seconds"}
+    assert report["check"]["answers"]["other_rules"]
+    assert (report["check"]["answers"]["destinations"] is None) == (name == "four-wheel")
 
 
 # ---- literal text stays literal ------------------------------------------------------------------

@@ -140,6 +140,13 @@ def angle_of(wheel: Wheel) -> float:
     return float(np.arctan2(float(wheel.direction[1]), float(wheel.direction[0])))
 
 
+def test_a_seed_that_no_generator_takes_is_refused(invoke: Invoke) -> None:
+    for seed in ("-1", str(2**32)):
+        refused = invoke("design", "saddle", "--seed", seed)
+        assert (refused.status, refused.out) == (2, "")
+        assert refused.err == f"nonsmooth: --seed: required a number from 0 to 4294967295, received {seed}\n"
+
+
 def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Path) -> None:
     outcome = invoke("design", "outward", "--free", "speeds", "--checks", "5", "-o", "none.toml")
     assert outcome.status == 1

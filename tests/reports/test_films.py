@@ -415,6 +415,23 @@ def overlapping(boxes: dict[str, Bbox]) -> list[tuple[str, str]]:
     return [(a, b) for (a, first), (b, second) in pairs if first.overlaps(second)]
 
 
+@pytest.mark.parametrize("name", ["a sorting table with a long name, " * 4, "a_long_name_in_one_word_" * 4])
+def test_a_long_name_stands_on_as_many_lines_as_it_needs(name: str) -> None:
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    for figure in (array_figure(array.with_(name=name).scene), cells_figure(array.with_(name=name).partition)):
+        boxes = text_boxes(figure, laid_out(figure))
+        assert outside(figure, boxes) == []
+
+
+def test_ticks_of_the_scale_of_a_map_are_apart() -> None:
+    figure = ns.System(["x", "y"], ["y", "-x"]).map(3, until=1).figure()
+    renderer = laid_out(figure)
+    ticks = [text for text in figure.axes[-1].get_yticklabels(which="both") if text.get_text()]
+    assert [text.get_text() for text in ticks] == ["1e-06", "0.0001", "0.01", "1"]
+    assert overlapping({text.get_text(): text.get_window_extent(renderer) for text in ticks}) == []
+
+
 def test_the_check_itself_finds_a_clipped_title_and_two_texts_on_each_other() -> None:
     from nonsmooth.reports.figures.style import new_figure
 

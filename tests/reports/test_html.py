@@ -17,6 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import nonsmooth as ns
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import derive_report, render_report
 from nonsmooth.reports.derivations.parts import chosen_parts
@@ -32,6 +33,7 @@ from nonsmooth.reports.output.document import (
     display,
     table,
 )
+from nonsmooth.reports.output.files import OutputError
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import PART_NAMES, derived, derived_afresh, page
@@ -192,6 +194,14 @@ def test_bars_and_named_operators_are_set_as_such() -> None:
     assert "<mtext>sgn</mtext><mo" in called
 
 
+def test_states_whose_names_are_words_are_set_as_such() -> None:
+    """The report of a system with a state `x1` ended with a traceback."""
+    (dotted,) = inline_mathml(r"\dot{\mathit{speed\_of\_mass}}")
+    assert "<mtext>speed_of_mass</mtext>" in dotted
+    report = ns.System(["x1", "speed_of_mass"], ["-x1 - sign(x1)", "-speed_of_mass"]).derive(only="cells")
+    assert "<mtext>x1</mtext>" in report.text(".html")
+
+
 @pytest.mark.parametrize("latex", [r"\nosuchcommand x", "a & b", r"\href{javascript:x}{y}"])
 def test_latex_that_is_not_understood_is_refused(latex: str) -> None:
     with pytest.raises(ValueError, match="becomes MathML"):
@@ -295,6 +305,14 @@ def test_figures_lie_in_a_folder_beside_the_source(tmp_path: Path, extent: str) 
     said = compiled(tmp_path, (tmp_path / "report.tex").read_text(encoding="utf-8"))
     unbroken = said.replace("\n", "")  # pdflatex breaks its lines at 79 characters
     assert all(f"report-figures/{name}" in unbroken for name in files)
+
+
+def test_nothing_is_written_where_the_folder_of_the_figures_cannot_be(tmp_path: Path) -> None:
+    (tmp_path / "report-figures").touch()
+    line = "report-figures: required a folder that can be made, received file exists"
+    with pytest.raises(OutputError, match=line):
+        derive_report(load_scene("four-wheel"), parts=("array",)).save(tmp_path / "report.tex")
+    assert [file.name for file in tmp_path.iterdir()] == ["report-figures"]
 
 
 # The sections that write the scene's name, or a command that names it, without the long trajectories and precision.

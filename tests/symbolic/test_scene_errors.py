@@ -53,6 +53,7 @@ MALFORMED = [
     (FRICTION + WHEEL + f'speed = "{"1" * 500}"\n' + TWO, "wheel[1].speed", "400 characters"),
     ("".join(f'[[wheel]]\nposition = ["sqrt({k})", {k}]\n' for k in range(1, 400)) + FRICTION,
      "wheel[313].position", "square roots"),
+    ("field = 0.5\n" + FRICTION + RING, "field", "a table, received 0.5"),
 ]  # fmt: skip
 
 MALFORMED_CSV = [
@@ -162,6 +163,13 @@ def test_overrides_are_checked_like_the_file(overrides: dict[str, Any], key: str
     with pytest.raises(SceneError) as caught:
         load_scene("four-wheel", **overrides)
     check_line(caught.value, f"four-wheel: {key}: ")
+
+
+def test_a_point_beyond_floats_is_refused() -> None:
+    """It ended with a traceback, of plain systems."""
+    with pytest.raises(SceneError) as caught:
+        load_any("relay-chain", at="0,0,-1e400")
+    check_line(caught.value, "relay-chain: check.equilibrium: required numbers within the range of floats")
 
 
 def test_error_carries_its_values(tmp_path: Path) -> None:

@@ -125,7 +125,13 @@ def test_a_report_is_the_file_of_the_command(
         ({"grid": 3, "heading": float("nan")}, "heading: required a finite number"),
         ({"grid": 3, "heading": float("inf")}, "heading: required a finite number"),
         ({"grid": 3, "until": 0}, "until: required a positive number, received 0"),
-        ({"grid": 3, "kinematics": "none"}, "'none' is not a valid Kinematics"),
+        ({"grid": 3, "kinematics": "none"}, "kinematics: required one of leading, exact, received 'none'"),
+        ({"grid": "3"}, "grid: required a whole number, received '3'"),
+        ({"grid": 3.0}, r"grid: required a whole number, received 3\.0"),
+        ({"grid": 3, "until": "soon"}, "until: required a number within the range of floats, received 'soon'"),
+        ({"grid": 3, "until": 10**400}, "until: required a number within the range of floats, received an integer of"),
+        ({"grid": 3, "heading": None}, "heading: required a number within the range of floats, received None"),
+        ({"grid": 3, "heading": "x"}, "heading: required a formula of numbers, .* received 'x'"),
     ],
 )
 def test_a_map_of_something_else_is_refused(options: dict[str, Any], line: str) -> None:
@@ -140,7 +146,9 @@ def test_a_map_of_something_else_is_refused(options: dict[str, Any], line: str) 
         ({"gain": 2.0}, "gain: required feedback, received none"),
         ({"mass": 0.1}, "mass: required method dynamics, received method events"),
         ({"orbit": True}, "orbit: required a plain switched system, received an array of wheels"),
-        ({"until": -1}, "until: required a positive number, received -1"),
+        ({"until": -1}, r"until: required a positive number, received -1\.0"),
+        ({"method": "foo"}, "method: required one of events, hysteresis, smoothed, dynamics, received 'foo'"),
+        ({"feedback": "foo"}, "law: required one of certified, corrected, printed, gradient, cascade, received 'foo'"),
     ],
 )
 def test_what_does_nothing_for_a_path_is_refused(options: dict[str, Any], line: str) -> None:
@@ -148,6 +156,8 @@ def test_what_does_nothing_for_a_path_is_refused(options: dict[str, Any], line: 
         array().simulate((0.1, 0.2, 0.3), **options)
     with pytest.raises(ValueError, match=r"^start: required 3 numbers x,y,theta, received 2$"):
         array().simulate((0.1, 0.2))
+    with pytest.raises(ValueError, match=r"^start: required 3 numbers x,y,theta, received 1$"):
+        array().simulate(0.1)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="kinematics: required an array of wheels, received a plain"):
         ns.System(["x"], ["-x"]).simulate((1,), kinematics="exact")
 
@@ -213,6 +223,7 @@ def test_a_check_of_two_states_is_drawn_as_its_phase_portrait() -> None:
 # ---- Arrays, systems and results as a script holds them ------------------------------------------
 
 MU: dict[str, Any] = {"mu_roll": 1, "mu_side": "1/2"}
+CORNERS: Any = [(0, 0), (1, 0), (0, 1)]  # no wheels
 
 
 def ring(**more: Any) -> ns.Array:
@@ -268,6 +279,8 @@ def test_wheels_one_by_one_grids_and_tables(tmp_path: Path) -> None:
         (lambda: ring(rule="no"), "contact.rule: required"),
         (lambda: ns.Array.ring(4, radius=-1, **MU), "ring.radius: required"),
         (lambda: ns.Array([ns.Wheel((0, 0)), ns.Wheel((0, 0))], **MU), "wheel"),
+        (lambda: ns.Array(CORNERS, **MU), r"array: wheels: required ns\.Wheel\(position\) for each, received .0, 0."),
+        (lambda: ring(field=0.5), "array: field: required a table, received 0.5"),
         (lambda: ring(mu_side=float("nan")), "friction.mu_side: required"),
         (lambda: ns.System(["x"], ["import os"]), "system.rhs"),
     ],
@@ -276,6 +289,24 @@ def test_errors_are_one_line(make: Callable[[], object], message: str) -> None:
     with pytest.raises(ns.SceneError, match=message) as caught:
         make()
     assert "\n" not in str(caught.value)
+
+
+def test_names_that_are_none_are_refused_with_those_that_are() -> None:
+    with pytest.raises(ValueError, match=r"^region: required one of auto, none, fast, best, received 'fastest'$"):
+        ring().check(region="fastest")
+    with pytest.raises(ValueError, match=r"^require: required names among position, heading, .* received"):
+        ring().check(require=["position"])
+    with pytest.raises(ValueError, match=r"^name: required one of certified, corrected, .* received 'foo'$"):
+        ring().check().law("foo")
+    with pytest.raises(ValueError, match=r"^maximize: required names among rate, .* received 'None'$"):
+        ring().design(maximize=None)
+    with pytest.raises(ValueError, match=r"^workers: required a whole number, received 'two'$"):
+        ns.Means(workers="two")  # type: ignore[arg-type]
+
+
+def test_an_array_of_one_number_is_a_number() -> None:
+    assert ring(mu_side=np.array(0.25)) == ring(mu_side=0.25)
+    assert ring().sweep(mu_side=0.25).rows() == ring().sweep(mu_side=[0.25]).rows()
 
 
 def test_unknown_keywords_are_refused() -> None:
@@ -457,6 +488,8 @@ def test_a_coordinate_means_what_it_says(quarter: object) -> None:
         ((0, "sqrt(2)/8"), "required rational coordinates, received 'sqrt"),
         ((0, float("nan")), "required rational coordinates, received nan"),
         ((0, "1/0"), "required rational coordinates, received '1/0'"),
+        ((0,), r"required a point \(x, y\), received \(0,\)"),
+        (0.1, r"required a point \(x, y\), received 0\.1"),
     ],
 )
 def test_other_points_are_refused(point: tuple[object, object], message: str) -> None:

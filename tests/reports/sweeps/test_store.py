@@ -315,6 +315,15 @@ def test_what_is_no_store_is_refused_and_left_alone(invoke: Invoke, tmp_path: Pa
     assert sorted(file.name for file in tmp_path.iterdir()) == ["folder", "other.sqlite", "text"]
 
 
+def test_rows_do_not_take_the_place_of_the_store(invoke: Invoke, tmp_path: Path) -> None:
+    rows, store = tmp_path / "rows.csv", tmp_path / "folder" / ".." / "rows.csv"
+    (tmp_path / "folder").mkdir()
+    done = invoke("sweep", "four-wheel", "--vary", "mu_side=0.1:1:2", "-o", str(rows), "--store", str(store))
+    assert (done.status, done.out) == (2, "")
+    assert done.err == f"nonsmooth: --store: required another file than that of -o, received {str(store)!r}\n"
+    assert not rows.exists()
+
+
 def fill(store: Store, keys: list[str]) -> None:
     while len(keys) < 10_000:
         keys.append(f"key {len(keys)}")
