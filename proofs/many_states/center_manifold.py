@@ -72,7 +72,7 @@ Vector: TypeAlias = list[Polynomial]
 
 
 @dataclass(frozen=True)
-class Frame:
+class SplitFrame:
     """Coordinates z = (u, w), with ``x = T z + h(u)``.
 
     Attributes:
@@ -116,7 +116,7 @@ class SuggestedFunction:
     direction: tuple[Fraction, ...]
     words: str
     is_whole: bool
-    frames: tuple[Frame | None, ...]
+    frames: tuple[SplitFrame | None, ...]
 
 
 def center_functions(field: Sequence[Polynomial]) -> Iterator[SuggestedFunction]:
@@ -181,11 +181,11 @@ class Split:
                 left = fmpq_mat(1, self.count, [fmpq(int(i == k)) / self.right[k, 0] for i in range(self.count)])
                 yield replace(self, left=left)
 
-    def frame(self, scale: Fraction, bend: Sequence[Polynomial] = ()) -> Frame:
+    def frame(self, scale: Fraction, bend: Sequence[Polynomial] = ()) -> SplitFrame:
         """A basis of both subspaces in columns, that of the stable one scaled, beside h."""
         stable = null_basis(self.left) * as_fmpq(scale)
         basis = fmpq_mat([left + right for left, right in zip(self.right.tolist(), stable.tolist(), strict=True)])
-        return Frame(basis, basis.inv(), tuple(bend))
+        return SplitFrame(basis, basis.inv(), tuple(bend))
 
     @property
     def is_along_axes(self) -> bool:
@@ -397,7 +397,7 @@ class Reduction:
             direction, words = self._direction(leading), leading.words
             yield SuggestedFunction(function, leading.attracts, direction, words, whole, frames)
 
-    def _frames(self, leading: Leading, manifold: Sequence[Polynomial]) -> tuple[Frame | None, ...]:
+    def _frames(self, leading: Leading, manifold: Sequence[Polynomial]) -> tuple[SplitFrame | None, ...]:
         """Those in which V' may be negative: the states, both subspaces, or the manifold where it bends too much."""
         split = self.split
         if split.count == split.size:
