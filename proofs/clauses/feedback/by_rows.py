@@ -48,6 +48,7 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import (
     build_level_region,
     build_limited_rate,
     certified_rate,
+    level_nearby,
 )
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.mechanics.constraints import Triple, independent
@@ -321,6 +322,17 @@ class FeedbackResult:
         """The rate holds within this distance of c*, in the cells there; None where they alone bound it."""
         reach = None if self.rate is None else self.rate.reach
         return None if reach is None else self.partition.scene.field(reach)
+
+    @property
+    def rate_level(self) -> Fraction | None:
+        """A level of V below which the law brings the body home, all the way at the certified rate; None where none is.
+
+        It is the level of the region where that keeps to the cells at the equilibrium, else a smaller one.
+        """
+        if self.rate is None or not isinstance(self.region, LevelRegion):
+            return None
+        nearby = level_nearby(self.inputs, self.rate, self.lyapunov)
+        return None if nearby is None else min(nearby, self.region.level)
 
     @property
     def position_error(self) -> float | None:

@@ -397,14 +397,17 @@ def build_limited_rate(inputs: RowInputs, rate: FeedbackRate | None, lyapunov: C
         confirmed(free, lambda value: all(entry.is_free(value) for entry in acting)),
         confirmed(rounded_down(float(least) ** 2 / float(kappa)), lambda held: least * least >= held * kappa),
         confirmed(rounded_down(float(least) * float(kappa) ** 0.5), lambda v: v * v <= least * least * kappa),
-        _level_nearby(inputs, rate, lyapunov),
+        level_nearby(inputs, rate, lyapunov),
     )
     numbers = [number for number in found if number is not None and number > 0]
     return LimitedRate(*numbers) if len(numbers) == len(found) else None
 
 
-def _level_nearby(inputs: RowInputs, rate: FeedbackRate, lyapunov: ControlLyapunov) -> Fraction | None:
-    """A level that keeps to the cells at the equilibrium, and to where the rate is certified."""
+def level_nearby(inputs: RowInputs, rate: FeedbackRate, lyapunov: ControlLyapunov) -> Fraction | None:
+    """A level that keeps to the cells at the equilibrium, and to where the rate is certified.
+
+    The certified region may hold further cells, in which V falls too, at another rate.
+    """
     sides = list(segments(inputs.away, inputs.radius))
     level = least_level(sides, lyapunov, inputs.length)
     if rate.reach is not None:
