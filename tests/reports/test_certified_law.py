@@ -220,7 +220,7 @@ def test_errors_fall_at_the_certified_rate_from_wherever_it_is_said_to_hold(invo
             scaled = pose * error / np.sqrt(pose[:2] @ shape @ pose[:2] + weight * pose[2] ** 2)
             slope = np.array([*(shape @ scaled[:2]), weight * scaled[2]])
             found.append(-slope @ rate(scaled) / error**2)
-        return min(found)
+        return float(min(found))
 
     assert slowest(0.99 * stated) >= said["rate"]
     assert 0 < slowest(0.99 * whole) < said["rate"]
