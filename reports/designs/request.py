@@ -23,6 +23,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 FREE = (*KINDS, WHEELS)
 REQUIRED = ("position", "heading", "pose")
 MOST_CHECKS = 100_000
+LARGEST_SEED = 2**32 - 1  # of NumPy's Mersenne twister
 FINEST = 1000  # denominator of the usual distance that wheels may move
 
 
@@ -49,8 +50,8 @@ def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int)
         raise DesignError(f"maximize: required one name, received {maximize[:60]!r}")
     if not 1 <= checks <= MOST_CHECKS:
         raise DesignError(f"checks: required a number from 1 to {MOST_CHECKS}, received {checks}")
-    if seed < 0:
-        raise DesignError(f"seed: required a number of at least 0, received {seed}")
+    if not 0 <= seed <= LARGEST_SEED:
+        raise DesignError(f"seed: required a number from 0 to {LARGEST_SEED}, received {str(seed)[:60]}")
     if objective == "tolerance" and scene.tolerances is None:
         raise SceneError(scene.source, "tolerance", "a [tolerance] table to maximize it", StatedFact("nothing"))
     if objective == "settling":

@@ -140,6 +140,13 @@ def angle_of(wheel: Wheel) -> float:
     return float(np.arctan2(float(wheel.direction[1]), float(wheel.direction[0])))
 
 
+@pytest.mark.parametrize("seed", [-1, 2**32, 10**30])
+def test_a_seed_that_no_search_can_begin_with_is_refused(invoke: Invoke, seed: int) -> None:
+    outcome = invoke("design", "saddle", "--seed", str(seed), "--checks", "4", "-o", "found.toml")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == f"nonsmooth: --seed: required a number from 0 to 4294967295, received {seed}\n"
+
+
 def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Path) -> None:
     outcome = invoke("design", "outward", "--free", "speeds", "--checks", "5", "-o", "none.toml")
     assert outcome.status == 1
