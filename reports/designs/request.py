@@ -17,7 +17,7 @@ from nonsmooth.symbolic.files.scene_file import build_scene, one_by_one
 from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.mechanics.contact_set import standing
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 FREE = (*KINDS, WHEELS)
@@ -76,6 +76,8 @@ def read_freedom(scene: Scene, free: str, move: Any, symmetry: int | None) -> Fr
     kinds = _names(free, "free", FREE)
     if WHEELS in kinds and len(kinds) > 1:
         raise DesignError(f"free: required wheels alone, received {free[:60]!r}")
+    if WHEELS in kinds and isinstance(scene.contact.loads, LoadTable):
+        raise DesignError("free: required loads that some of the wheels have too, received loads stated for all wheels")
     return replace(Freedom(kinds, move=_distance(scene, move)), order=_order(scene, symmetry))
 
 
