@@ -48,7 +48,7 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import (
     build_level_region,
     build_limited_rate,
     certified_rate,
-    level_nearby,
+    level_with_rate,
 )
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.mechanics.constraints import Triple, independent
@@ -325,14 +325,10 @@ class FeedbackResult:
 
     @property
     def rate_level(self) -> Fraction | None:
-        """A level of V below which the law brings the body home, all the way at the certified rate; None where none is.
-
-        It is the level of the region where that keeps to the cells at the equilibrium, else a smaller one.
-        """
+        """Below this level of V the error falls at the certified rate; None where none is known."""
         if self.rate is None or not isinstance(self.region, LevelRegion):
             return None
-        nearby = level_nearby(self.inputs, self.rate, self.lyapunov)
-        return None if nearby is None else min(nearby, self.region.level)
+        return level_with_rate(self.inputs, self.rate, self.region)
 
     @property
     def position_error(self) -> float | None:
