@@ -83,14 +83,20 @@ def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
 
 
 def _from_where(found: AnyFeedback, scene: Scene) -> str:
-    """From which errors the law is certified: those below the root of the level of V, where one is known."""
-    region = found.region if isinstance(found, FeedbackResult) else None
-    if region is None:
+    """From which errors the rate is certified: those below the root of a level of V, where one is known."""
+    if not isinstance(found, FeedbackResult) or (level := found.rate_level) is None:
         return "from close by (how near is not known)"
-    if not isinstance(region, LevelRegion):
-        return f"from {region}"
-    root = Fraction(math.isqrt(math.floor(region.level * ROOTS**2)), ROOTS)  # at most the root
-    return f"from errors below {lower_text(root, DIGITS)}{scene.units.after_length}"
+    text = f"from errors below {_root_text(level, scene)}"
+    whole = found.region.level if isinstance(found.region, LevelRegion) else level
+    return (
+        text if whole == level else f"{text} (from those below {_root_text(whole, scene)} it falls, how fast is open)"
+    )
+
+
+def _root_text(level: Fraction, scene: Scene) -> str:
+    """The error sqrt(V) on a level of V, rounded down."""
+    root = Fraction(math.isqrt(math.floor(level * ROOTS**2)), ROOTS)
+    return f"{lower_text(root, DIGITS)}{scene.units.after_length}"
 
 
 def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:

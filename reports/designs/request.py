@@ -17,13 +17,13 @@ from nonsmooth.symbolic.files.scene_file import build_scene, one_by_one
 from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.mechanics.contact_set import standing
-from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 FREE = (*KINDS, WHEELS)
 REQUIRED = ("position", "heading", "pose")
 MOST_CHECKS = 100_000
-MOST_SEED = 2**32 - 1  # that SciPy takes
+LARGEST_SEED = 2**32 - 1  # of NumPy's Mersenne twister
 FINEST = 1000  # denominator of the usual distance that wheels may move
 
 
@@ -50,8 +50,8 @@ def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int)
         raise DesignError(f"maximize: required one name, received {maximize[:60]!r}")
     if not 1 <= checks <= MOST_CHECKS:
         raise DesignError(f"checks: required a number from 1 to {MOST_CHECKS}, received {checks}")
-    if not 0 <= seed <= MOST_SEED:
-        raise DesignError(f"seed: required a number from 0 to {MOST_SEED}, received {seed}")
+    if not 0 <= seed <= LARGEST_SEED:
+        raise DesignError(f"seed: required a number from 0 to {LARGEST_SEED}, received {str(seed)[:60]}")
     if objective == "tolerance" and scene.tolerances is None:
         raise SceneError(scene.source, "tolerance", "a [tolerance] table to maximize it", StatedFact("nothing"))
     if objective == "settling":
@@ -76,6 +76,8 @@ def read_freedom(scene: Scene, free: str, move: Any, symmetry: int | None) -> Fr
     kinds = _names(free, "free", FREE)
     if WHEELS in kinds and len(kinds) > 1:
         raise DesignError(f"free: required wheels alone, received {free[:60]!r}")
+    if WHEELS in kinds and isinstance(scene.contact.loads, LoadTable):
+        raise DesignError("free: required loads that some of the wheels have too, received loads stated for all wheels")
     return replace(Freedom(kinds, move=_distance(scene, move)), order=_order(scene, symmetry))
 
 

@@ -194,13 +194,15 @@ def draw_tables(scene: Scene, options: SimulateOptions) -> SampledTablesResult:
     """Draw tables within the tolerances of a scene, all at once and each tolerance alone.
 
     Raises:
-        OptionError: for a number of tables that cannot be drawn.
+        OptionError: for a number of tables that cannot be drawn, and a seed that draws none.
         SceneError: for a scene without tolerances, and a rule or an entry that is not followed.
         ValueError: where no place of rest of the table as drawn is found.
     """
     count = options.tables or 0
     if not 1 <= count <= MOST:
         raise OptionError(f"--tables: required 1 to {MOST} tables, received {count}")
+    if options.seed < 0:
+        raise OptionError(f"--seed: required a number of at least 0, received {options.seed}")
     refused = why_not_sampled(scene)
     if refused or scene.tolerances is None:
         raise SceneError(

@@ -261,8 +261,18 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
 
 
 def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path: Path) -> SwitchedSystem:
-    """The system in the signed roots of its states, with what it stands for."""
-    seen, unscaled, extended = (_plain_system(part, file, path) for part in rooted_documents(document, roots, file))
+    """The system in the signed roots of its states, with what it stands for.
+
+    Raises:
+        SceneError: as of a system without roots; it names the formulas and states of the file, and no roots.
+    """
+    try:
+        seen, unscaled, extended = (_plain_system(part, file, path) for part in rooted_documents(document, roots, file))
+    except SceneError as error:
+        stated, expected = dict(_keyed_formulas(document)), error.expected
+        for name, root in roots.names.items():
+            expected = expected.replace(root, name)
+        raise SceneError(error.file, error.key, expected, stated.get(error.key, error.value)) from None
     lists = extended.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
     written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
     unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field

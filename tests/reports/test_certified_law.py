@@ -187,6 +187,45 @@ def typed(start: Floats) -> str:
     return ",".join(repr(float(value)) for value in start)
 
 
+# ---- the certified rate holds wherever the answer says so ----------------------------------------
+
+FIFTH = """
+friction = { mu_roll = 1, mu_side = "1/2" }
+check = { radius = "3/4", length = 1 }
+wheel = [
+    { position = [1, 0], heading = "inward" },
+    { position = [0, 1], heading = "inward" },
+    { position = [-1, 0], heading = "inward" },
+    { position = [0, -1], heading = "inward" },
+    { position = ["3/4", "3/4"], heading = "275 deg" },
+]
+"""
+
+
+def test_errors_fall_at_the_certified_rate_from_wherever_it_is_said_to_hold(invoke: Invoke, tmp_path: Path) -> None:
+    """The fifth wheel is the nearest away from the point alone: there V falls too, and more slowly."""
+    file = tmp_path / "fifth.toml"
+    file.write_text(FIFTH, encoding="utf-8")
+    record = invoke("check", str(file), "--json").record
+    said, feedback = record["answers"]["pose"], record["feedback"]
+    shape, weight = np.array(feedback["lyapunov"]["P"]), feedback["lyapunov"]["w"]
+    stated, whole = (float(found) for found in re.findall(r"below (\d\.\d+)", said["reason"]))
+    assert whole**2 == pytest.approx(feedback["region"]["level"], rel=1e-3)
+    rate = gradient_rate(Array(str(file), "nearest"), shape, weight)
+
+    def slowest(error: float) -> float:
+        """The least ``-V'/(2 V)`` on the level of an error, over directions of the pose."""
+        found = []
+        for pose in np.random.default_rng(1).normal(size=(2000, 3)):
+            scaled = pose * error / np.sqrt(pose[:2] @ shape @ pose[:2] + weight * pose[2] ** 2)
+            slope = np.array([*(shape @ scaled[:2]), weight * scaled[2]])
+            found.append(-slope @ rate(scaled) / error**2)
+        return float(min(found))
+
+    assert slowest(0.99 * stated) >= said["rate"]
+    assert 0 < slowest(0.99 * whole) < said["rate"]
+
+
 # ---- one law under one name ----------------------------------------------------------------------
 
 

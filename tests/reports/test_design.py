@@ -140,11 +140,32 @@ def angle_of(wheel: Wheel) -> float:
     return float(np.arctan2(float(wheel.direction[1]), float(wheel.direction[0])))
 
 
-def test_a_seed_that_no_generator_takes_is_refused(invoke: Invoke) -> None:
-    for seed in ("-1", str(2**32)):
-        refused = invoke("design", "saddle", "--seed", seed)
-        assert (refused.status, refused.out) == (2, "")
-        assert refused.err == f"nonsmooth: --seed: required a number from 0 to 4294967295, received {seed}\n"
+@pytest.mark.parametrize("seed", [-1, 2**32, 10**30])
+def test_a_seed_that_no_search_can_begin_with_is_refused(invoke: Invoke, seed: int) -> None:
+    outcome = invoke("design", "saddle", "--seed", str(seed), "--checks", "4", "-o", "found.toml")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == f"nonsmooth: --seed: required a number from 0 to 4294967295, received {seed}\n"
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        "[[0.25, 0.25, 0.25], [0.25, -0.25, 0.25], [0.25, -0.25, -0.25], [0.25, 0.25, -0.25]]",
+        '{ kind = "measured", values = [1, 1, 1, 1] }',
+    ],
+)
+def test_wheels_are_not_chosen_where_loads_are_stated_for_all_of_them(
+    invoke: Invoke, tmp_path: Path, loads: str
+) -> None:
+    """What some of them would carry is not known, and the file itself is right."""
+    document, _, _ = read_document("four-wheel")
+    text = toml_text({key: value for key, value in document.items() if key != "contact"})
+    (tmp_path / "stated.toml").write_text(f'{text}\n[contact]\nrule = "box"\nloads = {loads}\n', encoding="utf-8")
+    outcome = invoke("design", "stated.toml", "--free", "wheels", "--symmetry", "1", "-o", "few.toml")
+    assert (outcome.status, outcome.out) == (2, "")
+    expected = "--free: required loads that some of the wheels have too, received loads stated for all wheels"
+    assert outcome.err == f"nonsmooth: {expected}\n"
+    assert invoke("design", "stated.toml", "--free", "speeds", "--checks", "1").status < 2
 
 
 def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Path) -> None:

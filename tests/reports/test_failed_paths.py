@@ -395,6 +395,9 @@ def test_what_is_not_drawn_is_refused(toleranced: Path, invoke: Invoke) -> None:
     assert "states no tolerances" in invoke("simulate", "four-wheel", "--tables", "5").err
     toleranced.write_text(TABLE.replace("RULE", "nearest"))
     assert "under rules with friction sets" in invoke("simulate", str(toleranced), "--tables", "5").err
+    refused = invoke("simulate", str(toleranced), "--rule", "ellipse", "--tables", "5", "--seed", "-1")
+    assert (refused.status, refused.out) == (2, "")
+    assert refused.err == "nonsmooth: --seed: required a number of at least 0, received -1\n"
     assert "--seed: required --tables" in invoke("simulate", "four-wheel", "--from", "0,0,0", "--seed", "3").err
 
 

@@ -202,6 +202,25 @@ def test_bad_files_are_refused(load: Load, states: list[str], rhs: list[str], na
     assert named in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("stated", "expected"),
+    [
+        ("-sqrt(Abs(x))*sgn(x) + foo", "a formula of x, y, numbers"),
+        ("-Abs(x)**(1/3)*sgn(x) + y**x", "an integer exponent"),
+        ("-Abs(x)**(1/3)*sgn(x) + relu(sin(3))", "a rational multiple of pi"),
+        ("-Abs(x)**(1/3)*sgn(x) + Abs(y)**(1/5)*x/Abs(y)**(1/5)", "denominators that are not zero"),
+    ],
+)
+def test_a_refusal_names_the_formula_of_the_file_where_states_stand_under_roots(
+    load: Load, stated: str, expected: str
+) -> None:
+    """Not that in the roots of the states, which nobody wrote."""
+    with pytest.raises(SceneError, match=re.escape("system.rhs[1]: required " + expected)) as caught:
+        load(["x", "y"], [stated, "-y"])
+    assert caught.value.value == stated
+    assert "root_" not in str(caught.value)
+
+
 @pytest.mark.parametrize("guard", ["k*x > 0", "sin(x) > 0"])
 def test_other_guards_are_refused_where_they_stand(guard: str) -> None:
     tables = [{"where": [guard], "rhs": ["-x"]}, {"rhs": ["-2*x"]}]

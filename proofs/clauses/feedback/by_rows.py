@@ -48,6 +48,7 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import (
     build_level_region,
     build_limited_rate,
     certified_rate,
+    level_with_rate,
 )
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.mechanics.constraints import Triple, independent
@@ -321,6 +322,13 @@ class FeedbackResult:
         """The rate holds within this distance of c*, in the cells there; None where they alone bound it."""
         reach = None if self.rate is None else self.rate.reach
         return None if reach is None else self.partition.scene.field(reach)
+
+    @property
+    def rate_level(self) -> Fraction | None:
+        """Below this level of V the error falls at the certified rate; None where none is known."""
+        if self.rate is None or not isinstance(self.region, LevelRegion):
+            return None
+        return level_with_rate(self.inputs, self.rate, self.region)
 
     @property
     def position_error(self) -> float | None:

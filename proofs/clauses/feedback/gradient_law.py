@@ -403,6 +403,20 @@ def build_limited_rate(inputs: RowInputs, rate: FeedbackRate | None, lyapunov: C
     return LimitedRate(*numbers) if len(numbers) == len(found) else None
 
 
+def level_with_rate(inputs: RowInputs, rate: FeedbackRate, region: LevelRegion) -> Fraction | None:
+    """A level below which the law brings the body home, all the way at the certified rate; None where none is found.
+
+    It is that of the region where this keeps to the cells at the equilibrium, and to where the rate is certified.  Else
+    the region may hold further cells, in which V falls too, at another rate, and the level is a smaller one.
+    """
+    lyapunov, level = region.lyapunov, region.level
+    is_near = rate.reach is None or level <= rate.reach**2 * (1 - lyapunov.eccentricity)
+    if is_near and are_above(segments(inputs.away, inputs.radius), lyapunov, level):
+        return level
+    nearby = _level_nearby(inputs, rate, lyapunov)
+    return None if nearby is None else min(nearby, level)
+
+
 def _level_nearby(inputs: RowInputs, rate: FeedbackRate, lyapunov: ControlLyapunov) -> Fraction | None:
     """A level that keeps to the cells at the equilibrium, and to where the rate is certified."""
     sides = list(segments(inputs.away, inputs.radius))
