@@ -312,6 +312,9 @@ def extreme_velocities(fields: Sequence[Floats], normals: Sequence[Floats]) -> I
     """Of the mixtures of some velocities that are tangent to surfaces, those of which all others are mixtures."""
     if not fields:
         return
+    if not normals:
+        yield from fields
+        return
     across = np.array([[normal @ field for field in fields] for normal in normals])
     for size in range(1, len(normals) + 2):
         for chosen in combinations(range(len(fields)), size):
