@@ -25,6 +25,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
+from nonsmooth.proofs.kernel.bases import functions_on
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, rational, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import Collected, Functions, decide_claim, instability_hypotheses
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
@@ -36,7 +37,6 @@ from nonsmooth.proofs.kernel.subject import (
     subjects_of,
 )
 from nonsmooth.proofs.kernel.written import terms_of
-from nonsmooth.proofs.many_states.examination import functions_on
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.domain import (
     GAIN_SHARES,

@@ -15,27 +15,22 @@ from fractions import Fraction
 
 import numpy as np
 
-from nonsmooth.analysis.cells.region import Region
-from nonsmooth.analysis.cells.switched_cells import FieldCell, lyapunov_cells
+from nonsmooth.proofs.checker.cells import whole_domain
 from nonsmooth.proofs.falling_function import claims_about
 from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, functions_on, monomials, slopes_along
+from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, stated_cells
+from nonsmooth.proofs.kernel.search import Functions
+from nonsmooth.proofs.kernel.second_function import sampled
 from nonsmooth.proofs.systems.domain import SublevelRegion
-from nonsmooth.proofs.systems.lyapunov_rows import (
-    BasisFunction,
-    Sides,
-    build_formula,
-    build_sides,
-    smooth_functions,
-    values_at,
-    where_guards_hold,
-)
-from nonsmooth.proofs.systems.lyapunov_search import searched_cells, square_cells
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_values
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
 DEGREES = range(2, 13)  # of V
@@ -89,16 +84,19 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
     if degree not in DEGREES:
         raise ValueError(f"degree: required a whole number from {DEGREES[0]} to {DEGREES[-1]}, received {degree}")
     require_plane(system)
-    cells = square_cells(system, system.check.radius)
-    basis = tuple(f for d in range(2, degree + 1) for f in smooth_functions(system.field, d))
-    outline = _outline(cells, float(system.check.radius))
+    basis = tuple(own for k in range(2, degree + 1) for own in monomials(system.states, k))
+    try:
+        rational = enclose_numbers(system)
+        stated = stated_cells(rational, rational.check.radius)
+        conditions = functions_on(rational, stated, [own.text for own in basis])
+    except (NoEnclosureError, BeyondReachError):
+        return None
+    outline = _outline(stated.cells)
     if not outline.reach.min() > 0:
         return None
-    blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
-    sides = build_sides(lyapunov_cells(cells, blank, system.states, system.origin), basis)
     certified: list[LargerRegion] = []
-    for shrunk in _promising(sides, outline)[:CANDIDATES]:
-        formula = _proposed(system, sides, basis, shrunk)
+    for shrunk in _promising(conditions, outline)[:CANDIDATES]:
+        formula = _proposed(system, conditions, basis, shrunk)
         found = None if formula is None else _certified(system, formula)
         certified += [] if found is None else [found]
     return max(certified, key=lambda found: _seen_area(system, found, outline), default=None)
@@ -112,9 +110,9 @@ def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRe
 
 def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -> float:
     """How much of the square is below the level, as points on rays show it."""
-    potential = searched_cells(system, found.formula, system.check.radius)[0].potential
+    potential = found.formula.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), no_sign)
     places = _Outline(outline.units, outline.border, outline.border).inside
-    below = values_at(potential, places) < float(found.region.level)
+    below = float_values(potential.terms, places) < float(found.region.level)
     return float((below * (places**2).sum(axis=1) ** 0.5).sum())
 
 
@@ -148,24 +146,25 @@ class _Outline:
         return np.asarray((distances[:, :, None] * self.units).reshape(-1, 2))
 
 
-def _outline(cells: Sequence[FieldCell], radius: float) -> _Outline:
+def _outline(cells: SignCells) -> _Outline:
     """How far starts come back within the square, on rays."""
+    radius = float(cells.radius)
     angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
     units = unit_vectors(angles)
     border = radius / np.abs(units).max(axis=1)
     shares = np.arange(1, DISTANCES + 1) / DISTANCES
     starts = (shares[:, None, None] * (border[:, None] * units)).reshape(-1, 2)
-    back = _comes_back(cells, starts, radius).reshape(DISTANCES, ANGLES)
+    back = _comes_back(cells, starts).reshape(DISTANCES, ANGLES)
     count = np.where(back.all(axis=0), DISTANCES, np.argmin(back, axis=0))
     return _Outline(units, count / DISTANCES * border, border)
 
 
-def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> Mask:
+def _comes_back(cells: SignCells, starts: Floats) -> Mask:
     """Whether solutions reach the point without leaving the square, by the classical Runge-Kutta method.
 
     Those that stand still, as all do beyond the square, are followed no further.
     """
-    places, back = starts.copy(), np.zeros(len(starts), dtype=bool)
+    places, back, radius = starts.copy(), np.zeros(len(starts), dtype=bool), float(cells.radius)
     going = np.arange(len(starts))
     for _ in range(STEPS):
         if not len(going):
@@ -182,38 +181,41 @@ def _comes_back(cells: Sequence[FieldCell], starts: Floats, radius: float) -> Ma
     return back
 
 
-def _field(cells: Sequence[FieldCell], places: Floats) -> Floats:
+def _field(cells: SignCells, places: Floats) -> Floats:
     """The field of a cell that holds each place; zero beyond the square."""
     found = np.zeros_like(places)
-    for cell in cells:
-        held = where_inside(cell.region, places)
+    within = np.abs(places).max(axis=1) <= float(cells.radius)
+    for cell in cells.cells:
+        held = within.copy()
+        for sign, surface in zip(cell.signs, cells.surfaces, strict=True):
+            held &= sign * float_values(surface.terms, places) >= 0
         for k, part in enumerate(cell.velocities[0]):
-            found[held, k] = values_at(part, places[held])
+            found[held, k] = float_values(part, places[held])
     return found
 
 
-def _promising(sides: Sequence[Sides], outline: _Outline) -> list[_Outline]:
+def _promising(conditions: Functions, outline: _Outline) -> list[_Outline]:
     """Parts of the outline on which there is a program's V, those first of which its level 1 seems to hold most."""
     solved = []
     for share in SHARES:
         shrunk = outline.shrunk(share)
-        found = _solved(sides, shrunk.inside, shrunk)
+        found = _solved(conditions, shrunk.inside, shrunk)
         if found is not None:
             solved.append((share**2 / found[1], shrunk))
     return [shrunk for _, shrunk in sorted(solved, key=lambda entry: -entry[0])]
 
 
 def _proposed(
-    system: SwitchedSystem, sides: Sequence[Sides], basis: Sequence[BasisFunction], outline: _Outline
+    system: SwitchedSystem, conditions: Functions, basis: Sequence[PiecewiseFunction], outline: _Outline
 ) -> PiecewiseExpression | None:
     """A rounded V that rises, if at all, near its level on the outline; None where no program has one."""
     inside = outline.inside
     for _ in range(ROUNDS):
-        solved = _solved(sides, inside, outline)
+        solved = _solved(conditions, inside, outline)
         if solved is None:
             return None
         rounded = [Fraction(round(float(c) * DENOMINATOR), DENOMINATOR) for c in solved[0]]
-        formula = build_formula(basis, rounded, system.states)
+        formula = parse_piecewise(formula_text(basis, list(map(as_fmpq, rounded))), system.states)
         found = claims_about(system, formula, system.check.radius)
         if found is None:
             return None
@@ -225,9 +227,10 @@ def _proposed(
 
 
 @BEYOND_FLOATS
-def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[Floats, float] | None:
+def _solved(conditions: Functions, inside: Floats, outline: _Outline) -> tuple[Floats, float] | None:
     """Coefficients with the least maximum of V on the outline, and that; None where there are none."""
-    count = len(sides[0].values)
+    inclusion = conditions.inclusion
+    functions, radius = inclusion.cells[0].functions, float(inclusion.domain.radius)
     rows, bounds = [], []
 
     def ask(row: Floats, of_top: float, bound: Floats) -> None:
@@ -235,27 +238,21 @@ def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[
         rows.append(np.column_stack([row, np.full(len(row), of_top)]))
         bounds.append(bound)
 
-    for side in sides:
-        near = inside[where_inside(side.cell.region, inside)]
-        margin = -MARGIN * (near**2).sum(axis=1)
-        ask(np.column_stack([values_at(p, near) for p in side.rates]), 0, margin)
-    values = [[values_at(p, points) for p in sides[0].values] for points in (inside, outline.rim, outline.outside)]
-    ask(-np.column_stack(values[0]), 0, -MARGIN * (inside**2).sum(axis=1))
-    ask(np.column_stack(values[1]), -1, np.zeros(len(outline.rim)))
+    for cell in inclusion.cells:
+        near = sampled(whole_domain(inclusion), [cell], inside / radius)
+        ask(slopes_along(near, functions) / radius, 0, -MARGIN * (near.points**2).sum(axis=1) * radius**2)
+    values = [
+        np.column_stack([float_values(own.terms, points / radius) for own in functions])
+        for points in (inside, outline.rim, outline.outside)
+    ]
+    ask(-values[0], 0, -MARGIN * (inside**2).sum(axis=1))
+    ask(values[1], -1, np.zeros(len(outline.rim)))
     for points in values[1:]:
-        ask(-np.column_stack(points), 0, -np.ones(len(points[0])))
-    costs = np.append(np.zeros(count), 1.0)
-    limits = [(None, None)] * count + [(1, LARGEST)]
+        ask(-points, 0, -np.ones(len(points)))
+    costs = np.append(np.zeros(len(functions)), 1.0)
+    limits = [(None, None)] * len(functions) + [(1, LARGEST)]
     system, right = np.vstack(rows), np.concatenate(bounds)
     if not (np.isfinite(system).all() and np.isfinite(right).all()):
         return None
     found = solve_program(costs, A_ub=system, b_ub=right, bounds=limits)
     return (np.asarray(found.x[:-1]), float(found.x[-1])) if found.status == 0 else None
-
-
-def where_inside(region: Region, points: Floats) -> Mask:
-    """Which points a closed region holds, in floats."""
-    kept = where_guards_hold(region, points)
-    for a, b, c in (map(float, side) for side in region.sides):
-        kept &= a * points[:, 0] + b * points[:, 1] + c >= 0
-    return kept

@@ -247,10 +247,16 @@ class Samples:
         return Samples(self.coordinates[kept], self.points[kept], self.velocities[kept])
 
 
-def sampled(place: Face, cells: Sequence[Cell]) -> Samples:
-    """Points of a place off the origin, with the extreme velocities that keep its surfaces zero."""
+def sampled(place: Face, cells: Sequence[Cell], coordinates: Floats | None = None) -> Samples:
+    """Points of a place off the origin, with the extreme velocities that keep its surfaces zero.
+
+    Args:
+        place: a face, or the whole domain.
+        cells: beside it.
+        coordinates: of points, of which those count that lie in the place; None for some at random.
+    """
     listed, count = place.inclusion.surfaces.listed, place.inclusion.count
-    coordinates = points_of(place)
+    coordinates = points_of(place) if coordinates is None else coordinates
     points = np.stack([float_values(form.terms, coordinates) for form in place.coordinates], axis=1)
     inside = np.all(np.abs(points) <= 1 + NEAR, axis=1) & np.any(np.abs(points) > NEAR, axis=1)
     for j in place.curved:
@@ -266,6 +272,11 @@ def sampled(place: Face, cells: Sequence[Cell]) -> Samples:
         fields += [
             (beside, np.stack([float_values(part.terms, points) for part in field], axis=1)) for _, field in cell.fields
         ]
+    if not normals:
+        places = np.concatenate([np.flatnonzero(beside) for beside, _ in fields])
+        velocities = np.vstack([field[beside] for beside, field in fields])
+        order = np.argsort(places, kind="stable")
+        return Samples(coordinates[places[order]], points[places[order]], velocities[order])
     found: list[tuple[Floats, Floats, Floats]] = []
     for i in range(len(points)):
         own = [field[i] for beside, field in fields if beside[i]]
@@ -283,12 +294,16 @@ def points_of(place: Face) -> Floats:
     for scale, chosen in product(SCALES, subsets):
         drawn = rng.uniform(-1, 1, (DIRECTIONS, size)) * np.array(chosen)
         found.append(scale * drawn / np.max(np.abs(drawn), axis=1, keepdims=True, initial=NEAR))
-    points = np.vstack(found)
+    return with_projected(place, np.vstack(found))
+
+
+def with_projected(place: Face, points: Floats) -> Floats:
+    """Coordinates of points of a place, with those nearest to them on affine surfaces; each once."""
     projected = [points]
     for surface in place.inclusion.surfaces.listed:
         own = place.restricted(surface)
         if own.degree == 1:
-            slopes = np.array([float(own.slope(k)) for k in range(size)])
+            slopes = np.array([float(own.slope(k)) for k in range(place.dimension)])
             projected.append(points - np.outer(float_values(own.terms, points), slopes) / (slopes @ slopes))
     return np.unique(np.round(np.vstack(projected), 12), axis=0)
 

@@ -33,6 +33,7 @@ from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots
+from nonsmooth.proofs.kernel.bases import formula_text, monomials
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     RationalTerms,
@@ -50,9 +51,7 @@ from nonsmooth.proofs.many_states.lyapunov_search import (
     find_growing_product,
     find_growth,
     find_lyapunov,
-    formula_text,
     high_degree_relay,
-    monomials,
 )
 from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort

@@ -12,13 +12,13 @@ from flint import fmpq, fmpq_mat
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim
-from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
+from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
+from nonsmooth.proofs.kernel.bases import functions_on
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     SignCells,
@@ -28,7 +28,6 @@ from nonsmooth.proofs.kernel.cells import (
 )
 from nonsmooth.proofs.kernel.search import SQUARES, Functions, decide_claim, stability_hypotheses
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
-from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -400,18 +399,6 @@ def conditions_on(
     except RejectedError:
         raise NotZeroError("V is not zero at the equilibrium") from None
     return stated, conditions
-
-
-def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[str | list[list[str]]]) -> Functions:
-    """Functions on cells of a system.
-
-    Raises:
-        BeyondReachError: for functions that are not continuous, or bend on curved surfaces.
-    """
-    try:
-        return Functions(read_subject(about(system)), stated.record, texts)
-    except (*MALFORMED, RejectedError, NoCertificateError) as error:
-        raise BeyondReachError(f"required {error}") from None
 
 
 def answer(claim: Claim, effort: Effort) -> Asked:

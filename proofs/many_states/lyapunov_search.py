@@ -1,9 +1,6 @@
 """A search for V in many states: semidefinite programs propose coefficients, the exact examination decides.
 
-*Functions* from simple to rich: quadratic forms; ``Abs(l)`` of hyperplanes l through the point on which the field
-jumps; products of these with states and with each other (continuous piecewise quadratics, after Johansson and Rantzer
-1998); ``relu(s)**2`` of surfaces beside the point; monomials of degree four.  Each is continuous, so a sum is whatever
-its coefficients are.
+V is a sum of functions of a family (:mod:`nonsmooth.proofs.kernel.bases`).
 
 *Programs.*  The conditions on a V that is a sum of functions are affine in its coefficients, so one program looks for
 coefficients and for all Gram matrices together.  Without the condition that V is positive it looks for a V that falls
@@ -36,6 +33,7 @@ from nonsmooth.proofs.checker.polynomials import constant, lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, function_facts
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on
 from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
@@ -58,15 +56,13 @@ from nonsmooth.proofs.many_states.examination import (
     conditions_on,
     examine,
     find_failure,
-    functions_on,
 )
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries, monomials_of
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
-from nonsmooth.proofs.systems.lyapunov_rows import term_text
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -75,84 +71,6 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-
-@dataclass(frozen=True)
-class PiecewiseFunction:
-    """A continuous function of the displacement.
-
-    Attributes:
-        text: as a formula of the states.
-        degree: of its growth near the point.
-    """
-
-    text: str
-    degree: int
-
-
-def families(cells: SignCells) -> Iterator[tuple[PiecewiseFunction, ...]]:
-    """Bases to try in turn."""
-    states = cells.states
-    quadratic = monomials(states, 2)
-    lines = [s for s in cells.surfaces if s.degree == 1 and s.is_homogeneous]
-    jumps = [s for s in lines if field_jumps(cells, s)]
-    first = tuple(PiecewiseFunction(_abs(line), 1) for line in jumps)
-    second = [PiecewiseFunction(f"{state}*{_abs(line)}", 2) for line in lines for state in states]
-    second += [PiecewiseFunction(f"{_abs(a)}*{_abs(b)}", 2) for a, b in combinations(lines, 2)]
-    beside = tuple(_beyond(s) for s in cells.surfaces if s.degree == 1 and not s.is_homogeneous)
-    yield quadratic
-    if first:
-        yield (*first, *quadratic)
-    if second or beside:
-        yield (*first, *quadratic, *second, *beside)
-    if _degree(cells) > 1:
-        yield (*first, *quadratic, *monomials(states, 4))
-
-
-def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq]) -> str:
-    """The sum, functions of low degree first."""
-    used = [(c, f) for c, f in zip(coefficients, functions, strict=True) if c]
-    used.sort(key=lambda term: term[1].degree)
-    return " + ".join(term_text(as_fraction(c), f.text) for c, f in used).replace("+ -", "- ") or "0"
-
-
-def monomial(states: Sequence[str], exponents: Exponents) -> PiecewiseFunction:
-    """A product of powers of states."""
-    return PiecewiseFunction("*".join(written_powers(states, exponents)), sum(exponents))
-
-
-def monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
-    """All of a degree."""
-    return tuple(monomial(states, own) for own in monomials_of(len(states), degree))
-
-
-def _abs(line: Polynomial) -> str:
-    return f"Abs({line})"
-
-
-def _beyond(surface: Polynomial) -> PiecewiseFunction:
-    """``relu(s)**2``, with the sign for which it vanishes near the point."""
-    at_point = surface.terms[(0,) * len(surface.variables)]
-    return PiecewiseFunction(f"relu({surface if at_point.sign() < 0 else -surface})**2", 2)
-
-
-def _degree(cells: SignCells) -> int:
-    return max((sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p), default=0)
-
-
-def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
-    """Whether the field differs on the two sides of a hyperplane."""
-    j, count = cells.surfaces.index(surface), len(cells.states)
-    plane = as_checked(rational_terms(surface), count)
-    by_signs = {cell.signs: cell.velocities for cell in cells.cells}
-    for signs, own in by_signs.items():
-        other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]), own)
-        for first, second in zip(own, other, strict=True):
-            gaps = (as_checked(a, count) - as_checked(b, count) for a, b in zip(first, second, strict=True))
-            if any(gap.divided(plane) is None for gap in gaps):
-                return True
-    return False
-
 
 SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked cube
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried in turn

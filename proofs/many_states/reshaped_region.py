@@ -25,12 +25,12 @@ import numpy as np
 from flint import fmpq
 
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, functions_on, monomial
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells
 from nonsmooth.proofs.kernel.search import Collected, stability_hypotheses
 from nonsmooth.proofs.kernel.squares import condition_of, find
 from nonsmooth.proofs.kernel.written import terms_of
-from nonsmooth.proofs.many_states.examination import functions_on
-from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, formula_text, hessian, monomial
+from nonsmooth.proofs.many_states.lyapunov_search import hessian
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort

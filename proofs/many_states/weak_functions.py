@@ -23,7 +23,7 @@ from math import comb
 import numpy as np
 from flint import fmpq_mat
 
-from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
+from nonsmooth.proofs.checker.cells import Face, Inclusion
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import lie_derivative
@@ -31,18 +31,12 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum
+from nonsmooth.proofs.kernel.bases import families, formula_text, functions_on, rates, values
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
-from nonsmooth.proofs.kernel.search import (
-    Entry,
-    Functions,
-    NotShownError,
-    Search,
-    instability_hypotheses,
-    sample_points,
-)
-from nonsmooth.proofs.kernel.second_function import find_second, gradient, rounded, sampled
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, sample_points
+from nonsmooth.proofs.kernel.second_function import find_second, rounded
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
     combined,
@@ -51,8 +45,7 @@ from nonsmooth.proofs.kernel.written import (
     terms_of,
     vanishing_combinations,
 )
-from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
-from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks
 from nonsmooth.proofs.sums_of_squares.conic_program import round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -66,13 +59,14 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
 MOST = 64.0  # of a coefficient
 SLACK = 2.0**-30  # by which floats may miss an equality
 DIRECTIONS = 200
+THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
 MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
@@ -88,12 +82,11 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) ->
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     stated, seen = stated_cells(system, radius), {"0"}
-    for basis in families(stated.cells):
+    for basis in families(stated.cells, all_lines=True):
         conditions = functions_on(system, stated, [own.text for own in basis])
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in basis])
-        asked = LinearProgram(
-            _rates(conditions), *_values(conditions), costs, cache(partial(_rates_beside, conditions))
-        )
+        beside = cache(partial(rates, conditions, near_planes))
+        asked = LinearProgram(rates(conditions), *values(conditions), costs, beside)
         kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
         for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
             for chosen in asked.combined(columns).solutions(positive=positive) if columns.ncols() else ():
@@ -103,51 +96,10 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) ->
                     yield text
 
 
-def _rates(conditions: Functions) -> Floats:
-    """The rates of all functions along extreme velocities, of shape (m, k), each row over its largest entry."""
-    inclusion = conditions.inclusion
-    space = whole_domain(inclusion)
-    places = [(space, [cell]) for cell in inclusion.cells]
-    places += [(face, list(cells)) for face, _, cells in conditions.bends]
-    found = []
-    for place, cells in places:
-        own = sampled(place, cells)
-        if len(own.points):
-            slopes = [np.sum(gradient(value, own.points) * own.velocities, axis=1) for value in cells[0].functions]
-            found.append(np.stack(slopes, axis=1))
-    return np.unique(np.round(scaled(np.vstack(found)), 12), axis=0)
-
-
-def _rates_beside(conditions: Functions) -> Floats:
-    """The same in the cells alone, at points that lie near coordinate planes too."""
-    inclusion, found = conditions.inclusion, []
-    for cell in inclusion.cells:
-        points = sample_points(inclusion.count, bounded=True)
-        signed = [inclusion.surfaces.signed(j, sign) for j, sign in enumerate(cell.signs)]
-        points = points[np.all([float_values(own.terms, points) > 0 for own in signed], axis=0)] if signed else points
-        for _, field in cell.fields:
-            velocities = np.stack([float_values(part.terms, points) for part in field], axis=1)
-            found.append(
-                np.stack([np.sum(gradient(own, points) * velocities, axis=1) for own in cell.functions], axis=1)
-            )
-    return scaled(np.vstack(found))
-
-
-def scaled(rows: Floats) -> Floats:
-    """Rows over their largest entries; none that is zero."""
-    largest = np.max(np.abs(rows), axis=1, keepdims=True)
-    return rows[largest[:, 0] > 0] / largest[largest[:, 0] > 0]
-
-
-def _values(conditions: Functions) -> tuple[Floats, Floats]:
-    """Points of all cells, and the values of the functions there, of shapes (m, n) and (m, k)."""
-    places, values = [], []
-    for cell in conditions.inclusion.cells:
-        points = sampled(whole_domain(conditions.inclusion), [cell]).points
-        if len(points):
-            places.append(points)
-            values.append(np.stack([float_values(own.terms, points) for own in cell.functions], axis=1))
-    return np.vstack(places), np.vstack(values)
+def near_planes(place: Face) -> Floats:
+    """Coordinates of points of a place, many of them near coordinate planes, but none so near as to count as there."""
+    points = sample_points(place.dimension, bounded=True)
+    return points[np.all(np.abs(points) > THIN, axis=1)]
 
 
 @dataclass(frozen=True)

@@ -15,17 +15,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import TypeAlias
 
 from flint import fmpq, fmpq_poly
 
-from nonsmooth.proofs.systems.lyapunov_rows import BasisFunction, build_formula
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, monomial
 from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -34,7 +34,7 @@ SHARES = (Fraction(1, 4), Fraction(1, 16))  # of the cross term, tried in turn
 NEAR = fmpq(1, 1 << 20)  # of the least distance between ends: where pieces are read off
 MOST_DEGREE = 11  # of h
 
-Term: TypeAlias = tuple[fmpq, BasisFunction]
+Term: TypeAlias = tuple[fmpq, PiecewiseFunction]
 
 
 @dataclass(frozen=True)
@@ -140,22 +140,29 @@ class Actions:
             for exponents, own in power.terms.items():
                 known = own.as_rational()
                 if known is not None:
-                    monomial = Polynomial(power.field, power.variables, {exponents: power.field.one})
-                    found.append((c * factor * known, BasisFunction(monomial, line)))
+                    found.append((c * factor * known, _bent(monomial(self.system.states, exponents), line)))
         return found
 
     def written(self, terms: Sequence[Term]) -> Iterator[PiecewiseExpression]:
         """The sum as a formula of the states; none where that is too long."""
-        total: dict[BasisFunction, fmpq] = {}
+        total: dict[PiecewiseFunction, fmpq] = {}
         for c, own in terms:
             total[own] = total.get(own, fmpq(0)) + c
         with suppress(ExpressionError):
-            yield build_formula(list(total), list(map(as_fraction, total.values())), self.system.states)
+            yield parse_piecewise(formula_text(list(total), list(total.values())), self.system.states)
 
     @property
     def states(self) -> tuple[Polynomial, ...]:
         """The states as polynomials in the displacement."""
         return self.system.coordinates()
+
+
+def _bent(function: PiecewiseFunction, line: Polynomial | None) -> PiecewiseFunction:
+    """A monomial, a constant one included, times the absolute value of a line where there is one."""
+    if line is None:
+        return replace(function, text=function.text or "1")
+    text = f"Abs({line})"
+    return PiecewiseFunction(f"{function.text}*{text}" if function.text else text, function.degree + line.degree)
 
 
 def actions(system: SwitchedSystem, radius: Number | None) -> Actions | None:

@@ -41,7 +41,6 @@ from nonsmooth.proofs.inequalities.real_roots import (
     separated,
     value,
 )
-from nonsmooth.proofs.systems.lyapunov_rows import lines_through
 from nonsmooth.proofs.systems.ray_moves import (
     UNWEIGHTED,
     Frame,
@@ -59,7 +58,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, same_direction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 WEIGHTS: tuple[Weights, ...] = (UNWEIGHTED, (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))
 LINE_WEIGHTS: tuple[Weights, ...] = ((2, 1), (3, 1), (3, 2))
@@ -207,7 +206,8 @@ def _coordinates(system: SwitchedSystem) -> Iterator[tuple[Frame, Weights]]:
 
 def _line_frames(system: SwitchedSystem) -> Iterator[Frame]:
     """Each switching line through the point with another form."""
-    forms = [_coefficients(line) for line in lines_through(system)]
+    lines = (own for own in system.surfaces(system.displaced(PLANE)) if own.degree == 1 and own.is_homogeneous)
+    forms = list(map(_coefficients, lines))
     for form in forms:
         yield form, next(f for f in (*forms, *axes_frame(system)) if cross(form, f))
 

@@ -1,7 +1,7 @@
 """A search for V: a linear program proposes, the exact audit decides, and what refutes a proposal becomes a new row.
 
-Families of functions (:mod:`nonsmooth.proofs.systems.lyapunov_rows`) are tried from simple to rich, each on the checked
-square and on smaller ones; a V of a smaller one is then proved on the largest square that bisection finds.
+Families of functions (:mod:`nonsmooth.proofs.kernel.bases`) are tried from simple to rich, each on the checked square
+and on smaller ones; a V of a smaller one is then proved on the largest square that bisection finds.
 
 *A V that falls.*  The program maximizes the margin m with ``r . c >= m`` for every row (rows have size one) and
 ``|c_k| <= 1``.  Functions with small coefficients are then left out and the program is solved again, so that what V
@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 
@@ -31,32 +32,39 @@ from nonsmooth.analysis.cells.switched_cells import (
     square_regions,
     system_cells,
 )
+from nonsmooth.proofs.checker.cells import Face
+from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
+from nonsmooth.proofs.kernel.bases import (
+    LookedAt,
+    PiecewiseFunction,
+    bent,
+    families,
+    formula_text,
+    functions_on,
+    monomials,
+    normalized,
+    rates,
+    values,
+)
+from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
+from nonsmooth.proofs.kernel.search import Functions
+from nonsmooth.proofs.kernel.second_function import gradient, with_projected
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.energies import falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
-from nonsmooth.proofs.systems.lyapunov_rows import (
-    BasisFunction,
-    Sides,
-    bent_functions,
-    build_formula,
-    build_rows,
-    build_sides,
-    curves_through,
-    lines_through,
-    normalized,
-    rows_at,
-    smooth_functions,
-)
 from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_values
+from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 ROUNDS = 5  # of proposals for one family on one square
@@ -68,8 +76,13 @@ BISECTIONS = 6  # of the square on which a V is proved, where that is not the ch
 ENLARGING_WORK = 180  # inequalities that these may look at
 MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
 
+DIVISIONS = 6  # of half a side of a square
+SHRINKING = 0.5  # from one distance of points to the next
+DISTANCES = 8
+NEWTON_STEPS = 8
 DENOMINATORS = (2, 8, 64, 4096)  # of the rounded coefficients, tried in turn
 LEAST_MARGIN = 2.0**-24  # below that nothing is proposed: floats could not tell it from zero
+CLEAR_MARGIN = 2.0**-9  # of a quadratic form: where it is less, as beside relays, a richer V falls faster
 NEGLIGIBLE = (2.0**-2, 2.0**-4, 2.0**-6)  # of the largest coefficient: what is left out, at first more
 
 Coefficients = tuple[Fraction, ...]
@@ -112,17 +125,6 @@ def has_curves(system: SwitchedSystem) -> bool:
     return any(surface.degree > 1 for surface in system.surfaces(system.displaced(PLANE)))
 
 
-def _sides_of(system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction]) -> list[Sides]:
-    """The functions of a basis on the cells that they cut.
-
-    Raises:
-        ExpressionError: for a sum that is too long.
-        SceneError: for one that cannot be used.
-    """
-    blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
-    return build_sides(_judged(system, cells, blank), basis)
-
-
 # ---- a V that falls --------------------------------------------------------------------------------
 
 
@@ -139,7 +141,7 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
         budget = Budget(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
         cells = square_cells(system, radius, grows=grows)
-        for proposed in _proposed(system, cells, radius, budget) if len(cells) <= MAX_CELLS else ():
+        for proposed in _proposed(system, cells, radius, budget, grows=grows) if len(cells) <= MAX_CELLS else ():
             if proposed is not None:
                 formula, result = proposed
                 found = PlaneFunction(result, Domain(radius), formula, system.states, grows)
@@ -152,15 +154,17 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
 
 
 def _proposed(
-    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget
+    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget, *, grows: bool
 ) -> Iterator[tuple[PiecewiseExpression, LyapunovResult] | None]:
     """What each family proves, the simple ones first; energies before the richest."""
-    *simple, richest = families(system)
-    for basis in simple:
-        yield _found(system, cells, basis, budget)
+    program = _Program(system, cells, radius, budget, grows)
+    bases = program.families()
+    for basis in bases[:-1]:
+        yield program.found(basis)
     for formula in falling_energies(system, radius):
         yield _falls(system, cells, formula, budget)
-    yield _found(system, cells, richest, budget)
+    for basis in bases[-1:]:
+        yield program.found(basis)
 
 
 def _falls(
@@ -207,73 +211,111 @@ def enlarged(
     return found
 
 
-def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
-    """Bases from simple to rich; the simple ones alone where curves cut the plane."""
-    field, curves = system.field, curves_through(system)
-    lines = (*lines_through(system), *curves)
-    linear, quadratic = smooth_functions(field, 1), smooth_functions(field, 2)
-    first, second = bent_functions(field, lines, 1), bent_functions(field, lines, 2)
-    if curves:  # relays on them need what bends; alone it is zero there
-        yield (*first, *quadratic)
-    yield quadratic
-    if system.others and not system.waves:  # what encloses one field needs no more than that
-        yield from (smooth_functions(field, degree) for degree in (4, 6, 8, 10))
-    if lines and not curves:
-        yield first
-        yield (*first, *quadratic)
-    if has_curves(system):
-        return
-    if lines:
-        yield (*second, *quadratic)
-        yield (*first, *linear, *second, *quadratic)
-    axes = tuple(Polynomial.variable(field, PLANE, name) for name in PLANE)
-    both = (*lines, *(axis for axis in axes if axis not in lines))
-    if lines and len(both) > len(lines):
-        yield (*bent_functions(field, both, 1), *linear, *bent_functions(field, both, 2), *quadratic)
-    higher = (function for degree in (3, 4) for function in smooth_functions(field, degree))
-    yield (*first, *second, *bent_functions(field, lines, 3), *quadratic, *higher)
+class _Program:
+    """The linear programs about one square: rows are conditions on the coefficients of a family."""
+
+    def __init__(
+        self, system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget, grows: bool
+    ) -> None:
+        self.system, self.cells, self.radius, self.budget, self.grows = system, cells, radius, budget, grows
+        with suppress(NoEnclosureError):
+            system = enclose_numbers(system)
+        self.rational = system
+
+    def families(self) -> list[tuple[PiecewiseFunction, ...]]:
+        """Bases from simple to rich; none where the cells are not looked at.
+
+        The simple ones are all where curves cut the plane.
+        """
+        try:
+            known = stated_cells(self.rational, self.radius).cells
+        except (BeyondReachError, NoCertificateError):
+            return []
+        found = list(families(known, all_lines=True))
+        if self.system.others and not self.system.waves:  # what encloses one field needs no more than that
+            found[1:1] = [monomials(known.states, degree) for degree in (4, 6, 8, 10)]
+        curves = tuple(bent(own) for own in known.surfaces if own.degree > 1 and _has_tangent(own))
+        if curves:  # relays on them need what bends; alone it is zero there
+            return [(*curves, *found[:2][-1]), found[0]]
+        return found[:2] if has_curves(self.system) else found
+
+    def found(self, basis: Sequence[PiecewiseFunction]) -> tuple[PiecewiseExpression, LyapunovResult] | None:
+        """Rounds of proposals and refutations for one family; None where sums are too long, or cannot be used."""
+        with suppress(BeyondReachError, ExpressionError, SceneError):
+            stated = stated_cells(self.rational, self.radius)
+            return self._rounds(basis, functions_on(self.rational, stated, [own.text for own in basis]))
+        return None
+
+    def _rounds(
+        self, basis: Sequence[PiecewiseFunction], conditions: Functions
+    ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
+        """The same.
+
+        Raises:
+            ExpressionError: for a sum that is too long.
+            SceneError: for one that cannot be used.
+        """
+        rows, quadratic = self._rows(conditions, regular_points), monomials(self.system.states, 2)
+        for _ in range(ROUNDS):
+            if self.budget.left <= 0:
+                return None
+            points: list[Point] = []
+            for coefficients in propose(rows, LEAST_MARGIN if len(basis) > len(quadratic) else CLEAR_MARGIN):
+                text = formula_text(basis, list(map(as_fmpq, coefficients)))
+                formula = parse_piecewise(text, self.system.states)
+                judged = _judged(self.system, self.cells, formula)
+                failures = first_failure(judged, self.budget)
+                result = None if failures else examine(judged)
+                if result is None:
+                    points += failures
+                elif result.verdict is Decrease.STRICT:
+                    return formula, result
+                elif result.witness is not None:  # on an edge or at a corner
+                    points.append(result.witness.point)
+            more = self._rows_near(conditions, points)
+            if not len(more):
+                return None
+            rows = np.vstack([rows, more])
+        return None
+
+    @BEYOND_FLOATS
+    def _rows(self, conditions: Functions, looked_at: LookedAt) -> Floats:
+        """Rows r with the condition ``r . c > 0``: V is positive, and falls along every solution (or grows)."""
+        side = 1 if self.grows else -1
+        return np.vstack([side * rates(conditions, looked_at, 0.0), normalized(values(conditions, looked_at)[1])])
+
+    def _rows_near(self, conditions: Functions, points: Sequence[Point]) -> Floats:
+        """Rows at points, and at points on the way from them to the equilibrium, in all cells that hold them."""
+        half = float(self.radius)
+        scaled = [[float(v) / half * SHRINKING**k for v in point] for point in points for k in range(DISTANCES)]
+        near = np.array(scaled).reshape(-1, len(PLANE))
+        return self._rows(conditions, lambda place: near if not place.zero else np.zeros((0, place.dimension)))
 
 
-def _found(
-    system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction], budget: Budget
-) -> tuple[PiecewiseExpression, LyapunovResult] | None:
-    """Rounds of proposals and refutations for one family; None where sums are too long, or cannot be used."""
-    with suppress(ExpressionError, SceneError):
-        return _rounds(system, cells, basis, budget)
-    return None
+def _has_tangent(curve: Polynomial) -> bool:
+    """Whether a curve runs through the checked point, with a tangent there."""
+    return min(map(sum, curve.terms)) == 1
 
 
-def _rounds(
-    system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction], budget: Budget
-) -> tuple[PiecewiseExpression, LyapunovResult] | None:
-    """The same.
+def regular_points(place: Face) -> Floats:
+    """Points of a place all around the equilibrium, at distances that fall by a constant factor.
 
-    Raises:
-        ExpressionError: for a sum that is too long.
-        SceneError: for one that cannot be used.
+    Near the equilibrium the terms of lowest degree decide.  Newton's method takes points near curves to these.
     """
-    sides = _sides_of(system, cells, basis)
-    rows = build_rows(sides)
-    for _ in range(ROUNDS):
-        if budget.left <= 0:
-            return None
-        points: list[Point] = []
-        for coefficients in propose(rows):
-            formula = build_formula(basis, coefficients, system.states)
-            judged = _judged(system, cells, formula)
-            failures = first_failure(judged, budget)
-            result = None if failures else examine(judged)
-            if result is None:
-                points += failures
-            elif result.verdict is Decrease.STRICT:
-                return formula, result
-            elif result.witness is not None:  # on an edge or at a corner
-                points.append(result.witness.point)
-        more = rows_at(sides, points) if points else np.zeros((0, 0))
-        if not len(more):
-            return None
-        rows = np.vstack([rows, more])
-    return None
+    grid = np.array(list(product(np.linspace(-1.0, 1.0, 2 * DIVISIONS + 1), repeat=place.dimension)))
+    around = grid if place.dimension == 1 else grid[np.abs(grid).max(axis=1, initial=0.0) == 1]
+    points = np.vstack([around * SHRINKING**k for k in range(DISTANCES)])
+    beside = [_moved_to(place.restricted(own), points) for own in place.inclusion.surfaces.listed if own.degree > 1]
+    return np.vstack([with_projected(place, points), *beside])
+
+
+def _moved_to(curve: CheckedPolynomial, points: Floats) -> Floats:
+    """Points on a curve near these."""
+    for _ in range(NEWTON_STEPS):
+        slopes = gradient(curve, points)
+        sizes = np.square(slopes).sum(axis=1)
+        points = points - slopes * (float_values(curve.terms, points) / np.where(sizes == 0, 1, sizes))[:, None]
+    return points
 
 
 def first_failure(cells: Sequence[LyapunovCell], budget: Budget) -> list[Point]:
@@ -295,9 +337,9 @@ def _points_of(outcome: Outcome) -> list[Point]:
     return [] if isinstance(outcome, Proof) else [(outcome.point[0], outcome.point[1])]
 
 
-def propose(rows: Floats) -> Iterator[Coefficients]:
-    """Rounded coefficients that satisfy all rows in floats, short sums first; nothing where there are none."""
-    widest = _kept_margin(rows, list(range(rows.shape[1])))
+def propose(rows: Floats, least: float = LEAST_MARGIN) -> Iterator[Coefficients]:
+    """Rounded coefficients that satisfy all rows in floats, short sums first; nothing without so large a margin."""
+    widest = _kept_margin(rows, list(range(rows.shape[1])), least)
     if widest is None:
         return
     seen: set[Coefficients] = set()
@@ -322,7 +364,7 @@ def _pruned(rows: Floats, coefficients: Floats, share: float) -> Floats | None:
         coefficients = found
 
 
-def _kept_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
+def _kept_margin(rows: Floats, kept: Sequence[int], least: float = LEAST_MARGIN) -> Floats | None:
     """The coefficients of the functions that are kept, zero for the others; None without a margin, or beyond floats.
 
     Rows are scaled anew, because what is left out no longer counts for their size.
@@ -330,7 +372,7 @@ def _kept_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
     used = normalized(rows[:, kept])
     if len(used) < len(rows) or not len(rows):
         return None  # where all functions vanish, so does V or its derivative
-    found = _largest_margin(used)
+    found = _largest_margin(used, least)
     if found is None:
         return None
     coefficients = np.zeros(rows.shape[1])
@@ -338,10 +380,10 @@ def _kept_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
     return coefficients
 
 
-def _largest_margin(rows: Floats) -> Floats | None:
+def _largest_margin(rows: Floats, least: float) -> Floats | None:
     """Coefficients c, at most 1 in size, with the largest m such that ``r . c >= m`` for all rows.
 
-    None without such a margin, and for rows beyond floats.
+    None where m is less than asked for, and for rows beyond floats.
     """
     if not np.isfinite(rows).all():
         return None
@@ -351,7 +393,7 @@ def _largest_margin(rows: Floats) -> Floats | None:
     system = np.hstack([-rows, np.ones((len(rows), 1))])
     bounds = [(-1, 1)] * count + [(0, 1)]
     found = solve_program(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds)
-    return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > LEAST_MARGIN else None
+    return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > least else None
 
 
 def _rounded(scaled: Floats) -> Iterator[Coefficients]:

@@ -9,12 +9,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import scipy.linalg
+from flint import fmpq
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
 from nonsmooth.proofs.inequalities.subdivision import effort_left, effort_of_its_own, shared_effort
+from nonsmooth.proofs.kernel.bases import bent, formula_text, monomials
 from nonsmooth.proofs.kernel_strategies import find_weak_function, linear_matrix, rate_of, short_forms
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
@@ -23,7 +25,6 @@ from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease
 from nonsmooth.proofs.systems.domain import DecayKind, Domain, SublevelRegion
 from nonsmooth.proofs.systems.energies import energies, falling_energies
 from nonsmooth.proofs.systems.findings import Method, PlaneFunction
-from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, in_time, propose
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
@@ -108,12 +109,11 @@ def test_in_reversed_time_it_grows(load: Load) -> None:
 
 def test_sums_of_basis_functions_are_written_as_formulas(load: Load) -> None:
     system = load("y - sign(x + 2*y)", "-sign(y)*sign(x - 1)")
-    lines = lines_through(system)
+    lines = [own for own in system.surfaces() if own.is_homogeneous]
     assert {str(line) for line in lines} == {"x + 2*y", "y"}
-    basis = (*bent_functions(system.field, lines, 1), *smooth_functions(system.field, 2))
-    coefficients = [Fraction(1, 2), Fraction(0), Fraction(1), Fraction(-9, 11), Fraction(-1)]
-    formula = build_formula(basis, coefficients, ("a", "b"))
-    assert formula.text == f"Abs({str(lines[0]).replace('x', 'a').replace('y', 'b')})/2 + a**2 - 9*a*b/11 - b**2"
+    basis = (*map(bent, lines), *monomials(("a", "b"), 2))
+    coefficients = [fmpq(1, 2), fmpq(0), fmpq(1), fmpq(-9, 11), fmpq(-1)]
+    assert formula_text(basis, coefficients) == f"Abs({lines[0]})/2 + a**2 - 9*a*b/11 - b**2"
 
 
 def test_programs_propose_what_all_rows_allow() -> None:
@@ -295,7 +295,7 @@ def test_families_too_large_for_a_formula_are_left_out(load: Load) -> None:
     system = load(
         "y*(2 + sign(x + y) - sign(x + 2*y) + sign(x - y))", "-x*(3 + sign(x - 2*y) - sign(2*x + y)) + y*Abs(x)"
     )
-    assert len(lines_through(system)) == 6
+    assert len(system.surfaces()) == 6
     assert find_weak_function(system) is None
 
 

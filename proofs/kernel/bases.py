@@ -1,0 +1,192 @@
+"""What a V is searched from, in any number of states: functions, and linear conditions on their coefficients.
+
+*Functions* from simple to rich: quadratic forms; ``Abs(l)`` of hyperplanes l through the point on which the field
+jumps; products of these with states and with each other (continuous piecewise quadratics, after Johansson and Rantzer
+1998); ``relu(s)**2`` of surfaces beside the point; monomials of degree four.  Each is continuous, so a sum is whatever
+its coefficients are.
+
+*Conditions.*  For ``V = sum_k c_k phi_k`` the value of V at a point, and its rate along an extreme velocity of the
+solutions there, are linear in c: on cells along the fields, and where functions bend also along their mixtures that
+slide.  Floats: nothing here proves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+from typing import TypeAlias
+
+import numpy as np
+from flint import fmpq
+
+from nonsmooth.proofs.checker.cells import Face, whole_domain
+from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
+from nonsmooth.proofs.checker.roots import read_subject
+from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
+from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells, rational_terms
+from nonsmooth.proofs.kernel.search import Functions
+from nonsmooth.proofs.kernel.second_function import Samples, gradient, points_of, sampled
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+from nonsmooth.proofs.kernel.written import as_checked
+from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Exponents, Polynomial, float_values, written_powers
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+
+FAINT = 1e-10  # a rate, in units of the cube: places are rounded to twelve digits
+
+LookedAt: TypeAlias = Callable[[Face], Floats]  # coordinates of points of a place
+
+
+@dataclass(frozen=True)
+class PiecewiseFunction:
+    """A continuous function of the displacement.
+
+    Attributes:
+        text: as a formula of the states.
+        degree: of its growth near the point.
+    """
+
+    text: str
+    degree: int
+
+
+def families(cells: SignCells, *, all_lines: bool = False) -> Iterator[tuple[PiecewiseFunction, ...]]:
+    """Bases to try in turn.
+
+    Args:
+        cells: of the system.
+        all_lines: whether terms of first order are tried in the end that bend where the field does not jump.
+    """
+    states = cells.states
+    quadratic = monomials(states, 2)
+    lines = [s for s in cells.surfaces if s.degree == 1 and s.is_homogeneous]
+    first = tuple(bent(line) for line in lines if field_jumps(cells, line))
+    second = [PiecewiseFunction(f"{state}*{bent(line).text}", 2) for line in lines for state in states]
+    second += [PiecewiseFunction(f"{bent(a).text}*{bent(b).text}", 2) for a, b in combinations(lines, 2)]
+    beside = tuple(_beyond(s) for s in cells.surfaces if s.degree == 1 and not s.is_homogeneous)
+    yield quadratic
+    if first:
+        yield (*first, *quadratic)
+    if second or beside:
+        yield (*first, *quadratic, *second, *beside)
+    if _degree(cells) > 1:
+        yield (*first, *quadratic, *monomials(states, 4))
+    if all_lines and len(first) < len(lines):
+        yield (*map(bent, lines), *quadratic, *second)
+
+
+def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq]) -> str:
+    """The sum, functions of low degree first."""
+    used = [(c, f) for c, f in zip(coefficients, functions, strict=True) if c]
+    used.sort(key=lambda term: term[1].degree)
+    return " + ".join(_term_text(as_fraction(c), f.text) for c, f in used).replace("+ -", "- ") or "0"
+
+
+def _term_text(coefficient: Fraction, function: str) -> str:
+    """``9*x*y/11`` for a coefficient and a function."""
+    top, bottom = coefficient.numerator, coefficient.denominator
+    factor = {1: "", -1: "-"}.get(top, f"{top}*")
+    return f"{factor}{function}" + (f"/{bottom}" if bottom != 1 else "")
+
+
+def monomial(states: Sequence[str], exponents: Exponents) -> PiecewiseFunction:
+    """A product of powers of states."""
+    return PiecewiseFunction("*".join(written_powers(states, exponents)), sum(exponents))
+
+
+def monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
+    """All of a degree."""
+    return tuple(monomial(states, own) for own in monomials_of(len(states), degree))
+
+
+def bent(surface: Polynomial) -> PiecewiseFunction:
+    """The absolute value of a surface with a tangent at the point."""
+    return PiecewiseFunction(f"Abs({surface})", 1)
+
+
+def _beyond(surface: Polynomial) -> PiecewiseFunction:
+    """``relu(s)**2``, with the sign for which it vanishes near the point."""
+    at_point = surface.terms[(0,) * len(surface.variables)]
+    return PiecewiseFunction(f"relu({surface if at_point.sign() < 0 else -surface})**2", 2)
+
+
+def _degree(cells: SignCells) -> int:
+    return max((sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p), default=0)
+
+
+def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
+    """Whether the field differs on the two sides of a hyperplane."""
+    j, count = cells.surfaces.index(surface), len(cells.states)
+    plane = as_checked(rational_terms(surface), count)
+    by_signs = {cell.signs: cell.velocities for cell in cells.cells}
+    for signs, own in by_signs.items():
+        other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]), own)
+        for first, second in zip(own, other, strict=True):
+            gaps = (as_checked(a, count) - as_checked(b, count) for a, b in zip(first, second, strict=True))
+            if any(gap.divided(plane) is None for gap in gaps):
+                return True
+    return False
+
+
+def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[str | list[list[str]]]) -> Functions:
+    """Functions on cells of a system.
+
+    Raises:
+        BeyondReachError: for functions that are not continuous, or bend on curved surfaces.
+    """
+    try:
+        return Functions(read_subject(about(system)), stated.record, texts)
+    except (*MALFORMED, RejectedError, NoCertificateError) as error:
+        raise BeyondReachError(f"required {error}") from None
+
+
+# ---- conditions at points ------------------------------------------------------------------------
+
+
+def rates(conditions: Functions, looked_at: LookedAt = points_of, faint: float = FAINT) -> Floats:
+    """The rates of all functions along extreme velocities, of shape (m, k), each row over its largest entry.
+
+    Args:
+        conditions: of the functions.
+        looked_at: the points of each place.
+        faint: rates that are no larger are the rounding of places at rest, and left out.
+    """
+    inclusion = conditions.inclusion
+    space = whole_domain(inclusion)
+    points = looked_at(space)
+    places = [(space, [cell], points) for cell in inclusion.cells]
+    places += [(face, list(cells), looked_at(face)) for face, _, cells in conditions.bends]
+    found = [np.zeros((0, len(inclusion.cells[0].functions)))]
+    for place, cells, coordinates in places:
+        found.append(slopes_along(sampled(place, cells, coordinates), cells[0].functions))
+    rows = np.vstack(found)
+    rows[np.max(np.abs(rows), axis=1, initial=0.0) <= faint] = 0.0
+    return np.unique(np.round(normalized(rows), 12), axis=0)
+
+
+def slopes_along(samples: Samples, functions: Sequence[CheckedPolynomial]) -> Floats:
+    """The rates of functions at points along their velocities, of shape (m, k)."""
+    slopes = [np.sum(gradient(own, samples.points) * samples.velocities, axis=1) for own in functions]
+    return np.stack(slopes, axis=1)
+
+
+def values(conditions: Functions, looked_at: LookedAt = points_of) -> tuple[Floats, Floats]:
+    """Points of all cells, and the values of the functions there, of shapes (m, n) and (m, k)."""
+    space, places, found = whole_domain(conditions.inclusion), [], []
+    coordinates = looked_at(space)
+    for cell in conditions.inclusion.cells:
+        points = sampled(space, [cell], coordinates).points
+        places.append(points)
+        found.append(np.stack([float_values(own.terms, points) for own in cell.functions], axis=1))
+    return np.vstack(places), np.vstack(found)
+
+
+@BEYOND_FLOATS
+def normalized(rows: Floats) -> Floats:
+    """Rows over their largest entries, without those that are zero; no numbers where one is not finite."""
+    largest = np.max(np.abs(rows), axis=1, initial=0.0)
+    return np.asarray(rows[largest != 0] / largest[largest != 0, None])
