@@ -36,7 +36,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-FAINT = 1e-10  # a rate, in units of the cube: places are rounded to twelve digits
+FAINT = 2.0**-33  # a rate, in units of the cube: places are rounded to twelve digits
 
 LookedAt: TypeAlias = Callable[[Face], Floats]  # coordinates of points of a place
 
