@@ -8,7 +8,7 @@ checked cube; for a plain system of cones in two states it is the plane.  Wheel 
 ``v + omega J c``.
 
 Where the right-hand sides only enclose the stated field (sines and cosines of states lie between polynomials,
-:mod:`nonsmooth.symbolic.formulas.sine_enclosures`), what holds along all of these holds along the field; a point at
+:mod:`nonsmooth.symbolic.formulas.enclosed_functions`), what holds along all of these holds along the field; a point at
 which V increases along one of them refutes nothing.  Then the derivative of V along the stated field is evaluated in
 balls, inside cells at such a point or beside it: where a ball is positive, V increases along the solution through its
 place.

@@ -21,9 +21,9 @@ from nonsmooth.proofs.systems.findings import (
     PotentialPiece,
     Reach,
 )
+from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots
-from nonsmooth.symbolic.formulas.sine_enclosures import kinds_text
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text

@@ -18,8 +18,8 @@ from itertools import product
 from typing import Any
 
 from nonsmooth.proofs.findings.exact_json import Generators, Record
+from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, Wave, in_place_of_names
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.formulas.sine_enclosures import ONE_AT_ZERO, Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower

@@ -52,9 +52,9 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.proofs.systems.energies import energy_near
+from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave, in_place_of_names
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.formulas.sine_enclosures import TURNING, Wave, in_place_of_names
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number

@@ -33,7 +33,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     trimmed,
     value,
 )
-from nonsmooth.symbolic.formulas.sine_enclosures import ONE_AT_ZERO
+from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO
 from nonsmooth.symbolic.mechanics.constraints import cross_product
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.plane import between, dot

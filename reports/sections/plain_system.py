@@ -57,8 +57,8 @@ from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.output.refusals import LARGEST, LEAST
 from nonsmooth.reports.simulations.paths import follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
 from nonsmooth.symbolic.formulas.formula_text import tidied
-from nonsmooth.symbolic.formulas.sine_enclosures import kinds_text
 from nonsmooth.symbolic.formulas.surfaces import symbol_latex
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text

@@ -2,7 +2,7 @@
 
 Parameters take their values, interval parameters all their ends; fractions are cleared by one positive factor
 (:mod:`nonsmooth.symbolic.formulas.cleared_fractions`); sines and cosines of states are enclosed
-(:mod:`nonsmooth.symbolic.formulas.sine_enclosures`).  What comes out is one list of formulas, or several: arbitrary
+(:mod:`nonsmooth.symbolic.formulas.enclosed_functions`).  What comes out is one list of formulas, or several: arbitrary
 switching.
 """
 
@@ -19,9 +19,9 @@ from typing import Any
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
+from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
-from nonsmooth.symbolic.formulas.sine_enclosures import Wave, enclosing_formulas, named_formulas
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 

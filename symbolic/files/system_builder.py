@@ -27,10 +27,10 @@ from nonsmooth.symbolic.files.system_document import (
     with_parameters,
 )
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
+from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, TURNING, has_waves
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, refuse_waves_of_rooted, signed_root
-from nonsmooth.symbolic.formulas.sine_enclosures import LISTED, TURNING, has_waves
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import FirstRemark

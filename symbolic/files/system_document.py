@@ -15,10 +15,10 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, StrictBool
 
 from nonsmooth.symbolic.files.scene_values import Exact, ExactField, Name, TomlTable, read_exact
+from nonsmooth.symbolic.formulas.enclosed_functions import WAVES
 from nonsmooth.symbolic.formulas.expression import ExpressionError, with_whole_exponents
 from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text
 from nonsmooth.symbolic.formulas.piecewise import NUMBERS, SWITCHES
-from nonsmooth.symbolic.formulas.sine_enclosures import WAVES
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 
 # ---- named parameters of a plain system: numbers that stand in its formulas by name --------------

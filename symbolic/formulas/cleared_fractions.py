@@ -14,9 +14,9 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from nonsmooth.symbolic.formulas.enclosed_functions import has_waves
 from nonsmooth.symbolic.formulas.expression import OPERATIONS, ExpressionError, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, SIGNS, SWITCHES
-from nonsmooth.symbolic.formulas.sine_enclosures import has_waves
 from nonsmooth.symbolic.messages.scene_error import shown
 
 # ---- the value of a formula in floats ------------------------------------------------------------

@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 
 from flint import fmpz
 
+from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, WAVES, has_waves
 from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT
-from nonsmooth.symbolic.formulas.sine_enclosures import LISTED, WAVES, has_waves
 from nonsmooth.symbolic.messages.scene_error import shown
 
 MAX_ORDER = 8  # of a root: states are polynomials of that degree in it

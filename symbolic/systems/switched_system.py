@@ -15,10 +15,10 @@ from fractions import Fraction
 from math import prod
 from typing import ClassVar, Literal
 
+from nonsmooth.symbolic.formulas.enclosed_functions import Wave
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in
-from nonsmooth.symbolic.formulas.sine_enclosures import Wave
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
@@ -102,7 +102,7 @@ class SwitchedSystem(ShortRepr):
         names: what these names mean.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
         order: how many further terms of sines and cosines are taken
-        (:mod:`nonsmooth.symbolic.formulas.sine_enclosures`). encloses_numbers: whether the right-hand sides have
+        (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`). encloses_numbers: whether the right-hand sides have
         rational bounds in place of irrational numbers. intervals: names of the parameters that were stated as
         intervals; the right-hand sides are those at their ends. overlaps: whether tables of regions may overlap; each
         right-hand side takes another one of them first.

@@ -34,7 +34,7 @@ from nonsmooth.symbolic.files.scene_values import read_start_angle, read_start_v
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
 from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.formulas.sine_enclosures import ONE_AT_ZERO, TERMS, WAVES, series
+from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, TERMS, WAVES, series
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
