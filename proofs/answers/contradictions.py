@@ -486,8 +486,9 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
 
     from nonsmooth.analysis.fields.stated_field import potential_values
 
-    function, region, rate = result.function, result.reach.region, result.reach.rate
-    if function is None or region is None or not region.falls:
+    function, reach, rate = result.function, result.reach, result.reach.rate
+    region = next((own for own in (reach.region, reach.near) if own is not None and own.falls), None)
+    if function is None or region is None:
         return
     level = float(region.level)
     before, after = (potential_values(function.result.cells, places) for places in (seen.starts, seen.ends))

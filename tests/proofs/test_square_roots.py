@@ -267,7 +267,7 @@ BAD = [
     (["-sqrt(Abs(x + y))", "-y"], "sqrt"),
     (["-sqrt(x)", "-y"], "sqrt"),
     (["-sqrt(Abs(x))*sgn(x)", "-sqrt(1 + Abs(y))"], "sqrt"),
-    (["-sqrt(Abs(x))*sgn(x) + sin(sqrt(Abs(x)))", "-y"], "sin and cos"),
+    (["-sqrt(Abs(x))*sgn(x) + sin(sqrt(Abs(x)))", "-y"], "sin, cos, tanh, atan and exp"),
     (["-sqrt(Abs(x), 2)", "-y"], "formula"),
     (
         ["-sqrt(Abs(x))*sgn(x)", "-y + sin(x)"],
