@@ -2,8 +2,8 @@
 
 *Functions* from simple to rich: quadratic forms; ``Abs(l)`` of hyperplanes l through the point on which the field
 jumps; products of these with states and with each other (continuous piecewise quadratics, after Johansson and Rantzer
-1998); ``relu(s)**2`` of surfaces beside the point; monomials of degree four.  Each is continuous, so a sum is whatever
-its coefficients are.
+1998); ``relu(s)**2`` of surfaces beside the point; monomials of degree four; where that is asked for, ``Abs(l)`` of all
+hyperplanes.  Each is continuous, so a sum is whatever its coefficients are.
 
 *Conditions.*  For ``V = sum_k c_k phi_k`` the value of V at a point, and its rate along an extreme velocity of the
 solutions there, are linear in c: on cells along the fields, and where functions bend also along their mixtures that

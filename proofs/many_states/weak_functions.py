@@ -136,23 +136,23 @@ class LinearProgram:
             axes = [int(np.argmax(side * along[:, k])) for k in range(along.shape[1]) for side in (1, -1)]
             asked = [(self.values[[k]], -sizes[[k]]) for k in axes]
         for matrix, limits in asked:
-            rates = self.rates
+            rows = self.rates
             for _ in range(MOST_ROUNDS):
-                bounds = np.r_[np.zeros(len(rates)), limits]
-                values = least_sum(np.vstack([rates, matrix]), bounds, self.costs, MOST)
-                found = None if values is None else rounded(values, partial(_holds, rates, matrix))
+                bounds = np.r_[np.zeros(len(rows)), limits]
+                solved = least_sum(np.vstack([rows, matrix]), bounds, self.costs, MOST)
+                found = None if solved is None else rounded(solved, partial(_holds, rows, matrix))
                 if found is None:
                     break
                 rising = self.beside() @ np.array(list(map(float, found))) > SLACK
                 if not rising.any():
                     yield found
                     break
-                rates = np.vstack([rates, self.beside()[rising]])
+                rows = np.vstack([rows, self.beside()[rising]])
 
 
-def _holds(rates: Floats, matrix: Floats, own: Floats) -> bool:
-    """Whether V rises nowhere, and has the signs that are asked for."""
-    return bool(np.all(rates @ own <= SLACK) and np.all(matrix @ own < 0))
+def _holds(rows: Floats, matrix: Floats, own: Floats) -> bool:
+    """Whether V rises along no row, and has the signs that are asked for."""
+    return bool(np.all(rows @ own <= SLACK) and np.all(matrix @ own < 0))
 
 
 # ---- functions that are proved -------------------------------------------------------------------

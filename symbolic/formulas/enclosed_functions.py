@@ -221,28 +221,24 @@ def _written(node: ast.expr, text: str, template: Template) -> str:
     raise ExpressionError(f"required {LISTED} of states in sums and products only, received {shown(text)}")
 
 
-def _sign(node: ast.expr) -> int | None:
-    """1 where a formula is seen to have no negative value, -1 where it has no positive one; None elsewhere.
+def _sign(node: ast.expr) -> int:
+    """1 where a formula is seen to have no negative value, -1 where it has no positive one; 0 where that is not seen.
 
     It is a sum, product or quotient of even powers and numbers.
     """
     match node:
-        case ast.Constant() | ast.BinOp(op=ast.Pow(), right=ast.Constant(value=0 | 2 | 4 | 6 | 8)):
+        case ast.Constant():
+            return 1
+        case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent % 2 == 0:
             return 1
         case ast.UnaryOp(op=ast.USub()):
-            return _opposite(_sign(node.operand))
+            return -_sign(node.operand)
         case ast.BinOp(op=ast.Add() | ast.Sub()):
-            left, right = _sign(node.left), _sign(node.right)
-            right = right if isinstance(node.op, ast.Add) else _opposite(right)
-            return left if left == right else None
+            right = _sign(node.right) * (1 if isinstance(node.op, ast.Add) else -1)
+            return right if right == _sign(node.left) else 0
         case ast.BinOp(op=ast.Mult() | ast.Div()):
-            left, right = _sign(node.left), _sign(node.right)
-            return None if left is None or right is None else left * right
-    return None
-
-
-def _opposite(sign: int | None) -> int | None:
-    return None if sign is None else -sign
+            return _sign(node.left) * _sign(node.right)
+    return 0
 
 
 def _turned(name: str, argument: ast.expr, text: str, template: Template) -> str:
@@ -257,17 +253,8 @@ def _turned(name: str, argument: ast.expr, text: str, template: Template) -> str
         along, across = exact[turn % 2]
     else:
         along, across = (f"{f}({turn.numerator}*pi/{turn.denominator})" for f in ("cos", "sin"))
-    terms = [f"{c}*{wave}" for c, wave in _waves(v, along, across, template)]
+    terms = [f"{c}*{template.wave(kind, v)}" for kind, c in (("sin", along), ("cos", across)) if c]
     return f"({' + '.join(terms)})"
-
-
-def _waves(v: str, along: object, across: object, template: Template) -> list[tuple[object, str]]:
-    found = []
-    if along:
-        found.append((along, template.wave("sin", v)))
-    if across:
-        found.append((across, template.wave("cos", v)))
-    return found
 
 
 def _parts(node: ast.expr, text: str, side: str = "+") -> tuple[list[str], Fraction]:
