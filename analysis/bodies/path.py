@@ -248,7 +248,9 @@ STIFF = 1e-12, 1e-14  # tolerances of LSODA, relative and absolute
 ROUGH = ((1e-10, 1e-12), (1e-8, 1e-10), (1e-6, 1e-8))
 MANY_STEPS = 150  # of Runge-Kutta in one stretch, after which the field is taken for stiff
 MANY_STIFF_STEPS = 1_000  # of LSODA, or of the last at one tolerance, after which rounding is taken for the field
-DIFFERENCE = 1e-7  # of the body's size: for slopes of the field
+DIFFERENCE = 1e-7  # of the body's size: for slopes of the field where it slides
+# The same where exact slopes fail, beside places where a wheel comes to stick: the field is straight only so near.
+NEAR_DIFFERENCE = 1e-11
 ROUNDING = 1e-12  # the same: shorter ones show but rounding
 AHEAD = 1e-7  # of the time in which the body crosses itself: where the next regime is read off
 UNKNOWNS = 1e-9  # error of twists and forces within a step; after it they are exact again
@@ -279,11 +281,14 @@ class SupportRate:
 
     def _slopes(self, time: float, pose: Floats) -> Floats:
         """Exact where one motion acts and has a regime, else by differences."""
-        exact = None if self._support.sliding else self.motions[0].jacobian(pose)
-        if exact is not None:
-            return exact
+        wide = DIFFERENCE
+        if not self._support.sliding:
+            exact = self.motions[0].jacobian(pose)
+            if exact is not None:
+                return exact
+            wide = NEAR_DIFFERENCE
         room = min(float(motion.margins(pose[None])[0]) for motion in self.motions)
-        step = min(DIFFERENCE * self._size, max(room / 2, ROUNDING * self._size))  # loads end with the support
+        step = min(wide * self._size, max(room / 2, ROUNDING * self._size))  # loads end with the support
         ahead = [self(time, pose + step * unit) - self(time, pose - step * unit) for unit in np.eye(3)]
         return np.column_stack(ahead) / (2 * step)
 

@@ -31,7 +31,7 @@ COLD_PASSES = 1000  # the same from nothing: what is not found by then is not fo
 class EllipseMinimizer:
     """All points at once in NumPy; twist, forces and gap to rounding.
 
-    A thousand points of four wheels take some fifteen milliseconds; a single point two.
+    A thousand points of four wheels take some three milliseconds; a single point half a one.
     """
 
     @property

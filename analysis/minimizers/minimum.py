@@ -282,11 +282,14 @@ def balance_forces(functional: Functional, model: ContactRows, loads: Floats, fo
     shares = np.where(np.isfinite(shares), shares, 0.0)
     limits, sets = model.limits(loads), functional.unit_sets(model)
     for _ in range(PASSES):
-        for k in np.flatnonzero(imbalance(model, shares * limits) > BALANCED):
+        unbalanced = np.flatnonzero(imbalance(model, shares * limits) > BALANCED)
+        if not len(unbalanced):
+            break
+        for k in unbalanced:
             along, across = shares[k].T
             shares[k] = _repaired(sets.room(along, across, TURNING), limits[k], model.rows, shares[k])
     shares = np.where(np.abs(shares) > NEGLIGIBLE, shares, 0.0)
-    excess = usage(functional, model, loads, shares * limits).max(axis=-1)
+    excess = sets.gauge(*np.moveaxis(shares, -1, 0)).max(axis=-1)
     return np.asarray(shares * limits / np.maximum(1.0, excess)[:, None, None])
 
 

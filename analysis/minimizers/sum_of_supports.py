@@ -5,8 +5,13 @@ The unknowns are three; ``h_i(r) = max p . r over p in K_i`` with K_i a friction
 G``; unknowns and balanced forces in their sets with equal values prove each other (:meth:`SupportSums.judge`), however
 they were found.
 
-Two methods find it.
+Three methods find it.
 
+- *Holding* (:func:`by_holding`), for whole discs, where one contact sticks or none.  The sum is smooth but where a
+  contact sticks, and two that stick leave no choice of y.  The contact that slips least at a guess is held: one unknown
+  is left, and the force that balances the others is that of the contact.  Where it is too large the contact slips, by
+  an amount that is known to second order; from there Newton's method takes all unknowns.  Nearly all problems of few
+  contacts end here.
 - *Multipliers* (:func:`by_multipliers`), for any sets that know their nearest point.  With a stiffness c the forces are
   ``p_i(y) = nearest point of K_i to p_i + c r_i(y)``; they are the derivative of a convex function of y that has a
   continuous gradient, which Newton's method minimizes; then p takes their place.  Far from the solution that takes some
@@ -17,8 +22,9 @@ Two methods find it.
 
 Arrays have the shape (n, m): n sets, m problems, in blocks that fit the processor's cache.
 
-References: Rockafellar (1976), Math. Oper. Res. 1; Chan, Golub, Mulet (1999), SIAM J. Sci. Comput. 20; Li, Sun, Toh
-(2018), SIAM J. Optim. 28 (Newton's method within the method of multipliers).
+References: Rockafellar (1976), Math. Oper. Res. 1; Chan, Golub, Mulet (1999), SIAM J. Sci. Comput. 20; Conn, Gould,
+Toint (2000), Trust-Region Methods, section 7.3 (the equation of a radius); Li, Sun, Toh (2018), SIAM J. Optim. 28
+(Newton's method within the method of multipliers).
 """
 
 from __future__ import annotations
@@ -82,17 +88,26 @@ class SupportSums:
         """``E_i y - e_i``."""
         return self.moved(y) - self.targets
 
+    def values(self, y: Floats) -> Floats:
+        """What is to be least, shape (m,)."""
+        value = (self.weights * self.sets.support(*self.slips(y))).sum(axis=0)
+        return np.asarray(value if self.pulls is None else value - (self.pulls * y).sum(axis=0))
+
     def total(self, forces: Floats) -> Floats:
         """``sum_i w_i E_i^T p_i - G``, shape (3, m)."""
         total = self._columns @ np.concatenate(self.weights * forces)
         return np.asarray(total if self.pulls is None else total - self.pulls)
+
+    def hessian(self, rates: Floats) -> Floats:
+        """Upper triangles of ``sum_i w_i E_i^T S_i E_i``, shape (6, m), for ``S_i = rates (xx, yy, xy)``, (3, n, m)."""
+        return np.asarray(self._pairs @ np.concatenate(self.weights * rates))
 
     def newton_step(self, total: Floats, rates: Floats, shift: Floats | float, rounding: float) -> Floats:
         """``-(sum_i w_i E_i^T S_i E_i + shift)^-1 total`` with ``S_i = rates (xx, yy, xy)``, shape (3, n, m).
 
         The shift is made larger by ``rounding`` of the trace.
         """
-        matrix = self._pairs @ np.concatenate(self.weights * rates)
+        matrix = self.hessian(rates)
         return -_solve(matrix, total, shift + rounding * (matrix[0] + matrix[3] + matrix[5]) + TINY)
 
     def judge(self, slips: Floats, forces: Floats) -> Judgement:
@@ -104,7 +119,8 @@ class SupportSums:
         proved = (gap <= GAP * values + GAP_FLOOR * self.start) | (sizes.max(axis=0) <= SLIP_NOISE)
         proved &= (beyond <= EXCESS) & (imbalance <= IMBALANCE)
         lacks = gap + beyond * values + imbalance  # of power, at speeds of order one
-        return Judgement(values, excess, np.where(np.isfinite(lacks), lacks, np.inf), proved)
+        finite = np.isfinite(lacks)
+        return Judgement(values, excess, np.where(finite, lacks, np.inf), proved & finite)
 
 
 class Judgement(NamedTuple):
@@ -224,6 +240,132 @@ def softness_that_sticks(sums: SupportSums, y: Floats, forces: Floats) -> Floats
     return np.asarray(np.where(slips < slack, slips / (PUSH * slack), 0.0).max(axis=0))
 
 
+# ---- holding -------------------------------------------------------------------------------------
+
+HELD_STEPS = 5  # of Newton's method in one unknown
+SLIP_STEPS = 5  # of Newton's method for the size of a slip
+FREE_STEPS = 6  # of Newton's method in three unknowns
+
+
+class Held(NamedTuple):
+    """The contact k that is held in each problem.
+
+    Attributes:
+        at: k and the numbers of the problems, indices of arrays (n, m).
+        weights: of the contacts, (m,).
+        way: t of length one with ``E_k t = 0``, shape (3, m).
+        back: B with ``E_k B = 1`` and ``B^T t = 0``, shape (3, 2, m).
+    """
+
+    at: tuple[Indices, Indices]
+    weights: Floats
+    way: Floats
+    back: Floats
+
+    def take(self, chosen: Indices) -> Held:
+        """Only some problems."""
+        at = self.at[0][chosen], np.arange(len(chosen))
+        return Held(at, self.weights[chosen], self.way[:, chosen], self.back[..., chosen])
+
+
+def by_holding(found: Solutions, at: Indices, sums: SupportSums, guess: Floats) -> None:
+    """Keep what Newton's method finds for discs of radius one, from guesses of the unknowns (3, m)."""
+    held = _least_slipping(sums, guess)
+    y, units, step = _along_way(sums, held, guess)
+    force = -_transposed(held.back, sums.total(units)) / np.maximum(held.weights, TINY)
+    forces = units.copy()
+    forces[:, *held.at] = force
+    _keep_settled(found, at, sums, y, forces, step)
+    rest = np.flatnonzero(~found.proved[at])
+    if not len(rest):
+        return
+    few, own = sums.take(rest), held.take(rest)
+    start = y[:, rest] + _little_slip(few, own, units[..., rest], few.slips(y[:, rest]), force[:, rest])
+    start = np.where(few.values(start) < few.values(guess[:, rest]), start, guess[:, rest])
+    _keep_settled(found, at[rest], few, *_freely(few, start))
+
+
+def _keep_settled(found: Solutions, at: Indices, sums: SupportSums, y: Floats, forces: Floats, step: Floats) -> None:
+    """Keep what unknowns and forces are worth after the last step (3, m): proved only where it settled."""
+    judged = sums.judge(sums.slips(y), forces)
+    settled = np.abs(step).max(axis=0) <= SETTLED * np.abs(y).max(axis=0)
+    found.keep(at, y, forces, judged.lacks, judged.proved & settled)
+
+
+def _least_slipping(sums: SupportSums, y: Floats) -> Held:
+    """The loaded contacts that slip least."""
+    slips = np.where(sums.weights > 0, sums.sets.support(*sums.slips(y)), np.inf)
+    contacts = slips.argmin(axis=0)
+    at = contacts, np.arange(len(contacts))
+    first, second = sums.maps[contacts].transpose(1, 2, 0)
+    normal = np.cross(first, second, axis=0)
+    area = (normal * normal).sum(axis=0)
+    back = np.array([np.cross(second, normal, axis=0), np.cross(normal, first, axis=0)]) / area
+    return Held(at, sums.weights[at], normal / np.sqrt(area), back.transpose(1, 0, 2))
+
+
+def _along_way(sums: SupportSums, held: Held, y: Floats) -> tuple[Floats, Floats, Floats]:
+    """The best unknowns that hold the contacts, the forces of all others (2, n, m), and the last step (3, m)."""
+    y = y - (held.back * sums.slips(y)[:, *held.at]).sum(axis=1)
+    (r, s), (along, across) = sums.slips(y), sums.moved(held.way)
+    weights, square = sums.weights.copy(), along * along + across * across
+    weights[held.at] = 0.0
+    pull = 0.0 if sums.pulls is None else (held.way * sums.pulls).sum(axis=0)
+    a = np.zeros(y.shape[1])
+    for _ in range(HELD_STEPS):
+        x, z = r + a * along, s + a * across
+        inverse = 1 / np.maximum(np.sqrt(x * x + z * z), TINY)
+        rate = (x * along + z * across) * inverse
+        bend = (weights * inverse * (square - rate * rate)).sum(axis=0)
+        step = (pull - (weights * rate).sum(axis=0)) / np.maximum(bend, TINY)
+        a = a + step
+    units = np.array([x * inverse, z * inverse])
+    units[:, *held.at] = 0.0
+    return y + held.way * a, units, held.way * step
+
+
+def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, force: Floats) -> Floats:
+    """The change of y with which contacts slip that a force f (2, m) pushes, where the others change to second order.
+
+    With S the Hessian of the others by the slip of the contact, their best answer along t taken out, the slip is ``v =
+    s q``, ``(s S + w_k) q = w_k f`` and ``|q| = 1``; Newton's method solves ``1/|q| = 1`` for s.
+    """
+    x, z = units
+    rates = np.array([z * z, x * x, -x * z]) / np.maximum(sums.sets.support(*slips), TINY)
+    rates[:, *held.at] = 0.0
+    hessian = sums.hessian(rates)[_SQUARE].reshape(3, 3, -1)
+    bent = (hessian * held.way).sum(axis=1)
+    bend = np.maximum((held.way * bent).sum(axis=0), TINY)
+    coupled = _transposed(held.back, bent)
+    first, second = (_transposed(held.back, (hessian * held.back[:, k]).sum(axis=1)) for k in range(2))
+    xx, xy = (first - coupled[0] * coupled / bend) / held.weights
+    yy = (second - coupled[1] * coupled / bend)[1] / held.weights
+    s = np.zeros(force.shape[1])
+    for _ in range(SLIP_STEPS):
+        q = _solve_pair(1 + s * xx, s * xy, 1 + s * yy, force)
+        turned = _solve_pair(1 + s * xx, s * xy, 1 + s * yy, np.array([xx * q[0] + xy * q[1], xy * q[0] + yy * q[1]]))
+        size = np.sqrt((q * q).sum(axis=0))
+        s = np.maximum(s + size * size * (size - 1) / np.maximum((q * turned).sum(axis=0), TINY), 0.0)
+    slip = s * q
+    return (held.back * slip).sum(axis=1) - held.way * ((coupled * slip).sum(axis=0) / bend)
+
+
+def _freely(sums: SupportSums, y: Floats) -> tuple[Floats, Floats, Floats]:
+    """Unknowns, forces and the last step, after Newton steps in all three unknowns.
+
+    Forces take part in the last step, which balances them: those of slips that are nearly zero hardly know where to.
+    """
+    for _ in range(FREE_STEPS):
+        slips = sums.slips(y)
+        inverse = 1 / np.maximum(sums.sets.support(*slips), TINY)
+        x, z = units = slips * inverse
+        xx, yy, xy = rates = np.array([z * z, x * x, -x * z]) * inverse
+        step = sums.newton_step(sums.total(units), rates, 0.0, REGULAR)
+        y = y + step
+    along, across = sums.moved(step)
+    return y, units + np.array([xx * along + xy * across, xy * along + yy * across]), step
+
+
 # ---- smoothing -----------------------------------------------------------------------------------
 
 SMOOTHER_STEPS = 50
@@ -231,6 +373,7 @@ FASTEST = 0.3  # factor of g with a step: the slips of contacts that stick have 
 BLOCKED = 0.2  # share of a step of the forces below which g rises
 RISE = 3.0  # factor of g then
 TO_BORDER = 0.95  # share of the way to the border of its set that a force takes
+HOLDS = (1, 3, 5)  # steps after which discs are held, or slip freely
 FINISHES = (7, 10, 14, 20, 30, 50)  # steps after which multipliers try to finish
 FINISH_PASSES = 8
 
@@ -299,12 +442,16 @@ def _smoothed(found: Solutions, at: Indices, sums: SupportSums, sets: UnitDiscs)
     state = Smoothed(np.zeros((3, m)), np.zeros((2, n, m)), np.zeros((n, m)), first)
     for count in range(1, SMOOTHER_STEPS + 1):
         state = smoother_step(sums, sets, state)
-        if count in FINISHES:
+        if count in HOLDS and sets.is_whole:
+            by_holding(found, at, sums, state.y)
+        elif count in FINISHES:
             _finish(found, at, sums, state, LESS_STIFF if FINISHES.index(count) % 2 == 0 else STIFFEST)
-            going = ~found.proved[at]
-            at, sums, state = at[going], sums.take(going), state.take(going)
-            if not len(at):
-                break
+        else:
+            continue
+        going = ~found.proved[at]
+        at, sums, state = at[going], sums.take(going), state.take(going)
+        if not len(at):
+            break
     return at, sums
 
 
@@ -333,6 +480,17 @@ def smoother_step(sums: SupportSums, sets: UnitDiscs, state: Smoothed) -> Smooth
 # ---- three unknowns ------------------------------------------------------------------------------
 
 _ROW, _COLUMN = np.triu_indices(3)
+_SQUARE = [0, 1, 2, 1, 3, 4, 2, 4, 5]  # entries of a symmetric matrix in its upper triangle
+
+
+def _transposed(matrix: Floats, vector: Floats) -> Floats:
+    """``B^T v`` of m matrices (3, 2, m) and vectors (3, m)."""
+    return np.asarray((matrix * vector[:, None]).sum(axis=0))
+
+
+def _solve_pair(xx: Floats, xy: Floats, yy: Floats, right: Floats) -> Floats:
+    """Solve m symmetric systems of two unknowns for right sides (2, m)."""
+    return np.array([yy * right[0] - xy * right[1], xx * right[1] - xy * right[0]]) / (xx * yy - xy * xy)
 
 
 def quadratic_parts(maps: Floats) -> Floats:

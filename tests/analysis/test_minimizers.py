@@ -17,7 +17,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHigh
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import Functional, Minima, Minimizer, Minimum, dissipation
-from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
+from nonsmooth.analysis.minimizers.sum_of_supports import Solutions, SupportSums, by_holding, by_multipliers
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
@@ -400,6 +400,35 @@ def test_slips_that_are_rounding_prove_that_nothing_slips() -> None:
         slips = sums.slips(wanted[:, None] + error)
         assert np.abs(slips).max() > 0
         assert sums.judge(slips, np.zeros((2, 3, 1))).proved == proved
+
+
+def test_slips_beyond_floats_prove_nothing() -> None:
+    """Their squares are infinite, and so is the gap that is allowed beside the sum."""
+    maps = np.array([[(1.0, 0, -1), (0, 1, 1)], [(1, 0, 2), (0, 1, 1)]])
+    sums = SupportSums(np.ones((2, 1)), maps, np.ones((2, 2, 1)), UnitDiscs(np.ones(2)))
+    with np.errstate(all="ignore"):
+        assert not sums.judge(sums.slips(np.full((3, 1), 1e200)), np.zeros((2, 2, 1))).proved.any()
+
+
+@pytest.mark.parametrize("sticking", [0, 1])
+def test_holding_finds_a_minimizer_that_is_known_beforehand(sticking: int) -> None:
+    """The pull is what forces at chosen slips balance; of a contact that sticks any force in the disc."""
+    rng = np.random.default_rng(5 + sticking)
+    count, contacts = 200, 5
+    maps = rng.normal(size=(contacts, 2, 3))
+    wanted, weights = rng.normal(size=(3, count)), rng.uniform(0.2, 1, (contacts, count))
+    slips = rng.normal(size=(2, contacts, count))
+    forces = slips / np.hypot(*slips)
+    slips[:, :sticking] = 0.0
+    forces[:, :sticking] *= rng.uniform(0, 0.95, (sticking, count))
+    pulls = np.einsum("im,ikj,kim->jm", weights, maps, forces)
+    targets = np.moveaxis(maps @ wanted, 0, 1) - slips
+    sums = SupportSums(weights, maps, targets, UnitDiscs(np.ones(contacts)), pulls)
+    found = Solutions(contacts, count)
+    with np.errstate(all="ignore"):
+        by_holding(found, np.arange(count), sums, wanted + 0.02 * rng.normal(size=(3, count)))
+    assert found.proved.mean() > 0.9  # others are left to the methods that follow
+    np.testing.assert_allclose(found.y[:, found.proved], wanted[:, found.proved], rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("minimizer", [m for m in MINIMIZERS if not isinstance(m, BoxEnumeration)], ids=label)
