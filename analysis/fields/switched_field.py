@@ -196,6 +196,7 @@ class SwitchedField(FacedField, Protocol):
 
 # Relative to unit gradients: an open cone narrower than this is not told from an empty one.
 CONE_SLACK = 1e-9
+OF_ONE_SURFACE = ((0,), (-1,), (1,))  # its patterns, whatever its normal
 
 
 def has_points(pattern: Sequence[int], normals: Sequence[Floats]) -> bool:
@@ -217,10 +218,12 @@ def sign_patterns(normals: Sequence[Floats]) -> tuple[tuple[int, ...], ...]:
     One surface after the other: a pattern without points has none with a further sign.  In the plane n lines leave
     4 n + 1 patterns of 3^n.
     """
+    if len(normals) == 1:
+        return OF_ONE_SURFACE
     patterns: list[tuple[int, ...]] = [()]
     for count in range(1, len(normals) + 1):
         longer = [(*pattern, side) for pattern in patterns for side in (-1, 0, 1)]
-        patterns = longer if count == 1 else [p for p in longer if has_points(p, normals[:count])]
+        patterns = [p for p in longer if has_points(p, normals[:count])]
     return tuple(sorted(patterns, key=lambda p: (-p.count(0), p)))
 
 

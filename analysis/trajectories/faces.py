@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property, partial
 from operator import mul
+from typing import NamedTuple
 
 import numpy as np
 
@@ -254,8 +254,7 @@ def _doubt(motion: FaceMotion, t: float, x: Floats, size: float, fields: Floats)
 WEIGHT_CHANGE = 1e-12
 
 
-@dataclass(frozen=True)
-class FaceChoice:
+class FaceChoice(NamedTuple):
     """A face to continue on.
 
     Attributes:

@@ -20,7 +20,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from nonsmooth.analysis.trajectories.result import (
     State,
     Trajectory,
 )
-from nonsmooth.symbolic.messages.under_way import tell
+from nonsmooth.symbolic.messages.under_way import is_watched, tell
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Rate: TypeAlias = Callable[[float, Floats], Floats]  # time derivative of the state at a time and a state
@@ -124,8 +124,7 @@ class Stepper(Protocol):
         """Steps from a time and a state, one after the other, up to the last time."""
 
 
-@dataclass(frozen=True)
-class Stretch:
+class Stretch(NamedTuple):
     """The solution of one mode: its steps, the last of which may end before its stepper meant it to.
 
     Attributes:
@@ -472,6 +471,7 @@ class HybridField(ABC):
         return None
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a trial beyond floats is refused, and a shorter one made
 def follow(field: HybridField, start: tuple[Any, Any], until: Any, stepper: Stepper) -> Path:
     """The path of a field from ``(time, state)``, mode after mode.
 
@@ -497,13 +497,12 @@ def follow(field: HybridField, start: tuple[Any, Any], until: Any, stepper: Step
             return path
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a trial beyond floats is refused, and a shorter one made
 def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[Stretch, int | None, EndReason | None]:
     """One mode to its first event, or until the path ends; the guard that fell there, and why it ends."""
     stretch, guards = Stretch([path.time], [path.state], []), mode.guards
     values = None if guards is None else guards.at(path.time, path.state)
     for step in stepper.steps(mode.rate, path.time, path.state, path.until):
-        if path.until is not None:
+        if path.until is not None and is_watched():
             tell(f"t = {float(step.end):.6g} of {float(path.until):.6g}")
         if dense:
             stretch.steps.append(step)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,8 +54,7 @@ GAIN_DOUBT = 1e-9  # a gain nearer to one than this is one: it is a product of q
 SPEED_DOUBT = 1e-9  # relative to the fields: slower crossings are none
 
 
-@dataclass(frozen=True)
-class SurfaceCrossing:
+class SurfaceCrossing(NamedTuple):
     """A crossing of a surface at a time: out of one member's cell."""
 
     time: float

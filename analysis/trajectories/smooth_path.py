@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -103,8 +103,7 @@ def near_rounding(field: FacedField, coarseness: float = 1.0) -> StiffAware:
     return StiffAware(rtol, atol, field.size)
 
 
-@dataclass(frozen=True)
-class Leg:
+class Leg(NamedTuple):
     """A stretch of a path with the motion that it follows.
 
     Attributes:
@@ -211,7 +210,9 @@ class FilippovFaces(HybridField):
     def _mode(self, choice: FaceChoice, path: Path) -> _FaceMode:
         """The mode of a choice; that of a cell with flat bounds is the same wherever the path enters it."""
         face = choice.motion.face
-        mode = self._cells.get(face) or _FaceMode(self.field, choice, path, self.meter)
+        if face in self._cells:
+            return self._cells[face]
+        mode = _FaceMode(self.field, choice, path, self.meter)
         if not face.keep and all(surface.flat for surface, _ in face.bounds):
             self._cells[face] = mode
         return mode
@@ -341,14 +342,16 @@ def onto(x: Floats, surfaces: Sequence[Surface], size: float) -> Floats:
 
     A coordinate that vanishes there is exactly zero: at a corner all fields may vanish, beside it they do not.
     """
-    start = x
-    for _ in range(NEWTON_STEPS if surfaces else 0):
+    if not surfaces:
+        return x
+    start, is_plane = x, len(surfaces) == 1 and surfaces[0].flat
+    for _ in range(1 if is_plane else NEWTON_STEPS):
         values = [surface.value(x) for surface in surfaces]
         if not any(values):
             break
         if len(surfaces) == 1:
             gradient = surfaces[0].gradient(x)
-            move = gradient * (values[0] / float(gradient @ gradient))
+            move = gradient * (values[0] / gradient.dot(gradient))
         else:
             gradients = np.array([surface.gradient(x) for surface in surfaces])
             move = np.linalg.lstsq(gradients, np.array(values), rcond=SURFACE_SLACK)[0]

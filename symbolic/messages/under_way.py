@@ -26,6 +26,11 @@ def tell(what: str) -> None:
         listener(what)
 
 
+def is_watched() -> bool:
+    """Whether anybody listens: words that are put together often wait for it."""
+    return _listener.get() is not None
+
+
 def tell_count(done: int, total: int, what: str) -> None:
     """Say how much is done: ``12 of 40 cells``."""
     tell(f"{done} of {total} {what}")
