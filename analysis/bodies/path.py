@@ -522,4 +522,4 @@ def _steps_of(piece: Piece) -> Iterator[DenseStep]:
 def _until(piece: Piece, time: float) -> Piece:
     if piece.end is not None and piece.end <= time:
         return piece
-    return replace(piece, end=time, times=(*(t for t in piece.times if t < time), time))
+    return replace(piece, end=time, drawn=lambda: (*(t for t in piece.times if t < time), time))

@@ -391,7 +391,7 @@ def _crossing(faces: Sequence[Face], t: float, x: Floats) -> FaceChoice | None:
     normal = surface.normal(x)
     fields = [member.velocity(t, x) for member in faces[0].members]
     speeds = [float(normal.dot(velocity)) for velocity in fields]
-    nothing = TANGENT_SLACK * max(map(largest, fields))
+    nothing = TANGENT_SLACK * max(map(length, fields))
     if not (min(speeds) > nothing or max(speeds) < -nothing):
         return None
     beyond = (surface, 1 if speeds[0] > 0 else -1)

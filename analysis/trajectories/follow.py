@@ -100,21 +100,66 @@ class PolynomialInterpolant:
         unit: what the variable of the polynomials counts the time since then in.
         states: coefficients of each state, the first that where the step begins.
         value: of a variable and coefficients, one by one, linear in these.
+        sloped: the same with its derivative by the variable, where there is code for it.
     """
 
-    def __init__(self, t: float, unit: float, states: Sequence[Sequence[float]], value: Callable[..., Any]) -> None:
-        self._start, self._unit, self._states, self._value = t, unit, states, value
+    def __init__(
+        self,
+        t: float,
+        unit: float,
+        states: Sequence[Sequence[float]],
+        value: Callable[..., Any],
+        sloped: Callable[..., tuple[float, float]] | None = None,
+    ) -> None:
+        self._start, self._unit, self._states, self._value, self._sloped = t, unit, states, value, sloped
 
     def __call__(self, times: Any) -> Floats:
         """The state at a time, or at many."""
         s = (times - self._start) / self._unit
         return np.array([self._value(s, *own) for own in self._states])
 
-    def along(self, normal: Sequence[float], first: float) -> Callable[[float], float]:
+    def along(self, normal: Sequence[float], first: float) -> PolynomialAlong:
         """A linear function of the state with a gradient, and a value where the step begins, as a function of time."""
         _, *others = np.dot(normal, self._states).tolist()
-        start, unit, value = self._start, self._unit, self._value
-        return lambda time: float(value((time - start) / unit, first, *others))
+        return PolynomialAlong(self._start, self._unit, (first, *others), self._value, self._sloped)
+
+
+class PolynomialAlong:
+    """A function of time within a step; its arguments are those of :class:`PolynomialInterpolant`, for one function."""
+
+    def __init__(
+        self,
+        start: float,
+        unit: float,
+        coefficients: Sequence[float],
+        value: Callable[..., Any],
+        sloped: Callable[..., tuple[float, float]] | None,
+    ) -> None:
+        self._start, self._unit, self._coefficients, self._value = start, unit, coefficients, value
+        self.sloped = sloped
+
+    def __call__(self, time: float) -> float:
+        """Its value at a time."""
+        return float(self._value((time - self._start) / self._unit, *self._coefficients))
+
+    def newton_root(self, before: tuple[float, float], after: tuple[float, float]) -> float:
+        """As :func:`find_root`, by Newton's method; what is left is halved where a step does not halve the last one.
+
+        Raises:
+            ValueError: without code for the slope.
+        """
+        if self.sloped is None:
+            raise ValueError("required code for the slope")
+        (low, first), (high, last) = before, after
+        time, moved = low + (high - low) * first / (first - last), high - low
+        while moved > RELATIVE_ULPS * high:
+            value, slope = self.sloped((time - self._start) / self._unit, *self._coefficients)
+            low, high = (time, high) if value > 0 else (low, time)
+            following = time - value * self._unit / slope if slope else math.inf
+            if not (low <= following <= high and abs(following - time) <= moved / 2):
+                following = low + (high - low) / 2
+            time, moved = following, abs(following - time)
+        return time
 
 
 class Stepper(Protocol):
@@ -340,10 +385,12 @@ def find_root(value: Callable[[float], float], before: tuple[float, float], afte
         before: a time, and the value there.
         after: a later time, and the value there, below zero.
     """
-    from scipy.optimize import brentq
-
     if before[1] <= 0:
         return before[0]
+    if isinstance(value, PolynomialAlong) and value.sloped is not None:
+        return value.newton_root(before, after)
+    from scipy.optimize import brentq
+
     ends, finest = dict([before, after]), math.ulp(after[0])
     root = brentq(lambda t: ends[t] if t in ends else value(t), before[0], after[0], xtol=finest, rtol=RELATIVE_ULPS)
     return float(root)
@@ -391,7 +438,7 @@ class Mode(ABC):
         def states(since: Floats) -> Floats:
             return stretch.at_all(start + since)[:, : self.shown]
 
-        return Piece(start, stretch.times[-1], self.place, self.cells, state, tuple(stretch.drawn()), states)
+        return Piece(start, stretch.times[-1], self.place, self.cells, state, stretch.drawn, states)
 
 
 @dataclass

@@ -121,6 +121,8 @@ class WhirlMotion(FaceMotion):
 def last_turn(crossings: Iterable[SurfaceCrossing], size: float) -> Sequence[SurfaceCrossing]:
     """The last turn with the crossing before it, if it is small and hardly smaller than the one before; else none."""
     known = list(crossings)
+    if len(known) < 2 or largest(known[-1].x - known[-2].x) > WHIRL_EXTENT * size:
+        return ()
     places = [crossing.place for crossing in known]
     for loop in range(2, WHIRL_LOOP + 1):
         if len(places) <= 2 * loop:

@@ -209,8 +209,11 @@ class _Leg(Mode):
         """The closed form itself."""
         start, end = stretch.times
         span = None if end == math.inf else end - start
-        times = tuple(start + t for t in sample_times(self.motion, span))
-        return Piece(start, None if span is None else end, self.place, self.cells, self.motion.state, times)
+
+        def drawn() -> Iterator[Any]:
+            return (start + t for t in sample_times(self.motion, span))
+
+        return Piece(start, None if span is None else end, self.place, self.cells, self.motion.state, drawn)
 
 
 class _ClosedForms:
@@ -512,11 +515,14 @@ class ClosedOrbit:
     def piece(self, turns: int) -> Piece:
         """So many turns as one piece of a path that follows the turn itself; its first turn is sampled."""
         begin, end = self.start + self.period, self.start + (turns + 1) * self.period
-        sampled = dict.fromkeys(t + self.period for piece in self.pieces for t in piece.times)
         places = dict.fromkeys(piece.place for piece in self.pieces)
         cells = dict.fromkeys(cell for piece in self.pieces for cell in piece.cells)
-        times = tuple(sampled) if turns == 1 else (*sampled, end)
-        return Piece(begin, end, " | ".join(places), tuple(cells), self.state, times)
+
+        def drawn() -> tuple[Any, ...]:
+            sampled = dict.fromkeys(t + self.period for piece in self.pieces for t in piece.times)
+            return tuple(sampled) if turns == 1 else (*sampled, end)
+
+        return Piece(begin, end, " | ".join(places), tuple(cells), self.state, drawn)
 
 
 @dataclass(frozen=True)

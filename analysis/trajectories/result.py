@@ -101,7 +101,7 @@ class Piece:
         place: the cell, edge or corner it keeps to.
         cells: the cells whose motions it mixes.
         state: state as a function of the time since ``start``.
-        times: sample times within the piece, its start and (finite) end included.
+        drawn: makes the :attr:`times`; a path that is not drawn does without.
         states: states (m, n) at many times since ``start`` at once, where the method has them.
     """
 
@@ -110,8 +110,13 @@ class Piece:
     place: str
     cells: tuple[str, ...]
     state: Callable[[Any], State] = field(repr=False, compare=False)
-    times: tuple[Any, ...]
+    drawn: Callable[[], Iterable[Any]] = field(repr=False, compare=False)
     states: Callable[[Floats], Floats] | None = field(repr=False, compare=False, default=None)
+
+    @cached_property
+    def times(self) -> tuple[Any, ...]:
+        """Sample times within the piece, its start and (finite) end included."""
+        return tuple(self.drawn())
 
     def record(self) -> dict[str, Any]:
         """JSON-ready."""

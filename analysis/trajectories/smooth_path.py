@@ -455,5 +455,5 @@ class LoopMemory:
         def state(time: float) -> tuple[float, ...]:
             return tuple((here + (found.x - here) * min(time / tail, 1.0)).tolist())
 
-        piece = Piece(start, found.time, " | ".join(names), names, state, (start, found.time))
+        piece = Piece(start, found.time, " | ".join(names), names, state, lambda: (start, found.time))
         return LoopLimit(found.time, found.x, self.states[-found.loop :], piece)

@@ -188,7 +188,7 @@ def path_of(state_at: object, until: float, reason: EndReason = EndReason.TIME) 
         return tuple(state_at(time))  # type: ignore[operator]
 
     times = tuple(np.linspace(0.0, until, 11).tolist())
-    piece = Piece(0.0, until, "", (), state, times)
+    piece = Piece(0.0, until, "", (), state, lambda: times)
     end = End(until, state(until), reason)
     return Trajectory("exact", "events", (), end, True, (piece,))
 
