@@ -373,7 +373,7 @@ FASTEST = 0.3  # factor of g with a step: the slips of contacts that stick have 
 BLOCKED = 0.2  # share of a step of the forces below which g rises
 RISE = 3.0  # factor of g then
 TO_BORDER = 0.95  # share of the way to the border of its set that a force takes
-HOLDS = (1, 3, 5)  # steps after which discs are held, or slip freely
+HOLDS = (1, 3, 5)  # steps after which holding tries to finish
 FINISHES = (7, 10, 14, 20, 30, 50)  # steps after which multipliers try to finish
 FINISH_PASSES = 8
 
@@ -399,7 +399,7 @@ def by_smoothing(
     passes: int = PASSES,
     pulls: Floats | None = None,
 ) -> tuple[Floats, Floats]:
-    """Minimizers y, shape (m, 3), and forces, shape (m, n, 2), with ``sum_i w_i E_i^T p_i = G``.
+    """Minimizers y, shape (m, 3), and forces, shape (m, n, 2), with ``sum_i w_i E_i^T p_i = G``, by all methods.
 
     Args:
         weights: w, shape (m, n), at least 0.
@@ -436,7 +436,7 @@ def _solved(sums: SupportSums, sets: FrictionSets, passes: int) -> Solutions:
 
 
 def _smoothed(found: Solutions, at: Indices, sums: SupportSums, sets: UnitDiscs) -> tuple[Indices, SupportSums]:
-    """The problems that steps of smoothing leave without a proof; the others are found."""
+    """The problems that holding, and steps of smoothing, leave without a proof; the others are found."""
     n, m = sums.weights.shape
     first = np.broadcast_to(np.maximum(sums.start, TINY), m)
     state = Smoothed(np.zeros((3, m)), np.zeros((2, n, m)), np.zeros((n, m)), first)
