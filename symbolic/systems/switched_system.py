@@ -102,10 +102,10 @@ class SwitchedSystem(ShortRepr):
         names: what these names mean.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
         order: how many further terms of sines and cosines are taken
-        (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`). encloses_numbers: whether the right-hand sides have
-        rational bounds in place of irrational numbers. intervals: names of the parameters that were stated as
-        intervals; the right-hand sides are those at their ends. overlaps: whether tables of regions may overlap; each
-        right-hand side takes another one of them first.
+            (:mod:`nonsmooth.symbolic.formulas.enclosed_functions`).
+        encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
+        intervals: names of the parameters that were stated as intervals; the right-hand sides are those at their ends.
+        overlaps: whether tables of regions may overlap; each right-hand side takes another one of them first.
     """
 
     kind: ClassVar[Literal[SceneKind.SYSTEM]] = SceneKind.SYSTEM
