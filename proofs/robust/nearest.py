@@ -229,6 +229,9 @@ def _second_rows(wheel: Wheel, box: Tolerance) -> list[bool]:
 def _motion(first: Wheel, second: Wheel, box: Tolerance, *, along: bool) -> MotionBox | None:
     """Enclosures of the twist of a pair; None where its rows may be dependent somewhere in the box."""
     sizes = [*half_widths(first, box)[:4], *half_widths(second, box)[:4]]
+    if all(size.is_zero() for size in sizes):  # one array: its twist has no slopes
+        exact = _twist(first, second, [Jet(arb(0), ())] * len(sizes), along=along)
+        return None if exact is None else MotionBox(*(entry.value for entry in exact))
     middle = _twist(first, second, parameters([arb(0)] * len(sizes)), along=along)
     whole = _twist(first, second, parameters([size * UNIT for size in sizes]), along=along)
     if middle is None or whole is None:

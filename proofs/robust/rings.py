@@ -243,18 +243,40 @@ def is_slow(c: Any, w: Any, kappa: Any) -> bool:
 
 
 def _last_slow(slow: Point, fast: Point, w: Any, kappa: fmpq) -> Point:
-    """The first of the parts of a side beyond which, up to its fast end, no point is slow: by bisection.
+    """The first of the parts of a side beyond which, up to its fast end, no point is slow.
 
-    Floats propose it; where rational numbers do not confirm it, they bisect too.
+    Floats propose it, by the roots of a quadratic; where rational numbers confirm none, they bisect.
     """
-    number: Any
-    for number in (float, fmpq):
-        a, b, bound, rate = *(tuple(map(number, point)) for point in (slow, fast, w)), number(kappa)
-        part = bisect_left(range(PARTS), True, key=lambda k: not is_slow(between(a, b, number(k) / PARTS), bound, rate))
-        before, last = (between(slow, fast, fmpq(k, PARTS)) for k in (part - 1, part))
-        if is_slow(before, w, kappa) and not is_slow(last, w, kappa):
-            break
-    return last
+
+    def is_fast(part: int) -> bool:
+        return not is_slow(between(slow, fast, fmpq(part, PARTS)), w, kappa)
+
+    proposals = (math.floor(t * PARTS) + k for t in _borders(slow, fast, w, kappa) for k in (1, 0, 2))
+    part = next((k for k in proposals if 0 < k <= PARTS and is_fast(k) and not is_fast(k - 1)), None)
+    if part is None:
+        part = bisect_left(range(PARTS), True, key=is_fast)
+    return between(slow, fast, fmpq(part, PARTS))
+
+
+def _borders(slow: Point, fast: Point, w: Any, kappa: fmpq) -> Iterator[float]:
+    """Where ``(c . w)^2 = kappa^2 c . c`` along a side, in parts of it from its slow end, in floats."""
+    a, b = tuple(map(float, slow)), tuple(map(float, fast))
+    bound, square = tuple(map(float, w)), float(kappa * kappa)
+    step = (b[0] - a[0], b[1] - a[1])
+    falls, change = dot(a, bound), dot(step, bound)
+    first = change * change - square * dot(step, step)
+    half = falls * change - square * dot(a, step)
+    last = falls * falls - square * dot(a, a)
+    root = math.sqrt(max(half * half - first * last, 0.0))
+    for numerator, denominator in (
+        (-half - root, first),
+        (-half + root, first),
+        (-last, half - root),
+        (-last, half + root),
+    ):
+        t = numerator / denominator if denominator else math.nan
+        if 0 <= t <= 1:
+            yield t
 
 
 def root_above(square: Fraction) -> Fraction:

@@ -10,8 +10,10 @@ One rate for all rings would make that time many times too long: near a place of
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 from flint import fmpq
@@ -79,30 +81,31 @@ def no_tolerance(scene: Scene) -> Tolerance:
 
 
 def _of_cells(scene: Scene, most: float) -> TouchingRings | None:
-    """The rates of all cells at once: for each kappa the distance beyond which every body falls that fast."""
+    """The rates of all cells at once: for each kappa the distance beyond which every body falls that fast.
+
+    It grows with kappa; so the largest kappa that does within the limit is found by bisection.
+    """
     from nonsmooth.proofs.robust.nearest import bounded_cells
 
     edge = fmpq(*Fraction(most).as_integer_ratio())
     cells = bounded_cells(scene, no_tolerance(scene), edge)
     fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
     limit = Fraction(most)
-    reached: list[Fraction] = []
-    found: list[Fraction] = []
-    least = fmpq(0)
-    for k in range(RATES, -1, -1):
-        kappa = fmpq(*Fraction(2 * fastest * k / RATES).as_integer_ratio()) if k else least
-        radius = root_above(as_fraction(squared_radius(cells, kappa)))
-        if not k:
-            continue
-        least = kappa * fmpq(1, 64)
-        if radius < limit and (not reached or radius < reached[-1]):
-            reached.append(radius)
-            found.append(as_fraction(kappa))
-    last = root_above(as_fraction(squared_radius(cells, least)))
-    if last < (reached[-1] if reached else limit):
-        reached.append(last)
-        found.append(as_fraction(least))
-    return TouchingRings(limit, tuple(reached), tuple(found)) if reached else None
+    kappas = [fmpq(*Fraction(2 * fastest * k / RATES).as_integer_ratio()) for k in range(1, RATES + 1)]
+    kappas = [kappas[0] * fmpq(1, 64), *kappas]
+
+    @cache
+    def radius(k: int) -> Fraction:
+        return root_above(as_fraction(squared_radius(cells, kappas[k])))
+
+    within = bisect_left(range(len(kappas)), True, key=lambda k: radius(k) >= limit)
+    rings: list[int] = []
+    for k in reversed(range(within)):
+        if not rings or radius(k) < radius(rings[-1]):
+            rings.append(k)
+    return (
+        TouchingRings(limit, tuple(map(radius, rings)), tuple(as_fraction(kappas[k]) for k in rings)) if rings else None
+    )
 
 
 # ---- rules with loads ----------------------------------------------------------------------------

@@ -271,7 +271,11 @@ def _lightness(weight: Fraction, unit: int) -> float:
 
 def _proposal(floats: Sequence[ConeRate], lightness: float) -> float:
     """Largest kappa' of all cones in floats."""
-    return min((_largest(cone, lightness) for cone in floats), default=0.0)
+    least = None
+    for cone in floats:
+        if least is None or not cone.is_positive(least, lightness):
+            least = _largest(cone, lightness)
+    return least or 0.0
 
 
 def _largest(cone: ConeRate, lightness: float) -> float:
