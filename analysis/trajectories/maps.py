@@ -458,18 +458,21 @@ def crossing_times(
     flow: Flow, sides: Sequence[HalfPlane], points: Floats, active: frozenset[int], slack: float
 ) -> Floats:
     """Time until each side is crossed, (m, sides); infinite where it never is."""
-    velocity: Any = velocities(flow, points).T
-    w, at, never = float(flow.turn), (points[:, 0], points[:, 1]), np.full(len(points), np.inf)
-    found = []
-    for k, side in enumerate(sides):
-        rate, bend, gap = dot(velocity, side.normal), cross(velocity, side.normal), side.slack(at)
-        if k in active:
-            found.append(np.where(np.abs(rate) > slack, times_back(w, rate, bend), np.inf) if w else never)
-        elif w:
-            found.append(line_times(w, gap, rate, bend))
-        else:
-            found.append(np.divide(np.maximum(gap, 0.0), rate, out=never.copy(), where=rate > 0))
-    return np.stack(found, axis=1)
+    normals: Any = np.array([side.normal for side in sides], float).T
+    velocity: Any = velocities(flow, points).T[..., None]
+    at: Any = points.T[..., None]
+    rate, bend = dot(velocity, normals), cross(velocity, normals)
+    gap = np.array([side.offset for side in sides], float) - dot(normals, at)
+    entered, w = sorted(active), float(flow.turn)
+    if not w:
+        found = np.divide(np.maximum(gap, 0.0), rate, out=np.full(rate.shape, np.inf), where=rate > 0)
+        found[:, entered] = np.inf
+        return found
+    found = line_times(w, gap, rate, bend)
+    if entered:
+        back = times_back(w, rate[:, entered], bend[:, entered])
+        found[:, entered] = np.where(np.abs(rate[:, entered]) > slack, back, np.inf)
+    return found
 
 
 def edge_speeds(flow: Flow, direction: Point, points: Floats) -> RaySpeeds:
