@@ -30,7 +30,7 @@ settings.load_profile(SOME)  # unless pytest is asked for another: `make bench` 
 HALF = Fraction(1, 2)
 DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
 OTHERS = "nonsmooth.proofs.answers.answers.other_rules"
-POINTS = "systems.scalar_stability.LinePoint", "systems.system_stability.PlanePoint", "many_states.decision.SpacePoint"
+REACH = "nonsmooth.proofs.system_decision.reach_of"
 FRICTIONS: dict[str, Pair] = {"side<roll": ROLL, "side>roll": SIDE, "side=roll": (1, 1)}
 
 
@@ -228,8 +228,7 @@ def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def without_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     """Verdicts on plain systems without how far and how fast they hold, which is searched after them."""
-    for point in POINTS:
-        monkeypatch.setattr(f"nonsmooth.proofs.{point}.reach", lambda point, found: Reach())
+    monkeypatch.setattr(REACH, lambda point, found: Reach())
 
 
 @pytest.fixture

@@ -37,7 +37,6 @@ from tests.thorough import examples, few, keep, thorough
 SIZE = 1 << 20  # of a file, for which there is enough work
 
 
-@cache
 def decided(*rhs: str) -> StabilityResult:
     return decide_system(ns.System(list("xyzuv"[: len(rhs)]), list(rhs)).system)
 
@@ -68,6 +67,7 @@ def test_signs_that_change_nowhere_bound_no_cells(form: str) -> None:
     assert decided(f"x*sign({form})", "-y").verdict is Translation.UNSTABLE
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_a_definite_form_that_a_curve_is_multiplied_by_is_a_surface_of_the_certificate() -> None:
     """``x**3 - y**3`` changes its sign where ``x - y`` does; a certificate lists both factors."""
     result = decided("-sign(x**3 - y**3)", "-y")
@@ -106,6 +106,7 @@ def test_a_mixture_of_stable_systems_may_leave() -> None:
     assert decide_system(calm).verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(
     "rhs", keep(1, [["y", "-sign(x) - y/2 + z", "-z"], ["y - x", "-sign(x) + z", "-z - y"]]), ids="; ".join
 )
