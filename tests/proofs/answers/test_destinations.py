@@ -194,6 +194,7 @@ def test_bodies_that_jump_to_and_fro_about_a_point_are_seen_to_stand(count: int,
     assert np.hypot(*place) < step
 
 
+@pytest.mark.usefixtures("without_law")
 @pytest.mark.usefixtures("starts")
 def test_without_cells_bodies_leave_a_saddle() -> None:
     assert destinations("saddle", rule="ellipse").found[0].goal is Goal.LEAVES
@@ -331,6 +332,7 @@ def three_wheels(off: float) -> MeasuredTable:
     return MeasuredTable(tuple(rows), 0.8, 0.4, "ellipse")
 
 
+@pytest.mark.usefixtures("without_law")
 def test_where_loads_are_open_a_body_must_be_carried_farther_than_the_accuracy(tmp_path: Path) -> None:
     near, far = three_wheels(1.0), three_wheels(60.0)
     answers = [position_of(scene_of(tmp_path, loads_open(table))) for table in (near, far)]
@@ -380,6 +382,7 @@ def test_a_body_that_is_carried_out_from_as_near_as_one_likes_leaves(rule: str, 
     assert max(SmallSteps(table).end(start, 5.0, accuracy)[1] for start in starts) >= accuracy
 
 
+@pytest.mark.usefixtures("without_law")
 @pytest.mark.parametrize("number", keep(1, [9, 6, 10, 12, 13]))
 def test_a_point_at_which_rollers_turn_is_none_of_rest_where_forces_drive_the_body(number: int, tmp_path: Path) -> None:
     """No exact twist is known there."""
@@ -401,6 +404,7 @@ FOLLOWED = [
 ]
 
 
+@pytest.mark.usefixtures("without_law")
 @pytest.mark.parametrize(("rule", "number", "off"), keep(3, FOLLOWED))
 def test_a_body_from_the_point_is_followed_to_where_it_is_too_far_away(
     rule: str, number: int, off: float, tmp_path: Path
@@ -578,6 +582,7 @@ def rate_at_rest(table: MeasuredTable, about: Floats) -> float:
     return float(steps.twists(found.x[None])[0, 2] / steps.length)
 
 
+@pytest.mark.usefixtures("without_law")
 @pytest.mark.parametrize(("seed", "rule"), [(1, "ellipse"), (2, "ellipse"), (4, "ellipse"), (3, "roller")])
 def test_a_body_that_ends_beside_the_point_turns_at_the_rate_that_is_said(seed: int, rule: str, tmp_path: Path) -> None:
     """The point itself is no place of rest; on one of these tables bodies end farther away than the accuracy."""
