@@ -230,6 +230,13 @@ def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def few_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks that follow a quarter of the paths that count where bodies go."""
+    monkeypatch.setattr("nonsmooth.proofs.answers.destinations.STARTS", 15)
+    monkeypatch.setattr("nonsmooth.proofs.answers.destinations.FEW_STARTS", 5)
+
+
+@pytest.fixture
 def without_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     """Verdicts on plain systems without how far and how fast they hold, which is searched after them."""
     monkeypatch.setattr(REACH, lambda point, found: Reach())

@@ -24,7 +24,6 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.trajectories.smooth_ends import smooth_ends
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.answers import destinations as destinations_module
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of, full_answers
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, best_point, destinations_of
@@ -76,11 +75,10 @@ def destinations(name: str, rule: str = "nearest") -> Destinations:
 
 
 @pytest.fixture(params=keep(1, ["few starts", "all starts"]))
-def starts(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def starts(request: pytest.FixtureRequest) -> None:
     """How many bodies are followed to count shares: a quarter of them, or as many as the answers follow."""
     if request.param == "few starts":
-        monkeypatch.setattr(destinations_module, "STARTS", 15)
-        monkeypatch.setattr(destinations_module, "FEW_STARTS", 5)
+        request.getfixturevalue("few_paths")
 
 
 @pytest.fixture
