@@ -7,10 +7,12 @@ BIN := .venv/bin
 PACKAGE := .venv/package
 INSTALLED := .venv/installed
 # pip would compile every file of every package, one after the other: that took a third of its time. Files are compiled
-# where they are first imported; those that all tests import, which are many, while pip installs the rest.
+# where they are first imported, by every worker of the tests; those that all import, which are many, only once, while
+# pip installs the rest.
 PIP_INSTALL := $(BIN)/python -m pip install -qq --no-compile --disable-pip-version-check -c constraints.txt
 COMPILE := $(BIN)/python -m compileall -q -x /tests/
-COMPILED := $(addprefix .venv/lib/python*/site-packages/,cvxpy matplotlib numpy scipy sympy)
+COMPILED := symbolic analysis proofs reports \
+    $(addprefix .venv/lib/python*/site-packages/,cvxpy fontTools jinja2 matplotlib numpy pydantic rich scipy sympy typer)
 TOOLS := .venv/tools
 # What some tests use beside Python; they say so when they are skipped without it.
 TOOL_PACKAGES := fonts-dejavu-core texlive-latex-base

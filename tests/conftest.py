@@ -6,6 +6,7 @@ import gc
 from collections.abc import Generator, Iterable
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from typing import NamedTuple, TypeAlias
 
@@ -14,6 +15,8 @@ import pytest
 from hypothesis import settings
 
 from nonsmooth.analysis.cells.polygon import Point, Polygon
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.systems.findings import Reach
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
@@ -30,7 +33,8 @@ settings.load_profile(SOME)  # unless pytest is asked for another: `make bench` 
 HALF = Fraction(1, 2)
 DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
 OTHERS = "nonsmooth.proofs.answers.answers.other_rules"
-POINTS = "systems.scalar_stability.LinePoint", "systems.system_stability.PlanePoint", "many_states.decision.SpacePoint"
+LAW = "nonsmooth.proofs.clauses.feedback.clause._driven"
+REACH = "nonsmooth.proofs.system_decision.reach_of"
 FRICTIONS: dict[str, Pair] = {"side<roll": ROLL, "side>roll": SIDE, "side=roll": (1, 1)}
 
 
@@ -226,10 +230,23 @@ def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def few_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks that follow a quarter of the paths that count where bodies go."""
+    monkeypatch.setattr("nonsmooth.proofs.answers.destinations.STARTS", 15)
+    monkeypatch.setattr("nonsmooth.proofs.answers.destinations.FEW_STARTS", 5)
+
+
+@pytest.fixture
 def without_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     """Verdicts on plain systems without how far and how fast they hold, which is searched after them."""
-    for point in POINTS:
-        monkeypatch.setattr(f"nonsmooth.proofs.{point}.reach", lambda point, found: Reach())
+    monkeypatch.setattr(REACH, lambda point, found: Reach())
+
+
+@pytest.fixture
+def without_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks without the law by imposed twists that holds a pose, whose forces are searched from hundreds of starts."""
+    undecided = partial(DrivenFeedback, Feedback.UNDECIDED, "not asked")
+    monkeypatch.setattr(LAW, lambda work: undecided(work.scene))
 
 
 @pytest.fixture

@@ -22,7 +22,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from enum import Enum
-from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations
 from math import prod
@@ -200,7 +199,7 @@ class SubCone:
 
         return SubCone(
             _with_mixed(self.corners, kept, replaced, share),
-            _with_mixed(self.places, kept, replaced, Fraction(1, 2)),
+            _with_mixed(self.places, kept, replaced, fmpq(1, 2)),
             [list(map(changed, own)) for own in self.values],
             [{name: changed(guard) for name, guard in own.items()} for own in self.guards],
             {name: changed(zero) for name, zero in self.zeros.items()},
@@ -216,7 +215,7 @@ def root_part(
 ) -> SubCone:
     """A cone that nothing was cut from, with the forms in its corners."""
     count = len(corners)
-    places = tuple(tuple(Fraction(int(i == k)) for i in range(count)) for k in range(count))
+    places = tuple(tuple(fmpq(int(i == k)) for i in range(count)) for k in range(count))
     return SubCone(tuple(corners), places, list(map(list, values)), list(map(dict, guards)), dict(zeros or {}), 0)
 
 

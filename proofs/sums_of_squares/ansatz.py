@@ -6,9 +6,9 @@ Gram matrix that is forced to be singular survives no rounding.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations, combinations_with_replacement
 from typing import TypeAlias
 
@@ -128,8 +128,7 @@ def programs(condition: Condition, level: int = 0) -> Iterator[Blocks]:
         yield blocks
         return
     inner = [own for own in blocks if own.product.get(zero, 0) > 0]
-    kept = [replace(own, monomials=above_polyhedron(condition.support, own)) for own in inner]
-    yield tuple(own for own in kept if own.monomials or not own.factors)
+    yield tuple(own for own in above_polyhedron(condition.support, inner) if own.monomials or not own.factors)
     if len(inner) < len(blocks):
         yield blocks
 
@@ -145,16 +144,18 @@ def is_above_order(support: Collection[Exponents]) -> bool:
     return sum(sum(own) == max(own) == order for own in support) == len(next(iter(support), ()))
 
 
-def above_polyhedron(support: Collection[Exponents], block: Block) -> tuple[Exponents, ...]:
-    """The monomials of a block whose squares lie above the polyhedron beside all terms of its product."""
-    corners = np.array(sorted(support), float).T
-    ones = np.ones((1, corners.shape[1]))
+def above_polyhedron(support: Collection[Exponents], blocks: Collection[Block]) -> list[Block]:
+    """Blocks with the monomials whose squares lie above the polyhedron beside all terms of the product."""
+    corners = np.array(sorted(support), float)
 
-    def holds(place: Floats) -> bool:  # in floats: what is proposed need not be certain
-        solved = solve_program(np.zeros(len(ones[0])), A_ub=corners, b_ub=place, A_eq=ones, b_eq=[1.0])
-        return solved.status == 0
+    @cache  # blocks ask for the same places, and most lie above a corner
+    def holds(*place: int) -> bool:
+        return bool((corners <= place).all(axis=1).any()) or _has_weights(corners.T, place)
 
-    return tuple(m for m in block.monomials if all(holds(2.0 * np.array(m) + np.array(e)) for e in block.product))
+    def is_above(m: Exponents, block: Block) -> bool:
+        return all(holds(*map(int.__add__, map(int.__add__, m, m), e)) for e in block.product)
+
+    return [replace(own, monomials=tuple(m for m in own.monomials if is_above(m, own))) for own in blocks]
 
 
 def plain_block(condition: Condition) -> Blocks:
@@ -166,16 +167,21 @@ def plain_block(condition: Condition) -> Blocks:
     degrees = list(map(sum, support))
     corners = np.array(support, float).reshape(len(support), condition.variables).T
     candidates = monomials_between(condition.variables, (min(degrees) + 1) // 2, max(degrees) // 2) if support else ()
-    inside = tuple(m for m in candidates if _is_mixture(corners, 2.0 * np.array(m)))
+    inside = tuple(m for m in candidates if tuple(2 * e for e in m) in support or _is_mixture(corners, 2 * np.array(m)))
     return (Block((), {(0,) * condition.variables: fmpq(1)}, inside),)
 
 
 def _is_mixture(corners: Floats, place: Floats) -> bool:
-    """Whether a place lies in the convex hull of columns, in floats: what is proposed need not be certain."""
-    if (place > corners.max(axis=1)).any():
-        return False
-    equations = np.vstack([corners, np.ones(corners.shape[1])])
-    return solve_program(np.zeros(corners.shape[1]), A_eq=equations, b_eq=[*place, 1.0]).status == 0
+    """Whether a place lies in the convex hull of columns."""
+    return bool((place <= corners.max(axis=1)).all()) and _has_weights(
+        np.vstack([corners, -corners]), [*place, *-place]
+    )
+
+
+def _has_weights(rows: Floats, most: Sequence[float]) -> bool:
+    """Whether a mixture of columns has entries of at most so much, in floats: what is proposed need not be certain."""
+    ones = np.ones((1, len(rows[0])))
+    return solve_program(0 * ones[0], A_ub=rows, b_ub=most, A_eq=ones, b_eq=[1.0]).status == 0
 
 
 def _products(condition: Condition) -> Iterator[tuple[int, ...]]:

@@ -117,7 +117,7 @@ def _is_solvable(blocks: Blocks) -> bool:
 
 
 def _strictly(condition: Condition, blocks: Blocks) -> SumOfSquares | None:
-    found = solve_inside([(condition, blocks)], 0, bounded=False) if _holds_monomials(blocks) else None
+    found = solve_inside([(condition, blocks)], 0, bounded=False) if gram_entries(blocks) else None
     if found is None:
         return None
     ((_, kept),), solution = found
@@ -130,12 +130,11 @@ def _weakly(condition: Condition, effort: Effort) -> SumOfSquares | None:
         return SumOfSquares(condition, (), (), strict=False)
     for built in (plain_block(condition), *(build_blocks(condition, level) for level in LEVELS[effort][:1])):
         blocks = without_idle(built, condition.support)
-        if _is_solvable(blocks) and _holds_monomials(blocks):
+        if gram_entries(blocks) and _is_solvable(blocks):
             grams = known_squares(condition, blocks)
-            if grams is not None:
-                return SumOfSquares(condition, blocks, grams, strict=False)
-            solution = solve([(condition, blocks)], 0, inner=0.0, bounded=False, strict=False)
-            grams = None if solution is None else rounded(condition, blocks, solution.grams[0], strict=False)
+            if grams is None:
+                solution = solve([(condition, blocks)], 0, inner=0.0, bounded=False, strict=False)
+                grams = None if solution is None else rounded(condition, blocks, solution.grams[0], strict=False)
             if grams is not None:
                 return SumOfSquares(condition, blocks, grams, strict=False)
     return None
@@ -177,11 +176,6 @@ def _squares(condition: Condition, block: Block) -> Iterator[Mapping[Exponents, 
     yield from (guard for guard in condition.guards if len(guard) > 1 and set(guard) <= set(block.monomials))
 
 
-def _holds_monomials(blocks: Blocks) -> bool:
-    """Whether some square may have the terms of a condition."""
-    return any(block.monomials for block in blocks)
-
-
 def normalized(condition: Condition) -> Condition:
     """The same condition with p and guards divided by powers of two near their largest coefficients."""
     guards = tuple(_divided(guard, _size(guard)) for guard in condition.guards)
@@ -195,8 +189,7 @@ def _size(terms: Mapping[Exponents, fmpq]) -> fmpq:
     largest = max((abs(c) for c in terms.values()), default=fmpq(0))
     if not largest:
         return fmpq(1)
-    shift = int(largest.p).bit_length() - int(largest.q).bit_length()
-    return fmpq(2**shift) if shift >= 0 else fmpq(1, 2**-shift)
+    return fmpq(2) ** (int(largest.p).bit_length() - int(largest.q).bit_length())
 
 
 def _divided(terms: Mapping[Exponents, fmpq], size: fmpq) -> dict[Exponents, fmpq]:

@@ -140,6 +140,7 @@ def test_a_disturbance_beyond_its_bound(name: str) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_within_its_bound_nothing_is_said_to_leave() -> None:
     """Twisting with 3 and 1 takes disturbances below 1."""
     rhs = ["y", "-3*sign(x) - sign(y) + d"]

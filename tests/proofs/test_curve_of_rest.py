@@ -15,6 +15,7 @@ from nonsmooth.proofs.kernel_strategies import decide_beside_curve_of_rest
 from nonsmooth.proofs.many_states.rest_beside import _adjugate, curve_of_rest
 from nonsmooth.proofs.system_decision import checked_point
 from nonsmooth.proofs.systems.findings import Known
+from tests.thorough import thorough
 
 EPIDEMIC = (["S", "I"], ["-S*I", "S*I - I"])
 
@@ -24,12 +25,14 @@ EPIDEMIC = (["S", "I"], ["-S*I", "S*I - I"])
     [
         (["x", "y"], ["x*y", "-2*y"], None, "x = u, y = 0"),
         (*EPIDEMIC, ["1/2", 0], "S = u + 1/2, I = 0"),
-        (["S", "E", "I"], ["-S*I", "S*I - E", "E - I"], ["1/2", 0, 0], "S = u + 1/2, E = 0, I = 0"),
+        pytest.param(
+            ["S", "E", "I"], ["-S*I", "S*I - E", "E - I"], ["1/2", 0, 0], "S = u + 1/2, E = 0, I = 0", marks=thorough
+        ),
         (["u", "y"], ["u**2*y + y**2", "-2*y + u*y"], None, "u = r, y = 0"),
         (["x", "y", "z"], ["x*y + x*z", "-2*y + z", "-z/2 - y"], None, "x = u, y = 0, z = 0"),
         (["x", "y"], ["x*(y - x**2)", "-(y - x**2)"], None, "x = u, y = u**2"),
         (["x", "y"], ["y + x**2", "-y - x**2"], None, "x = u, y = -u**2"),  # of x, not of x + y
-        (["x", "y"], ["y - x**2", "-2*y + 2*x**2"], None, "x = u, y = u**2"),
+        pytest.param(["x", "y"], ["y - x**2", "-2*y + 2*x**2"], None, "x = u, y = u**2", marks=thorough),
     ],
 )
 def test_the_point_is_stable_and_does_not_attract(

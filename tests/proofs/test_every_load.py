@@ -126,6 +126,7 @@ def test_omniwheels_carry_the_body_about_the_point_under_every_load(rule: str) -
     assert np.allclose(dissipation(Functional.BOX, model, loads, np.array([0, 0, -1.0])), 0, atol=1e-12)
 
 
+@pytest.mark.usefixtures("without_law")
 @few(1)
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
 def test_mecanum_wheels_on_a_diagonal_leave_the_motion_open(rule: str) -> None:
@@ -173,6 +174,7 @@ def test_any_load(name: str, rule: str, equilibrium: str, translation: str, rota
     assert ("can be held" in answers_of(found)[2].verdict) == (name == "conveyor-3")
 
 
+@pytest.mark.usefixtures("without_law")
 @few(2)
 @pytest.mark.parametrize("rule", ["ellipse", "roller", "box"])
 def test_scattered_springs_keep_the_heading(rule: str) -> None:
@@ -193,6 +195,7 @@ def test_nearest_asks_for_no_loads() -> None:
 # ---- for all loads: samples agree ------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("without_law")
 @few(1)
 @pytest.mark.parametrize(
     ("name", "rule"),
@@ -215,6 +218,7 @@ def test_bodies_come_nearer_under_every_sampled_load(name: str, rule: str) -> No
     assert ((points * minima.twists[:, :2]).sum(axis=1) < 0).all()
 
 
+@pytest.mark.usefixtures("without_law")
 @few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "rectangle"])
 def test_the_rate_is_kept_near_the_point(name: str) -> None:
@@ -267,6 +271,7 @@ def random_linear_array(arrays: Arrays, seed: int) -> Scene:
     return arrays.scene(wheels, radius=Fraction(1, 16))
 
 
+@pytest.mark.usefixtures("without_law")
 @few(1)
 @pytest.mark.parametrize("height", [None, "1/20"])
 @pytest.mark.parametrize("seed", range(20))

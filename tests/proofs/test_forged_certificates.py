@@ -25,7 +25,8 @@ from tests.built_in import checked
 from tests.certificates import inclusion
 from tests.oracles.mutants import Attack, Hand, Record, is_number, leaves, other_numbers, run
 from tests.proofs import test_second_function as further
-from tests.proofs.attacks import ATTACKS, of_ties
+from tests.proofs import test_square_roots as roots
+from tests.proofs.attacks import ATTACKS, in_one_state, of_ties
 from tests.thorough import but, thorough
 
 # ---- Forged certificates of arrays that ask for as much work as they can: each is refused within some seconds.
@@ -240,7 +241,11 @@ FEW = {
 SOME, MANY = 25, 10_000
 
 
-FEWER = {"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)}
+FEWER = {
+    **{"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)},
+    "one state": partial(in_one_state, 6),
+    "roots": partial(roots.originals, 1),
+}
 
 
 def attack_of(name: str) -> Attack:

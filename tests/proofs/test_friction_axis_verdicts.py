@@ -67,6 +67,7 @@ def test_the_evidence_of_every_clause_verifies(seed: int, rule: str) -> None:
         assert result.feedback.verdict is Feedback.UNDECIDED
 
 
+@pytest.mark.usefixtures("without_law")
 @few(2)
 @pytest.mark.parametrize("rule", SMOOTH)
 @pytest.mark.parametrize("seed", range(24))
@@ -209,6 +210,7 @@ def test_authority_is_about_what_drives_push() -> None:
     assert roll_authority(idle).basis == (3,)
 
 
+@pytest.mark.usefixtures("without_law")
 def test_a_slip_across_the_axis_alone_leaves_a_roller_s_force_open() -> None:
     """Two rollers that run against each other: what the force along their axes is at rest is not determined."""
     wheels = [ns.Wheel((x, y), heading=(-x, 0), axis=(0, 1)) for x in (1, -1) for y in (1, -1)]

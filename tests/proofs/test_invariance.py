@@ -91,6 +91,7 @@ def test_a_curve_of_switching_has_a_certificate(load: Load) -> None:
     assert any("attracts" in claim for claim in claims)
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize(
@@ -125,6 +126,7 @@ def test_coulomb_friction_is_not_asymptotically_stable(load: Load) -> None:
         assert decide_system(load("y", second)).verdict is Translation.STABLE
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize(
     ("force", "potential"), keep(1, [("sign(x) - 2*x", "Abs(x) - x**2"), ("x - 4*x**3", "x**2/2 - x**4")])
@@ -422,6 +424,7 @@ def test_a_held_relay_keeps_its_oscillation() -> None:
     assert np.linalg.norm(end) < 1e-3
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_the_check_asks_the_named_v_after_its_searches() -> None:
     result = decide_system(built(["y", "-x**3 - y**3", "-z"], lyapunov="x**4/2 + y**2 + z**2"))
     assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)

@@ -37,7 +37,6 @@ from tests.thorough import examples, few, keep, thorough
 SIZE = 1 << 20  # of a file, for which there is enough work
 
 
-@cache
 def decided(*rhs: str) -> StabilityResult:
     return decide_system(ns.System(list("xyzuv"[: len(rhs)]), list(rhs)).system)
 
@@ -68,6 +67,7 @@ def test_signs_that_change_nowhere_bound_no_cells(form: str) -> None:
     assert decided(f"x*sign({form})", "-y").verdict is Translation.UNSTABLE
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_a_definite_form_that_a_curve_is_multiplied_by_is_a_surface_of_the_certificate() -> None:
     """``x**3 - y**3`` changes its sign where ``x - y`` does; a certificate lists both factors."""
     result = decided("-sign(x**3 - y**3)", "-y")
@@ -106,6 +106,7 @@ def test_a_mixture_of_stable_systems_may_leave() -> None:
     assert decide_system(calm).verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(
     "rhs", keep(1, [["y", "-sign(x) - y/2 + z", "-z"], ["y - x", "-sign(x) + z", "-z - y"]]), ids="; ".join
 )
@@ -116,7 +117,7 @@ def test_energies_of_three_states(rhs: list[str]) -> None:
 
 
 @pytest.mark.usefixtures("without_reach")
-@pytest.mark.parametrize("rhs", keep(2, ["-x**3; x**2", "-x**5; x**3", "-y**2; x**3", "y**3; -x**2"]))
+@pytest.mark.parametrize("rhs", keep(1, ["-x**3; x**2", "-x**5; x**3", "-y**2; x**3", "y**3; -x**2"]))
 def test_a_product_falls_in_a_quadrant(rhs: str) -> None:
     """Where all terms of a degree vanish on an axis: no solution runs outward along a curve to leading order."""
     result = decided(*rhs.split("; "))

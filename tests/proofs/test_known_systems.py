@@ -185,6 +185,7 @@ def build(known: Known) -> SwitchedSystem:
     return build_system({"system": system, "check": dict(known.check)}, "t", Path("t.toml"))
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(5)
 @pytest.mark.parametrize(
     "known", [*KNOWN, *(pytest.param(known, marks=thorough) for known in FURTHER)], ids=lambda known: known.source[:40]

@@ -162,6 +162,7 @@ def test_a_zero_form_is_a_multiple_over_a_base_of_higher_degree() -> None:
     assert is_multiple((base * 3, field.rational(3), base * 3 + 3), line)
 
 
+@pytest.mark.usefixtures("without_law")
 def test_many_wheels_are_sampled_at_fewer_points(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(clause, "MOST_SLIPS", 16 * 9 + 1)
     found = check_theorem4(load_scene("grid-4x4", rule="ellipse"), prune=False).translation

@@ -81,6 +81,7 @@ def require_shown(decide: Decide, case: tuple[list[str], list[int] | None, Trans
     assert {"stability": str(truth)} in certificate_of(decided_by(point, found))["statement"]["claims"]
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_both_decide_where_nothing_else_does() -> None:
     for name, cases, method in (
         ("rotation drives", CASCADES, Method.CASCADE),
@@ -91,6 +92,7 @@ def test_both_decide_where_nothing_else_does() -> None:
         assert (result.verdict, result.method) == (truth, method)
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_the_field_on_the_surface_is_said() -> None:
     assert (
         "x**3 + y + z = 0 and slide there, where x' = y, y' = -x**3 - y"

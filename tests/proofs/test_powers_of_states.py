@@ -68,6 +68,7 @@ KNOWN: list[tuple[list[str], Translation]] = [
 LONG = (1, 4, 5, 6, 8, 10)
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize(
     ("rhs", "truth"), [pytest.param(*own, marks=thorough) if k in LONG else own for k, own in enumerate(KNOWN)]
 )

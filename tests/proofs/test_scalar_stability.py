@@ -96,6 +96,7 @@ def test_random_systems_against_values_beside_the_point(seed: int) -> None:
             assert sign * value(formula, x=beyond) > -1e-5
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_arbitrary_switching_counts_every_member() -> None:
     assert decide_system(built([["-x"], ["-sgn(x)"]])).verdict is ATTRACTS
     assert decide_system(built([["-x"], ["0"]])).verdict is STAYS
@@ -248,6 +249,7 @@ def test_random_systems_are_certified(seed: int) -> None:
     assert_true(record, random.Random(seed))
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_many_switchings_are_few_cells() -> None:
     """8 surfaces have 9 cells, not 2^8, which are more than are taken."""
     relays = " + ".join(f"sign(x - {k}/20)" for k in range(1, 9))

@@ -354,6 +354,7 @@ def test_built_in_systems(name: str, expected: Translation, method: Method) -> N
     assert result.equilibrium is (Equilibrium.FAILS if fails else Equilibrium.HOLDS)
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(4)
 @pytest.mark.parametrize(
     ("first", "second", "check", "expected", "words"),
@@ -531,6 +532,7 @@ def test_too_many_cells_are_noticed_before_they_are_found(load: Load) -> None:
     assert len(asked) <= 2 * 50
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.parametrize(("length", "speed", "rates"), [(1, -9, 0), (1, 9, 0), (1, 0, -6), (-9, 0, 0)])
 def test_units_and_uneven_rates_do_not_hide_a_piecewise_quadratic_function(length: int, speed: int, rates: int) -> None:

@@ -510,6 +510,7 @@ def test_no_line_ends_within_the_name_of_a_wheel() -> None:
     assert len(named) == 16
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_no_certificate_is_written_where_the_law_beside_it_is_refused(invoke: Invoke, tmp_path: Path) -> None:
     done = invoke("check", "roller-bed", "--certificate", "bed.json", "--law", "bed.py")
     assert done.status == 2

@@ -335,7 +335,7 @@ def wrong(check: Check) -> Check:
 
 
 @pytest.fixture
-def planted(monkeypatch: pytest.MonkeyPatch) -> None:
+def planted(monkeypatch: pytest.MonkeyPatch, few_paths: None, without_other_rules: None) -> None:
     """Such a fault behind every command."""
     truly = theorem4.check_theorem4
     for module in (theorem4, subject, outcomes):
@@ -402,6 +402,7 @@ def test_no_certificate_and_no_law_are_written_of_it(invoke: Invoke, tmp_path: P
 
 
 @few(1)
+@pytest.mark.usefixtures("without_other_rules")
 @pytest.mark.parametrize("mu_side", ["1/2", "1"])
 def test_a_rounded_ring_is_not_said_to_drive_away_what_rests_on_it(
     invoke: Invoke, tmp_path: Path, mu_side: str

@@ -90,6 +90,7 @@ def test_bodies_come_home_from_as_far_and_as_fast_as_said(name: str) -> None:
         assert math.hypot(float(rest.state[0]), float(rest.state[1])) <= 1e-9
 
 
+@pytest.mark.usefixtures("without_law")
 @few(2)
 @pytest.mark.parametrize(("name", "rule"), [("four-wheel", "box"), ("ring-6", "box"), ("four-wheel-side", "nearest")])
 def test_bodies_stay_as_near_as_said(name: str, rule: str) -> None:

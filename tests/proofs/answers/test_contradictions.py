@@ -85,6 +85,7 @@ def with_translation(check: Check, verdict: Translation, **changes: Any) -> Chec
 # ---- planted faults, one for each pair -----------------------------------------------------------
 
 
+@pytest.mark.usefixtures("few_paths")
 @pytest.mark.parametrize("rule", keep(1, ["ellipse", "roller"]))
 def test_a_point_from_which_nothing_is_driven_away(rule: str) -> None:
     moved = with_situation(checked("four-wheel", rule), situation=Situation.MOVED, twist=None, linearization=None)
@@ -92,6 +93,7 @@ def test_a_point_from_which_nothing_is_driven_away(rule: str) -> None:
     assert noticed(moved, Answers(answers_of(moved), None, ())) == {"position and the field beside the point"}
 
 
+@pytest.mark.usefixtures("few_paths")
 def test_a_rest_point_of_cells_that_is_said_to_be_none() -> None:
     check = checked("four-wheel")
     assert isinstance(check.equilibrium, EquilibriumResult)
@@ -99,6 +101,7 @@ def test_a_rest_point_of_cells_that_is_said_to_be_none() -> None:
     assert "position and destinations" in noticed(planted)
 
 
+@pytest.mark.usefixtures("few_paths")
 def test_a_place_of_rest_that_was_rounded_to_a_float_contradicts_nothing() -> None:
     """Bodies rest 1e-12 beside the checked point: no sampled path tells the two apart, and both are right."""
     check = check_theorem4(load_scene("off-center", at="0.500000000001,1/4"))
@@ -106,6 +109,7 @@ def test_a_place_of_rest_that_was_rounded_to_a_float_contradicts_nothing() -> No
     assert answers_of(check)[0].verdict is Position.COMES_NEAR
 
 
+@pytest.mark.usefixtures("few_paths")
 @pytest.mark.parametrize(
     ("name", "rule"), keep(2, [("four-wheel", "nearest"), ("ring-6", "nearest"), ("spiral-30", "nearest")])
 )

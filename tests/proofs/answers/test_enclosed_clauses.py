@@ -186,6 +186,7 @@ def confirm(table: MeasuredTable, check: SmoothCheck) -> None:
         assert low * high > 0
 
 
+@pytest.mark.usefixtures("without_law")
 @pytest.mark.parametrize(("seed", "rule"), keep(3, [(s, r) for s in range(20) for r in ("ellipse", "roller")]))
 def test_clauses_of_symmetric_tables_are_those_of_forces_in_forty_digits(seed: int, rule: str) -> None:
     table = MeasuredTable.symmetric(seed, rule)
@@ -354,6 +355,7 @@ def test_bodies_from_the_disc_come_home_in_the_time_that_is_said(seed: int, rule
     assert np.hypot(*ends[0].T).max() < 1e-3 * float(check.scene.accuracy)
 
 
+@pytest.mark.usefixtures("without_law")
 def test_a_disc_that_attracts_falls_at_its_rate() -> None:
     table = MeasuredTable.symmetric(3, "ellipse")
     scene = checked(table, at_best=False).scene.recentred()
@@ -367,6 +369,7 @@ def test_a_disc_that_attracts_falls_at_its_rate() -> None:
     assert np.hypot(*ends[0].T).max() <= float(near) * 1.01
 
 
+@pytest.mark.usefixtures("without_law")
 def test_no_disc_attracts_to_a_place_that_repels() -> None:
     """Forged as one that attracts."""
     scene = checked(MeasuredTable.symmetric(4, "ellipse"), at_best=False).scene.recentred()

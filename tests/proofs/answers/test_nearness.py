@@ -423,6 +423,7 @@ def record(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[s
     return status, json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.usefixtures("without_law")
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("rule", keep(1, ["ellipse", "nearest"]))
 def test_a_measured_table_passes_what_is_required(
@@ -455,6 +456,7 @@ def test_a_printed_place_of_the_end_is_not_farther_off_than_is_said() -> None:
     assert float(radius) <= 1.2 * about
 
 
+@pytest.mark.usefixtures("without_law")
 def test_a_tighter_accuracy_asks_for_more(tmp_path: Path) -> None:
     table = MeasuredTable.random(3, "ellipse", off=3.0)
     loose = decided(measured(tmp_path, table))
@@ -539,6 +541,7 @@ def test_bodies_that_spiral_out_leave_and_one_method_alone_shows_it(
     assert decided(load_scene(str(file))).verdict is Position.UNDECIDED
 
 
+@pytest.mark.usefixtures("without_law")
 def test_a_sweep_takes_the_accuracy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     measured(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0), "[check]\naccuracy = 4\n")
     vary = ("--vary", "check.accuracy=1/20,4", "--workers", "1")

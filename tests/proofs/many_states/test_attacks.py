@@ -146,6 +146,7 @@ def test_states_by_themselves_may_have_numbers_whose_powers_are_no_floats() -> N
     assert decide_system(built(["-10**30*x + z", "-y + x", "-z + y"])).verdict is Translation.UNDECIDED
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize("third", keep(1, ["-z", "-z + sin(x)/2"]))
 def test_a_pendulum_comes_to_rest(third: str) -> None:
     assert decide_system(built(["y", "-sin(x) - y", third])).verdict is ATTRACTS
@@ -181,6 +182,7 @@ def test_sines_fractions_and_intervals() -> None:
     assert decide_system(built(["-k*x + y", "-y", "-z"], {"k": [1, 2]})).verdict is ATTRACTS
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_the_point_need_not_be_the_origin() -> None:
     result = decide_system(built(["-sgn(x - 1)", "-sgn(y - 2)", "-(z + 1)"], equilibrium=[1, 2, -1]))
     assert result.verdict is ATTRACTS

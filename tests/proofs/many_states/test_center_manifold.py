@@ -211,7 +211,7 @@ BENT = {  # manifolds y = x^2 + ... beside u' = a u^m, m > 4
 
 
 @few(2)
-@pytest.mark.parametrize("rhs", BENT)
+@pytest.mark.parametrize("rhs", but([list(BENT)[-1]], BENT))  # the semidefinite programs of three states take 15 s
 def test_manifolds_that_bend_beside_slow_fields(rhs: str) -> None:
     """V' is of lowest weight along the manifold: no squares of the states show that it falls there."""
     result, fields = decided(rhs.split("; ")), rhs.split("; ")

@@ -5,10 +5,12 @@ What is found is shown by the checker, which shares nothing with the search.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import random
+from collections.abc import Collection, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -19,8 +21,17 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.squares import Shown, find
+from nonsmooth.proofs.sums_of_squares.ansatz import (
+    Block,
+    Condition,
+    above_polyhedron,
+    monomials_between,
+    plain_block,
+)
 from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, is_semidefinite, particular_solution, solve
 from nonsmooth.proofs.sums_of_squares.prove import MOST_UNKNOWNS, Effort
+from nonsmooth.symbolic.numbers.plane import dot
+from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 Terms = Mapping[Any, Any]
 
@@ -213,6 +224,32 @@ def test_squares_that_lie_beneath_the_newton_polyhedron_are_left_out() -> None:
     used = {tuple(m) for entry in found.evidence["squares"][0] for m in entry["monomials"]}
     assert (3, 0) in used
     assert not used & {(1, 0), (2, 0)}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_monomials_are_those_of_the_newton_polyhedron_and_of_half_the_polytope(seed: int) -> None:
+    """Of random exponents in two variables: by the exact half-planes of all lines through two of them."""
+    rng = random.Random(seed)
+    for _ in range(12):
+        support = set(rng.sample(monomials_between(2, 2, 6), rng.randint(1, 5)))
+        lines = [(b[1] - a[1], a[0] - b[0]) for a, b in permutations(support, 2)] + [(1, 0), (0, 1), (-1, 0), (0, -1)]
+        upward = [own for own in lines if min(own) >= 0]
+        product = dict.fromkeys([(0, 0), *rng.sample(monomials_between(2, 1, 2), 2)], fmpq(1))
+        blocks = [
+            Block((), {(0, 0): fmpq(1)}, monomials_between(2, 0, 3)),
+            Block((0,), product, monomials_between(2, 0, 3)),
+        ]
+        for before, after in zip(blocks, above_polyhedron(support, blocks), strict=True):
+            kept = [m for m in before.monomials if all(lies_in(support, upward, m, e) for e in before.product)]
+            assert list(after.monomials) == kept
+        (plain,) = plain_block(Condition(dict.fromkeys(support, fmpq(1)), {}, (), (), 2))
+        assert set(plain.monomials) == {m for m in monomials_between(2, 0, 3) if lies_in(support, lines, m, (0, 0))}
+
+
+def lies_in(support: Collection[Exponents], normals: Sequence[Exponents], m: Exponents, e: Exponents) -> bool:
+    """Whether ``2 m + e`` lies beyond the support along every one of some normals."""
+    place = tuple(2 * a + b for a, b in zip(m, e, strict=True))
+    return all(dot(normal, place) >= min(dot(normal, own) for own in support) for normal in normals)
 
 
 def test_guards_that_vanish_at_the_origin_may_cancel_what_lies_beneath() -> None:
