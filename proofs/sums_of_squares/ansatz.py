@@ -153,7 +153,8 @@ def above_polyhedron(support: Collection[Exponents], blocks: Collection[Block]) 
         return bool((corners <= place).all(axis=1).any()) or _has_weights(corners.T, place)
 
     def is_above(m: Exponents, block: Block) -> bool:
-        return all(holds(*map(int.__add__, map(int.__add__, m, m), e)) for e in block.product)
+        squares = ([2 * power + more for power, more in zip(m, e, strict=True)] for e in block.product)
+        return all(holds(*square) for square in squares)
 
     return [replace(own, monomials=tuple(m for m in own.monomials if is_above(m, own))) for own in blocks]
 
