@@ -17,7 +17,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, partial
-from itertools import chain
+from itertools import chain, product
 from math import comb
 
 import numpy as np
@@ -88,8 +88,9 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) ->
         beside = cache(partial(rates, conditions, near_planes))
         asked = LinearProgram(rates(conditions), *values(conditions), costs, beside)
         kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
-        for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
-            for chosen in asked.combined(columns).solutions(positive=positive) if columns.ncols() else ():
+        powers = {2, max(own.degree for own in basis)} if positive else {2}
+        for columns, power in product((fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept), sorted(powers)):
+            for chosen in asked.combined(columns).solutions(power, positive=positive) if columns.ncols() else ():
                 text = formula_text(basis, list(map(as_fmpq, coefficients_of(columns, chosen))))
                 if text not in seen:
                     seen.add(text)
@@ -126,9 +127,9 @@ class LinearProgram:
         beside = cache(lambda: self.beside() @ sums)
         return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums), beside)
 
-    def solutions(self, *, positive: bool) -> Iterator[list[Fraction]]:
-        """In short fractions."""
-        sizes = np.sum(self.points**2, axis=1)
+    def solutions(self, power: int, *, positive: bool) -> Iterator[list[Fraction]]:
+        """In short fractions, of a V that is positive like this power of the distance, or negative somewhere."""
+        sizes = np.sum(self.points**power, axis=1)
         if positive:
             asked = [(-self.values, -sizes)]
         else:
@@ -140,12 +141,12 @@ class LinearProgram:
             for _ in range(MOST_ROUNDS):
                 bounds = np.r_[np.zeros(len(rows)), limits]
                 solved = least_sum(np.vstack([rows, matrix]), bounds, self.costs, MOST)
-                found = None if solved is None else rounded(solved, partial(_holds, rows, matrix))
-                if found is None:
+                if solved is None:
                     break
-                rising = self.beside() @ np.array(list(map(float, found))) > SLACK
+                found = rounded(solved, partial(_holds, rows, matrix))
+                rising = self.beside() @ (solved if found is None else np.array(list(map(float, found)))) > SLACK
                 if not rising.any():
-                    yield found
+                    yield from [] if found is None else [found]
                     break
                 rows = np.vstack([rows, self.beside()[rising]])
 
