@@ -577,22 +577,24 @@ def of_parts() -> Iterator[Forgery]:
         yield forged(because, claim, rhs, "cascade", own)
     fast, slow = ((["x"], entry("x**2", rate={"kind": kind, "kappa": "1"})) for kind in ("exponential", "algebraic"))
     after = ["y"], entry("y**2", rate={"kind": "exponential", "kappa": "1"})
-    bent = entry("Abs(y)", "stable", cells={**cube("1"), "surfaces": ["y"]})
-    sides: Record = {"+": [{}, {"on": ["s0"]}], "-": [{"on": ["s0"]}, {}]}
-    halves = {name: {"simplices": own} for side, own in sides.items() for name in (f"V {side}", f"cell {side} field 0")}
+    relay = {"cells": {**cube("1"), "surfaces": ["y"]}, "function": "Abs(y) + z**2/2"}
+    about = {"states": ["y", "z"], "rhs": [["z", "-sign(y)"]], "at": ["0", "0"]}
+    hypotheses = {**entry("", "stable")["hypotheses"], **relay}
+    bent, _ = Search().entry(read_subject(about), "lyapunov", hypotheses)
     nested = {"theorem": "cascade", "hypotheses": parts(resting), "proofs": {}}
     quotient = entry("y**2", "stable", denominator="1")
+    words = "a carried part with a V that bends nowhere, no quotient"
     for because, rhs, first, last in (
         ("a part that is carried by what comes fast to the point", ["-x", "x"], [fast], 1),
         ("a part that is carried by what comes fast to the point", ["-x**3", "x"], [slow], True),
         ("a part that is carried by what comes fast to the point", ["-x**3", "x"], [x], True),
         ("a part that is carried by what comes fast to the point", ["-x**3", "-y + x", "y"], [slow, after], True),
-        ("a carried part with one V, no quotient", ["-x", "x"], [fast], nested),
-        ("a carried part with one V, no quotient", ["-x", "x"], [fast], quotient),
-        ("surfaces without switching", ["-x", "x"], [fast], {**bent, "proofs": halves}),
+        (words, ["-x", "x"], [fast], nested),
+        (words, ["-x", "x"], [fast], quotient),
+        (words, ["-x", "z + x", "-sign(y)"], [fast], bent),
     ):
-        name = "xyz"[len(rhs) - 1]
-        own = parts(*first, ([name], last if isinstance(last, dict) else entry(f"{name}**2", "stable")))
+        names = [own for own in "xyz"[: len(rhs)] if not any(own in known for known, _ in first)]
+        own = parts(*first, (names, last if isinstance(last, dict) else entry(f"{names[0]}**2", "stable")))
         own["parts"][-1]["carried"] = isinstance(last, dict) or last
         yield forged(because, STABLE, rhs, "cascade", own)
     roots = {"roots": ["x"]}

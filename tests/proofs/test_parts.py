@@ -48,6 +48,7 @@ CARRIED = {
     "an enclosed function is added up": ["y", "z", "-y - tanh(z)"],
     "rates that die out": ["x*z", "y*z", "-z"],
     "dry friction, pushed": ["y", "-x - sign(y) + z", "-2*sign(z)"],
+    "a spring of second degree, pushed": ["y", "-x*Abs(x) + z", "-z"],
 }
 
 # No polynomial V is known for these; what the states do one after the other is by hand.
@@ -151,12 +152,23 @@ def test_nothing_is_said(rhs: list[str], decide: Decide) -> None:
 def test_random_systems_are_not_contradicted(seed: int) -> None:
     """By solutions of the inclusion that are followed in floats, of whatever one of the two theorems says."""
     source = random.Random(seed)
-    for rhs, decide in ((random_relay(source), decide_by_sliding), (random_cascade(source), decide_by_cascade)):
-        point = checked_point(system(rhs))
-        found = decide(point, Known())
-        if found is not None:
-            certificate = certificate_of(decided_by(point, found))
-            assert not contradiction(certificate["statement"]), rhs
+    require_true(random_relay(source), decide_by_sliding)
+    require_true(random_cascade(source), decide_by_cascade)
+
+
+@few(6)
+@pytest.mark.parametrize("seed", range(40))
+def test_what_rests_beside_others_is_not_contradicted(seed: int) -> None:
+    require_true(random_carried(random.Random(seed)), decide_by_cascade)
+
+
+def require_true(rhs: list[str], decide: Decide) -> None:
+    """What a theorem says of a system, if anything."""
+    point = checked_point(system(rhs))
+    found = decide(point, Known())
+    if found is not None:
+        certificate = certificate_of(decided_by(point, found))
+        assert not contradiction(certificate["statement"]), rhs
 
 
 def decided_by(point: CheckedPoint, found: Finding) -> StabilityResult:
@@ -181,6 +193,24 @@ def random_cascade(source: random.Random) -> list[str]:
     ]
     pairs = zip("xyz", zip(falls, drives, strict=True), strict=True)
     return [f"{fall.format(name, name)} + {drive}" for name, (fall, drive) in pairs]
+
+
+def random_carried(source: random.Random) -> list[str]:
+    """Two states that only rest, or that fall, where a third one pushes them, which falls slowly or fast."""
+    rests = [
+        ("y", "-x"),
+        ("y", "-x**3"),
+        ("0", "0"),
+        ("y", "-x*Abs(x)"),
+        ("-sign(x)", "0"),
+        ("y", "-sign(x)"),
+        ("y", "0"),
+    ]
+    pushes = [
+        source.choice(["z", "x*z", "Abs(z)", "z**2", "y*Abs(z)", "sat(z + x, -1, 1) - sat(x, -1, 1)"]) for _ in "xy"
+    ]
+    sides = [f"{rest} + {push}" for rest, push in zip(source.choice(rests), pushes, strict=True)]
+    return [*sides, source.choice(["-z", "-sign(z)", "-z**3", "-z*Abs(z)", "z"])]
 
 
 # ---- Empty and thin cells between curves, against cells that are empty or hold a point because of how they are made.
