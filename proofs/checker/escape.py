@@ -72,8 +72,8 @@ class Escape:
         self._read_subspace()
         self.mixture = [self._weighted(entry) for entry in items(mixture, most=MAX_FIELDS)]
         self.rise = self._polynomial(function)
-        self.speed = None if speed is None else rational(speed)
-        require(self.speed is None or self.speed > 0, "a positive speed")
+        self.speed = Fraction(0) if speed is None else rational(speed)
+        require(speed is None or self.speed > 0, "a positive speed")
         pairs = [items(entry, 2) for entry in items(barriers, most=MAX_BARRIERS)]
         self.barriers = [(self._polynomial(p), self._polynomial(factor)) for p, factor in pairs]
         self.direction = [rational(value) for value in items(direction, self.count)]
@@ -157,10 +157,8 @@ class Escape:
 
     def show_rises(self, field: Sequence[Polynomial]) -> None:
         """W rises along h on the closure of U off the point; with a speed, at least by this number times its square."""
-        rate = lie_derivative(self.rise, field)
-        if self.speed is not None:
-            rate -= self.rise.power(2).times(self.speed)
-        self.show("rises", rate, strict=self.speed is None)
+        rate = lie_derivative(self.rise, field) - self.rise.power(2).times(self.speed)
+        self.show("rises", rate, strict=not self.speed)
 
     def show_start(self) -> None:
         """U has points at all small distances: S has a curve in the direction, where the lowest terms are positive."""

@@ -192,7 +192,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     require_formulas(system)
     at = dict(zip(system.states, system.at, strict=True))
     known: list[str] = []
-    fading: set[str] = set()  # states of parts that come to the point so fast that what they carry hardly moves
+    fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
     verdicts = set()
     for one in items(listed, most=system.count):
         names, entry, carried = take(one, "states entry", "carried")

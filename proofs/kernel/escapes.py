@@ -403,7 +403,7 @@ def _by_double_zero(motion: FollowedField, surfaces: Sequence[NumberPolynomial])
             sum((variable(count, k, as_fraction(x)) for k, x in enumerate(own)), constant(count, 0))
             for own in (kept.entries(), column)
         )
-        for further in ([], [lead], [-lead]) if lead else ():
+        for further in ([], [lead], [-lead]):
             inside = [*sides, *further]
             for direction in (tuple(map(Fraction, own)) for own in drawn):
                 if all(sign_along(own, direction) > 0 for own in (*inside, lead * late)):

@@ -67,29 +67,32 @@ MOST = 64.0  # of a coefficient
 SLACK = 2.0**-30  # by which floats may miss an equality
 DIRECTIONS = 200
 THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
+BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its sign
 MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
-def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) -> Iterator[str]:
+def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2) -> Iterator[str]:
     """Proposals of V as formulas in the displacement.
 
     Args:
         system: in two states or more.
         radius: half the side of a cube.
         positive: whether V is to be positive; else it is to be negative at a point of an axis.
+        power: of the distance, which V is at least; of a function of some degree.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     stated, seen = stated_cells(system, radius), {"0"}
     for basis in families(stated.cells, all_lines=True):
+        if power > max(own.degree for own in basis):
+            continue
         conditions = functions_on(system, stated, [own.text for own in basis])
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in basis])
         beside = cache(partial(rates, conditions, near_planes))
         asked = LinearProgram(rates(conditions), *values(conditions), costs, beside)
         kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
-        powers = {2, max(own.degree for own in basis)} if positive else {2}
-        for columns, power in product((fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept), sorted(powers)):
+        for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
             for chosen in asked.combined(columns).solutions(power, positive=positive) if columns.ncols() else ():
                 text = formula_text(basis, list(map(as_fmpq, coefficients_of(columns, chosen))))
                 if text not in seen:
@@ -98,8 +101,17 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) ->
 
 
 def near_planes(place: Face) -> Floats:
-    """Coordinates of points of a place, many of them near coordinate planes, but none so near as to count as there."""
-    points = sample_points(place.dimension, bounded=True)
+    """Coordinates of points of a place, many of them near planes, but none so near as to count as there.
+
+    Planes of coordinates, and those on which a velocity that is a linear form changes its sign.
+    """
+    forms = (place.restricted(part) for cell in place.inclusion.cells for _, field in cell.fields for part in field)
+    linear = (own for own in forms if own.degree == 1 and not own.at_origin)
+    normals = {tuple(float(own.slope(k)) for k in range(place.dimension)) for own in linear}
+    found = [sample_points(place.dimension, bounded=True)]
+    for normal in map(np.array, sorted(normals)):
+        found.append(found[0] - (1 - BESIDE) * np.outer(found[0] @ normal, normal) / (normal @ normal))
+    points = np.vstack(found)
     return points[np.all(np.abs(points) > THIN, axis=1)]
 
 
@@ -165,11 +177,12 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    for share in SHARES:
+    for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius)
-        found = (parse_piecewise(text, system.states) for text in weak_functions(system, radius, positive=True))
-        for formula in chain([energy] if energy is not None else [], found):
+        texts = weak_functions(system, radius, positive=True, power=power)
+        found = (parse_piecewise(text, system.states) for text in texts)
+        for formula in chain([energy] if energy is not None and power == 2 else [], found):
             examined = examine(system, formula, radius)
             if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
                 return examined
