@@ -131,7 +131,8 @@ def find_weak_function(system: SwitchedSystem, *, may_attract: bool = True) -> P
         cells = square_cells(system, radius)
         energy = energy_near(system, radius)
         last = [] if energy is None else [energy]
-        for formula in chain(_proposed_energies(system, radius) if len(cells) <= MAX_CELLS else (), last):
+        low, high = (_proposed_energies(system, radius, k) if len(cells) <= MAX_CELLS else () for k in (2, 4))
+        for formula in chain(low, last, high):
             left -= 1
             result = audited_weakly(system, cells, formula) if left >= 0 or formula is energy else None
             if result is None:
@@ -145,12 +146,12 @@ def find_weak_function(system: SwitchedSystem, *, may_attract: bool = True) -> P
     return first
 
 
-def _proposed_energies(system: SwitchedSystem, radius: Number) -> Iterator[PiecewiseExpression]:
-    """Sums of least coefficients that do not rise, in floats."""
+def _proposed_energies(system: SwitchedSystem, radius: Number, power: int) -> Iterator[PiecewiseExpression]:
+    """Sums of least coefficients that do not rise, and are at least a power of the distance, in floats."""
     from nonsmooth.proofs.many_states.weak_functions import weak_functions
 
     with suppress(NoEnclosureError, BeyondReachError, ExpressionError):
-        for text in weak_functions(enclose_numbers(system), radius, positive=True):
+        for text in weak_functions(enclose_numbers(system), radius, positive=True, power=power):
             yield parse_piecewise(text, system.states)
 
 

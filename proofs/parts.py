@@ -69,10 +69,12 @@ class Parts:
     Attributes:
         results: of each part, in an order in which none drives an earlier one.
         slide: the surface on which the only part is looked at; None of a cascade.
+        carried: the numbers of parts that are only stable, though others drive them.
     """
 
     results: tuple[DecidedSystem, ...] = field(compare=False)  # the sentence of the finding says what they are
     slide: SlidingSurface | None = field(default=None, compare=False)
+    carried: frozenset[int] = field(default=frozenset(), compare=False)
 
 
 def cascade(system: SwitchedSystem) -> Iterator[CascadeBlock]:

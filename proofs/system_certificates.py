@@ -46,7 +46,7 @@ from nonsmooth.proofs.system_facts import (
 )
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import Domain, ReshapedRegion, SublevelRegion
+from nonsmooth.proofs.systems.domain import DecayKind, Domain, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, Reach
 from nonsmooth.proofs.systems.scalar_stability import distance_hypotheses
 from nonsmooth.proofs.theorem_searches import scalar_theorem, show_verdict
@@ -293,32 +293,40 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
     if result.deciding.theorem is Method.CHOICE and result.deciding.entry is None:
         raise NoCertificateError("a certificate does not state right-hand sides without sines beside enclosed ones")
     if isinstance(result.deciding.proofs, Parts):
-        yield partial(_by_parts, result.deciding.proofs, system)
+        yield partial(by_parts, result.deciding.proofs, system)
     whole = result.reach.global_entry
     for candidate in (*_candidates(result), *([] if whole is None else [_of_entry(whole)])):
         yield partial(_shown, system, candidate)
     yield partial(_by_searches, result)
 
 
-def _by_parts(parts: Parts, system: System) -> Draft:
-    """By the verdicts on parts.
+def by_parts(parts: Parts, system: System) -> Draft:
+    """By the verdicts on parts, and by how fast those come to the point that carry others.
 
     Raises:
         NotShownError: where one of them has no certificate.
     """
     try:
-        entries = [certificate_of(own)["evidence"][0] for own in parts.results]
+        evidence = [certificate_of(own)["evidence"] for own in parts.results]
     except NoCertificateError as error:
         raise NotShownError(f"a part has no certificate: {error}") from None
+    entries = [next((own for own in found if parts.carried and _has_rate(own)), found[0]) for found in evidence]
     slide = parts.slide
     if slide is None:
         pairs = zip(parts.results, entries, strict=True)
         listed = [{"states": list(own.scene.stated_states), "entry": entry} for own, entry in pairs]
+        for k in parts.carried:
+            listed[k]["carried"] = True
         entry, statements = Search().entry(system, "cascade", {"parts": listed})
     else:
         hypotheses = {"cells": slide.cells, "surface": slide.number, "state": slide.state, "entry": entries[0]}
         entry, statements = Search().entry(system, "sliding", hypotheses)
     return Draft([entry], statements, [])
+
+
+def _has_rate(entry: Record) -> bool:
+    rate = entry["hypotheses"].get("rate")
+    return rate is not None and rate["kind"] != DecayKind.ALGEBRAIC
 
 
 def _by_searches(result: DecidedSystem) -> Draft:

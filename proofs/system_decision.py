@@ -35,7 +35,7 @@ from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.parts import CascadeBlock
+    from nonsmooth.proofs.parts import CascadeBlock, Parts
 
 MOST_ORDER = 2  # further terms of sines and cosines
 MOST_HALVINGS = 20  # of the cube, until switching surfaces that do not hold the point lie outside
@@ -229,7 +229,8 @@ def decide_rooted_cascade(point: CheckedPoint, known: Known) -> Finding | None:
 def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
     """Blocks of states one after the other, with those that drive them at the point.
 
-    A block that none drives says that the whole is unstable where it is, and may rest; others have to attract.
+    A block that none drives says that the whole is unstable where it is, and may rest; others have to attract, or to
+    be stable and driven by what comes fast to the point.
     """
     from nonsmooth.proofs.parts import Parts, cascade
 
@@ -246,22 +247,29 @@ def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
         found.append(_decided(block.system))
         if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
             return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
-    pairs = list(zip(blocks, found, strict=True))
-    if not all(_may_stay(block, result) for block, result in pairs):
+    resting = [k for k, result in enumerate(found) if result.verdict is Translation.STABLE]
+    carried = frozenset(k for k in resting if blocks[k].is_driven)
+    parts = Parts(tuple(found), carried=carried)
+    if not all(result.exit_status == 0 for result in found) or (carried and not _is_carried(point.system, parts)):
         return None
     method = Method.CASCADE if any(block.is_driven for block in blocks) else Method.STATES
-    reason, parts = "; ".join(_said(block, result) for block, result in pairs), Parts(tuple(found))
-    resting = [result for result in found if result.verdict is Translation.STABLE]
+    reason = "; ".join(map(_said, blocks, found))
     verdict = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
-    refutes = "a state by itself rests near" if any(result.deciding.refutes for result in resting) else ""
+    refutes = "a state by itself rests near" if any(found[k].deciding.refutes for k in resting) else ""
     return Finding(method, verdict, reason, proofs=parts, refutes=refutes)
 
 
-def _may_stay(block: CascadeBlock, result: StabilityResult) -> bool:
-    """Whether a block stays near the point as long as those that drive it do."""
-    if result.verdict is Translation.STABLE:
-        return not block.is_driven
-    return result.verdict is Translation.ASYMPTOTICALLY_STABLE
+def _is_carried(system: SwitchedSystem, parts: Parts) -> bool:
+    """Whether the checker accepts that what drives a block that is only stable comes to the point fast enough."""
+    from nonsmooth.proofs.checker.roots import read_subject
+    from nonsmooth.proofs.kernel.search import NotShownError
+    from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+    from nonsmooth.proofs.system_certificates import by_parts
+
+    with suppress(NoCertificateError, NotShownError):
+        by_parts(parts, read_subject(about(system)))
+        return True
+    return False
 
 
 def _said(block: CascadeBlock, result: StabilityResult) -> str:

@@ -6,11 +6,13 @@ with one of its fields ``f_k`` and a polynomial weight ``w_k``, and ``h = sum_k 
 
 - ``U = {x in S : p_i(x) > 0 for all i, W(x) > 0}`` in a cube, for polynomials ``p_i`` (barriers) and W, ``W(0) = 0``;
 - h tangent to S, ``w_k >= 0`` and ``sum_k w_k > 0`` on the closure of U off the point;
-- ``grad p_i . h >= lambda_i p_i`` and ``grad W . h > 0`` on the closure of U off the point, with polynomials lambda_i.
+- ``grad p_i . h >= lambda_i p_i`` and ``grad W . h > 0`` on the closure of U off the point, with polynomials lambda_i;
+  or ``grad W . h >= speed W^2`` there, with a positive number, where W need not rise on the border of U.
 
 *Theorem.*  If U has points at all small distances, the point is unstable.  *Proof.*  The solution of ``y' = h(y)`` from
 such a point stays on S, because h is tangent to it.  As long as it is in U, W rises, so it stays away from the point,
-W rises at a speed that is bounded from below, and it leaves U after a finite time.  Then no ``p_i`` is zero, because
+W rises at a speed that is bounded from below (by ``speed W(y(0))^2`` in the second case), and it leaves U after a
+finite time.  Then no ``p_i`` is zero, because
 ``p_i' >= lambda_i p_i`` keeps ``p_i`` above a multiple of ``exp(-L t)``, and W is not zero: it is at the border of the
 cube.  With its time divided by ``sum_k w_k > 0`` it is a solution of ``x' in F(x)``, because each ``f_k`` is in F on
 the closure of its cell.  One solution that leaves from points at all small distances is enough.
@@ -22,6 +24,7 @@ which anything may switch it follows a mixture of them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -58,7 +61,7 @@ class Escape:
 
     def __init__(self, system: System, hypotheses: Any, proofs: Proofs) -> None:
         names = "within surfaces signs along mixture barriers function direction"
-        within, listed, signs, along, mixture, barriers, function, direction = take(hypotheses, names)
+        within, listed, signs, along, mixture, barriers, function, direction, speed = take(hypotheses, names, "speed")
         require(not any(map(any, system.waves)), "fields that are exact: no sines and cosines")
         self.system, self.count, self.proofs = system, system.count, proofs
         self.domain = Domain(system, within)
@@ -69,6 +72,8 @@ class Escape:
         self._read_subspace()
         self.mixture = [self._weighted(entry) for entry in items(mixture, most=MAX_FIELDS)]
         self.rise = self._polynomial(function)
+        self.speed = Fraction(0) if speed is None else rational(speed)
+        require(speed is None or self.speed > 0, "a positive speed")
         pairs = [items(entry, 2) for entry in items(barriers, most=MAX_BARRIERS)]
         self.barriers = [(self._polynomial(p), self._polynomial(factor)) for p, factor in pairs]
         self.direction = [rational(value) for value in items(direction, self.count)]
@@ -150,6 +155,11 @@ class Escape:
         require(tangent, "a mixture that is tangent to the subspace")
         return tuple(field)
 
+    def show_rises(self, field: Sequence[Polynomial]) -> None:
+        """W rises along h on the closure of U off the point; with a speed, at least by this number times its square."""
+        rate = lie_derivative(self.rise, field) - self.rise.power(2).times(self.speed)
+        self.show("rises", rate, strict=not self.speed)
+
     def show_start(self) -> None:
         """U has points at all small distances: S has a curve in the direction, where the lowest terms are positive."""
         for own in (*self.forms, *self.curved):
@@ -165,7 +175,8 @@ def show_escape(system: System, hypotheses: Any, proofs: Proofs) -> list[Stateme
 
     Hypotheses: ``within`` (half-width of the cube), ``surfaces``, their ``signs`` on U (0 where they vanish on S),
     ``along`` (further linear forms that vanish on S), ``mixture`` (cell, number of the right-hand side, weight, vector
-    that leads into the cell), ``barriers`` (p and lambda), ``function`` (W), and a ``direction`` in U.
+    that leads into the cell), ``barriers`` (p and lambda), ``function`` (W), a ``direction`` in U, and perhaps a
+    ``speed``.
     """
     own = Escape(system, hypotheses, proofs)
     own.show_start()
@@ -173,7 +184,7 @@ def show_escape(system: System, hypotheses: Any, proofs: Proofs) -> list[Stateme
     field = own.show_mixture()
     for i, (barrier, factor) in enumerate(own.barriers):
         own.show(f"barrier {i}", lie_derivative(barrier, field) - factor * barrier, strict=False)
-    own.show("rises", lie_derivative(own.rise, field), strict=True)
+    own.show_rises(field)
     return [{"stability": UNSTABLE}]
 
 

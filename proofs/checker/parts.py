@@ -16,6 +16,13 @@ continuity, for every ``0 < d < c`` that are small enough, there is an r with ``
 that is stable and holds no others stays near by itself.  Solutions of a part that holds no others are those of the
 first components of solutions of the whole, so one that leaves is enough.  (Vidyasagar 1980; Seibert and Florio 1995.)
 
+A part y that is *carried* may be only stable, by a W that does not rise and does not bend where fields jump, where each
+part x that drives it holds no states of others and has a V with ``V' <= -kappa V`` or ``V' <= -kappa``.  *Proof.*
+Velocities of y are continuous in x and polynomials on pieces, so those at x are within ``L |x|`` of those with x at the
+point, and ``W' <= L' |x|``.  V is one polynomial on each cell, and positive off the point: so ``|x|^m <= C V`` for an m
+(Łojasiewicz 1959), and the integral of ``|x|`` over all times tends to 0 with the start of x.  So W rises by as little
+as one likes.  (Total stability: Hahn 1967.)
+
 *Sliding.*  A surface ``s = a x_k + q = 0``, with q in the other states, goes through the point, and s' has at the point
 the sign of -s on all cells around it.  Then the verdict on the other states on the surface is that on the point.
 *Proof.*  Near the point ``|s|' <= -h`` off the surface, with ``h > 0``, so every solution comes to it in a time of
@@ -179,29 +186,47 @@ def depends_on(system: System, tree: ast.AST) -> set[str]:
 def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """The verdict by parts; see the head of this file.
 
-    Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it.
+    Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it, and perhaps ``carried``.
     """
     (listed,) = take(hypotheses, "parts")
     require_formulas(system)
     at = dict(zip(system.states, system.at, strict=True))
     known: list[str] = []
+    fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
     verdicts = set()
     for one in items(listed, most=system.count):
-        names, entry = take(one, "states entry")
+        names, entry, carried = take(one, "states entry", "carried")
         chosen = [text(name) for name in items(names, most=system.count)]
         require(chosen and set(chosen) <= set(system.states) - set(known), "states of parts that are no others'")
         require(len(set(chosen)) == len(chosen), "different states")
         part = part_of(system, chosen, [Replaced(name, at) for name in known])
-        alone = not any(depends_on(system, tree) & set(known) for tree in trees(part))
-        verdict = verdict_of(part, entry, proofs)
+        drivers = set[str]().union(*(depends_on(system, tree) for tree in trees(part))) & set(known)
+        alone, shown = not drivers, shown_of(part, entry, proofs)
+        verdict = stability_in(shown)
         if verdict == UNSTABLE:
             require(alone, "an unstable part that holds no states of others")
             return [{"stability": UNSTABLE}]
-        require(verdict == ASYMPTOTICALLY_STABLE or alone, "a part that attracts, or holds no states of others")
+        if carried is None:
+            require(verdict == ASYMPTOTICALLY_STABLE or alone, "a part that attracts, or holds no states of others")
+        else:
+            require(carried is True and drivers <= fading, "a part that is carried by what comes fast to the point")
+            require_smooth(entry)
+        if alone and any("rate" in own and own["rate"]["kind"] != "algebraic" for own in shown):
+            fading |= set(chosen)
         verdicts.add(verdict)
         known += chosen
     require(len(known) == system.count, "parts with all states")
     return [{"stability": STABLE if STABLE in verdicts else ASYMPTOTICALLY_STABLE}]
+
+
+def require_smooth(entry: Any) -> None:
+    """A theorem is ``lyapunov``, and no claim is about faces: for each velocity V falls by its own polynomial.
+
+    So it does beside a face, too: there V is smooth, or all cells have the same fields.
+    """
+    theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
+    smooth = theorem == "lyapunov" and not any(name.startswith("face") for name in data)
+    require(smooth and hypotheses.get("denominator") is None, "a carried part with a V that bends nowhere, no quotient")
 
 
 def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
@@ -252,9 +277,19 @@ ABOUT_PARTS: dict[str, Callable[[Any, Any, Proofs], list[Statement]]] = {
 
 def verdict_of(part: System, entry: Any, beside: Proofs) -> str:
     """What a theorem shows of the stability of a part, or of all."""
+    return stability_in(shown_of(part, entry, beside))
+
+
+def stability_in(shown: Sequence[Statement]) -> str:
+    """The verdict among what is shown."""
+    return str(next(own["stability"] for own in shown if "stability" in own))
+
+
+def shown_of(part: System, entry: Any, beside: Proofs) -> list[Statement]:
+    """What a theorem shows of a part, or of all."""
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
     require(type(theorem) is str and theorem in ABOUT_PARTS, "a theorem about parts")
     proofs = beside.of_part(data)
     shown = ABOUT_PARTS[theorem](part, hypotheses, proofs)
     proofs.require_used()
-    return str(next(own["stability"] for own in shown if "stability" in own))
+    return shown

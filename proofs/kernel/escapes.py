@@ -15,6 +15,7 @@ from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
+from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
@@ -23,8 +24,10 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, rational_terms, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
-from nonsmooth.proofs.kernel.written import as_checked, formula_text
+from nonsmooth.proofs.kernel.written import as_checked, formula_text, null_basis
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.polynomial import Polynomial as NumberPolynomial
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -35,6 +38,8 @@ WIDTHS = tuple(Fraction(1, 1 << bits) for bits in (1, 3, 5, 7))  # of cones abou
 SHARES = (Fraction(1, 2), Fraction(1, 4), Fraction(3, 4))  # of the first of two right-hand sides
 FINE = 1 << 10  # denominators of what floats propose
 WORK = 4_000  # of the search for simplices, for one claim
+SPEED = Fraction(1, 16)  # with which W rises where it need not on the border
+DIRECTIONS = 200
 BENDS = (0, 1, 8, 64)  # factors c of barriers: their derivative is at least -c times themselves
 
 
@@ -96,11 +101,13 @@ class BarrierRegion:
         barriers: each p with its factor lambda.
         rise: W.
         direction: a vector in it.
+        speed: with which ``W' >= speed W^2`` there, where W need not rise on its border.
     """
 
     barriers: tuple[tuple[Polynomial, Polynomial], ...]
     rise: Polynomial
     direction: tuple[Fraction, ...]
+    speed: Fraction | None = None
 
 
 def show_escape_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
@@ -123,7 +130,7 @@ def show_escape_of(system: SwitchedSystem, verdict: str, search: Search | None =
     subject, search = started(system, search or Search(WORK))
     cells = build_cells(system, system.check.radius)
     for motion in motions(cells):
-        for region in regions(motion):
+        for region in regions(motion, cells.surfaces):
             for k in range(RADII if _may_leave(cells, motion, region) else 0):
                 radius = Fraction(str(cells.radius)) / 4**k
                 found = search.tried(subject, "escape", _hypotheses(cells, motion, region, radius))
@@ -159,6 +166,7 @@ def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, 
         "barriers": [[written(barrier), written(factor)] for barrier, factor in region.barriers],
         "function": written(region.rise),
         "direction": motion.lifted(region.direction),
+        **({} if region.speed is None else {"speed": str(region.speed)}),
     }
 
 
@@ -166,7 +174,7 @@ def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, 
 
 
 def motions(cells: SignCells) -> Iterator[FollowedField]:
-    """Inside open cells, on surfaces between two cells and where two surfaces meet, and on lines inside cells."""
+    """Inside open cells, on surfaces between two cells and where two surfaces meet, on lines and planes in cells."""
     near = adjoining(cells)
     for cell in near:
         for mixture in _mixtures(cell):
@@ -176,10 +184,12 @@ def motions(cells: SignCells) -> Iterator[FollowedField]:
         for apart, first, second in pairs:
             if len(apart) == number:
                 yield from _between(cells, apart, first, second)
+    states = [variable(len(cells.states), k) for k in range(len(cells.states))]
+    planes = [own for size in range(1, len(states) - 1) for own in combinations(states, size)]
     for cell in near:
         for mixture in _mixtures(cell)[: len(cell.velocities)]:
-            for line in _invariant_lines(mixture[0].field):
-                yield from _on_subspace(cells, pattern(cell.signs), mixture, line)
+            for along in (*_invariant_lines(mixture[0].field), *planes):
+                yield from _on_subspace(cells, pattern(cell.signs), mixture, along)
 
 
 def _fields(cell: SignCell) -> list[Field]:
@@ -287,8 +297,8 @@ def _radial_directions(field: Field) -> Iterator[Floats]:
 # ---- regions: where a solution of a motion stays -------------------------------------------------
 
 
-def regions(motion: FollowedField) -> Iterator[BarrierRegion]:
-    """Proposals by the first terms of a motion."""
+def regions(motion: FollowedField, surfaces: Sequence[NumberPolynomial]) -> Iterator[BarrierRegion]:
+    """Proposals by the first terms of a motion; the surfaces of all cells are among its barriers where it is slow."""
     if motion.count == 1:
         for side in (1, -1):
             yield BarrierRegion((), variable(1, 0, side), (Fraction(side),))
@@ -300,6 +310,7 @@ def regions(motion: FollowedField) -> Iterator[BarrierRegion]:
             yield narrow_cone(velocity, width, constant(motion.count, 0))
     elif degree == 1:
         yield from _by_linear_part(motion)
+        yield from _by_double_zero(motion, surfaces)
     elif motion.count == 2:
         for ray in _planar_rays(motion.field, degree):
             yield from _about_ray(ray, degree)
@@ -376,6 +387,29 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
             direction = rounded(side * vector)
             if barrier.lowest_at(direction) > 0:
                 yield BarrierRegion(((barrier, factor),), rise, direction)
+
+
+def _by_double_zero(motion: FollowedField, surfaces: Sequence[NumberPolynomial]) -> Iterator[BarrierRegion]:
+    """``W = (l . x)(m . x)`` with ``l A = 0`` and ``m A = l``, so that ``W' = (l . x)^2 + ...``, inside a cell."""
+    count, total = motion.count, len(motion.coordinates)
+    jacobian = fmpq_mat([[as_fmpq(part.slope(k)) for part in motion.field] for k in range(count)])
+    marked = zip(surfaces, motion.signs, strict=True)
+    sides = [as_checked(rational_terms(own), total).times("-0+".index(mark) - 1) for own, mark in marked]
+    sides = [own.on(motion.coordinates, count) for own in sides if own and not own.at_origin]
+    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist()
+    for column in null_basis(jacobian * jacobian).transpose().tolist():
+        kept = jacobian * fmpq_mat([[value] for value in column])
+        lead, late = (
+            sum((variable(count, k, as_fraction(x)) for k, x in enumerate(own)), constant(count, 0))
+            for own in (kept.entries(), column)
+        )
+        for further in ([], [lead], [-lead]):
+            inside = [*sides, *further]
+            for direction in (tuple(map(Fraction, own)) for own in drawn):
+                if all(sign_along(own, direction) > 0 for own in (*inside, lead * late)):
+                    barriers = tuple((own, constant(count, 0)) for own in inside)
+                    yield BarrierRegion(barriers, lead * late, direction, SPEED)
+                    break
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:

@@ -298,14 +298,19 @@ def _shown(
 def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
     """Negative squares; products of two states, and differences of their squares, with both signs.
 
-    In two states also products of powers in one quadrant; with more, where relays slide, each takes a second to refute.
+    In two states also ``x**4 - x*y``, and products of powers in one quadrant; with more, where relays slide, each takes
+    a second to refute.
     """
     yield from (parse_piecewise(f"-({state}**2)", system.states) for state in system.states)
     for first, second in combinations(system.states, 2):
         for text in (f"{first}*{second}", f"{first}**2 - {second}**2"):
             yield from (parse_piecewise(own, system.states) for own in (text, f"-({text})"))
-    powers = sorted(product(range(1, HIGHEST_POWER + 1), repeat=2), key=sum)
-    for own in powers if len(system.states) == 2 else ():
+    if len(system.states) != 2:
+        return
+    first, second = system.states
+    for state, power, sign in product(system.states, range(3, HIGHEST_POWER + 3), ("", "-")):
+        yield parse_piecewise(f"{state}**{power} {sign or '+'} {first}*{second}", system.states)
+    for own in sorted(product(range(1, HIGHEST_POWER + 1), repeat=2), key=sum):
         for signs in product(("", "-"), repeat=2):
             sides = [f"relu({sign}{state})" for sign, state in zip(signs, system.states, strict=True)]
             yield parse_piecewise(f"-{'*'.join(written_powers(sides, own))}", system.states)

@@ -17,7 +17,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, partial
-from itertools import chain
+from itertools import chain, product
 from math import comb
 
 import numpy as np
@@ -67,29 +67,33 @@ MOST = 64.0  # of a coefficient
 SLACK = 2.0**-30  # by which floats may miss an equality
 DIRECTIONS = 200
 THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
+BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its sign
 MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
-def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) -> Iterator[str]:
+def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2) -> Iterator[str]:
     """Proposals of V as formulas in the displacement.
 
     Args:
         system: in two states or more.
         radius: half the side of a cube.
         positive: whether V is to be positive; else it is to be negative at a point of an axis.
+        power: of the distance, which V is at least; of a function of some degree.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     stated, seen = stated_cells(system, radius), {"0"}
     for basis in families(stated.cells, all_lines=True):
+        if power > max(own.degree for own in basis):
+            continue
         conditions = functions_on(system, stated, [own.text for own in basis])
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in basis])
         beside = cache(partial(rates, conditions, near_planes))
         asked = LinearProgram(rates(conditions), *values(conditions), costs, beside)
         kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
         for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
-            for chosen in asked.combined(columns).solutions(positive=positive) if columns.ncols() else ():
+            for chosen in asked.combined(columns).solutions(power, positive=positive) if columns.ncols() else ():
                 text = formula_text(basis, list(map(as_fmpq, coefficients_of(columns, chosen))))
                 if text not in seen:
                     seen.add(text)
@@ -97,8 +101,17 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) ->
 
 
 def near_planes(place: Face) -> Floats:
-    """Coordinates of points of a place, many of them near coordinate planes, but none so near as to count as there."""
-    points = sample_points(place.dimension, bounded=True)
+    """Coordinates of points of a place, many of them near planes, but none so near as to count as there.
+
+    Planes of coordinates, and those on which a velocity that is a linear form changes its sign.
+    """
+    forms = (place.restricted(part) for cell in place.inclusion.cells for _, field in cell.fields for part in field)
+    linear = (own for own in forms if own.degree == 1 and not own.at_origin)
+    normals = {tuple(float(own.slope(k)) for k in range(place.dimension)) for own in linear}
+    found = [sample_points(place.dimension, bounded=True)]
+    for normal in map(np.array, sorted(normals)):
+        found.append(found[0] - (1 - BESIDE) * np.outer(found[0] @ normal, normal) / (normal @ normal))
+    points = np.vstack(found)
     return points[np.all(np.abs(points) > THIN, axis=1)]
 
 
@@ -126,9 +139,9 @@ class LinearProgram:
         beside = cache(lambda: self.beside() @ sums)
         return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums), beside)
 
-    def solutions(self, *, positive: bool) -> Iterator[list[Fraction]]:
-        """In short fractions."""
-        sizes = np.sum(self.points**2, axis=1)
+    def solutions(self, power: int, *, positive: bool) -> Iterator[list[Fraction]]:
+        """In short fractions, of a V that is positive like this power of the distance, or negative somewhere."""
+        sizes = np.sum(self.points**power, axis=1)
         if positive:
             asked = [(-self.values, -sizes)]
         else:
@@ -140,12 +153,12 @@ class LinearProgram:
             for _ in range(MOST_ROUNDS):
                 bounds = np.r_[np.zeros(len(rows)), limits]
                 solved = least_sum(np.vstack([rows, matrix]), bounds, self.costs, MOST)
-                found = None if solved is None else rounded(solved, partial(_holds, rows, matrix))
-                if found is None:
+                if solved is None:
                     break
-                rising = self.beside() @ np.array(list(map(float, found))) > SLACK
+                found = rounded(solved, partial(_holds, rows, matrix))
+                rising = self.beside() @ (solved if found is None else np.array(list(map(float, found)))) > SLACK
                 if not rising.any():
-                    yield found
+                    yield from [] if found is None else [found]
                     break
                 rows = np.vstack([rows, self.beside()[rising]])
 
@@ -164,11 +177,12 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    for share in SHARES:
+    for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius)
-        found = (parse_piecewise(text, system.states) for text in weak_functions(system, radius, positive=True))
-        for formula in chain([energy] if energy is not None else [], found):
+        texts = weak_functions(system, radius, positive=True, power=power)
+        found = (parse_piecewise(text, system.states) for text in texts)
+        for formula in chain([energy] if energy is not None and power == 2 else [], found):
             examined = examine(system, formula, radius)
             if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
                 return examined

@@ -402,6 +402,9 @@ def solutions_that_leave() -> Iterator[Case]:
         mixed = [["", 0, "1", ["0", "0"]], ["", 1, "1", ["0", "0"]]]
         hypotheses = escape(cells(), "", mixed, "x", along=["y"], direction=["1", "0"])
         yield Case(f"leaves-switched-{fast}", switched, "escape", hypotheses)
+    for power in range(1, 5):
+        hypotheses = escape(cells(), "", [["", 0, "1", ["0", "0"]]], "x*y", direction=["1", "1"], speed="1/4")
+        yield Case(f"leaves-slowly-{power}", subject(["y", f"x**{2 * power + 1}"]), "escape", hypotheses)
 
 
 def systems_with_roots() -> Iterator[Case]:
@@ -649,6 +652,13 @@ def cascades() -> Iterator[Case]:
     yield case("leaves", ["x", "-y + x"], leaves)
     both = [["-x", "-y + x"], ["-x", "-y - x"]]
     yield case("switching", both, falls("x", "-x"), falls("y", "-y"))
+    for kind, rhs, function in (("exponential", "-x", "x**2"), ("finite", "-sign(x)", "Abs(x)")):
+        hypotheses = lyapunov(function, cells("x"), ATTRACTS, rate={"kind": kind, "kappa": "1"})
+        fast = {"states": ["x"], "entry": entry_about("x", [rhs], "lyapunov", hypotheses)}
+        _, rests = falls("y z", "z", "-y", verdict=STAYS)
+        listed = [fast, {"states": ["y", "z"], "entry": rests, "carried": True}]
+        sides = subject([rhs, "z + x", "-y + x*y"])
+        yield Case(f"cascade-carried-{kind}", sides, "cascade", {"parts": listed})
 
 
 def slides() -> Iterator[Case]:

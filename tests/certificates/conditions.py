@@ -513,6 +513,8 @@ def of_escape() -> Iterator[Forgery]:
     heavy = [["", 0, "1 + x**2", ["0"]]]
     yield escapes("a proof of weights", [["x"]], {**rises, "weight 0": ON_PARTS}, mixture=heavy)
     yield escapes("a function that is zero at the point", [["-x"]], {"rises": ON_PARTS}, function="1 - x**2")
+    yield escapes("a positive speed", [["-x**3"]], {}, function="x**2", speed="-2")
+    yield escapes("a positive speed", [["0"]], {}, speed="0")
 
 
 def of_choice() -> Iterator[Forgery]:
@@ -539,13 +541,15 @@ def of_parts() -> Iterator[Forgery]:
     """Parts that leave something out, that jump with what is replaced, and that only rest while they are driven."""
 
     def forged(because: str, claim: Record, rhs: list[str], theorem: str, hypotheses: Record, **more: Any) -> Forgery:
-        subject = {"states": ["x", "y"][: len(rhs)], "rhs": [rhs], "at": ["0"] * len(rhs), **more}
+        subject = {"states": ["x", "y", "z"][: len(rhs)], "rhs": [rhs], "at": ["0"] * len(rhs), **more}
         return of_subject(because, subject, [claim], theorem, hypotheses, {})
 
-    def entry(function: str, verdict: str = "asymptotically stable") -> Record:
-        own = {"cells": cube("1"), "function": function, "second": None, "verdict": verdict, "everywhere": False}
-        own |= {"level": None, "below": False, "rate": None}
-        return {"theorem": "lyapunov", "hypotheses": own, "proofs": {"V ": ON_PARTS, "cell  field 0": ON_PARTS}}
+    def entry(function: str, verdict: str = "asymptotically stable", rate: Record | None = None, **own: Any) -> Record:
+        own = {"cells": cube("1"), "function": function, "second": None, "verdict": verdict, "everywhere": False, **own}
+        own |= {"level": None, "below": False, "rate": rate}
+        names = ["V ", "cell  field 0", *([] if rate is None else ["rate cell  field 0"])]
+        names += ["denominator"] if "denominator" in own else []
+        return {"theorem": "lyapunov", "hypotheses": own, "proofs": dict.fromkeys(names, ON_PARTS)}
 
     def parts(*listed: tuple[list[str], Record]) -> Record:
         return {"parts": [{"states": names, "entry": own} for names, own in listed]}
@@ -571,6 +575,28 @@ def of_parts() -> Iterator[Forgery]:
         ("a theorem about parts", ATTRACTS, ["-x", "-y"], parts((["x"], {**x[1], "theorem": "basin"}), y)),
     ):
         yield forged(because, claim, rhs, "cascade", own)
+    fast, slow = ((["x"], entry("x**2", rate={"kind": kind, "kappa": "1"})) for kind in ("exponential", "algebraic"))
+    after = ["y"], entry("y**2", rate={"kind": "exponential", "kappa": "1"})
+    relay = {"cells": {**cube("1"), "surfaces": ["y"]}, "function": "Abs(y) + z**2/2"}
+    about = {"states": ["y", "z"], "rhs": [["z", "-sign(y)"]], "at": ["0", "0"]}
+    hypotheses = {**entry("", "stable")["hypotheses"], **relay}
+    bent, _ = Search().entry(read_subject(about), "lyapunov", hypotheses)
+    nested = {"theorem": "cascade", "hypotheses": parts(resting), "proofs": {}}
+    quotient = entry("y**2", "stable", denominator="1")
+    words = "a carried part with a V that bends nowhere, no quotient"
+    for because, rhs, first, last in (
+        ("a part that is carried by what comes fast to the point", ["-x", "x"], [fast], 1),
+        ("a part that is carried by what comes fast to the point", ["-x**3", "x"], [slow], True),
+        ("a part that is carried by what comes fast to the point", ["-x**3", "x"], [x], True),
+        ("a part that is carried by what comes fast to the point", ["-x**3", "-y + x", "y"], [slow, after], True),
+        (words, ["-x", "x"], [fast], nested),
+        (words, ["-x", "x"], [fast], quotient),
+        (words, ["-x", "z + x", "-sign(y)"], [fast], bent),
+    ):
+        names = [own for own in "xyz"[: len(rhs)] if not any(own in known for known, _ in first)]
+        own = parts(*first, (names, last if isinstance(last, dict) else entry(f"{names[0]}**2", "stable")))
+        own["parts"][-1]["carried"] = isinstance(last, dict) or last
+        yield forged(because, STABLE, rhs, "cascade", own)
     roots = {"roots": ["x"]}
     yield forged("parts without roots of states", ATTRACTS, ["-x", "-y"], "cascade", parts(x, y), **roots)
     for because, rhs, surface, state in (

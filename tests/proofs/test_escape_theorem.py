@@ -41,6 +41,8 @@ LEAVING: dict[str, tuple[str, Any]] = {
     "cubic ray": ("x y", ["x**3 - y**2*x*2", "-y*x**2"]),
     "three states, into a cell": ("x y z", ["y", "z", "2*sign(x + 3*y + 3*z)"]),
     "three states, slide": ("x y z", ["x + y", "-2*sign(y)", "x - z"]),
+    "rises from a border where it rests": ("x y", ["-x - y", "Max(x, 0) - Max(-y, 0)"]),
+    "three states, a double integrator in a plane": ("x y z", ["y", "-x*z", "-z"]),
     "where two surfaces meet": ("x y z", ["-sign(x)", "-sign(y)", "-z + 2*sign(x)*sign(y)"]),
 }
 
@@ -117,8 +119,11 @@ def nearer(zero: list[Callable[[Floats], float]], place: Floats) -> Floats:
 
 # ---- what is false -------------------------------------------------------------------------------
 
-SLIDE = "slides where it attracts"
+SLIDE, BORDER = "slides where it attracts", "rises from a border where it rests"
 FORGED: dict[str, tuple[str, dict[str, Any], str]] = {
+    "rises too slowly": (BORDER, {"speed": "5"}, "rises"),
+    "no speed": (BORDER, {"speed": None}, "rises"),
+    "a negative speed": (BORDER, {"speed": "-1/16"}, "a positive speed"),
     "inward": (SLIDE, {"direction": ["-1", "0"]}, "positive in the direction"),
     "not along the subspace": (SLIDE, {"direction": ["1", "1"]}, "along the subspace"),
     "a function with a value at the point": (SLIDE, {"function": "x + 1"}, "zero at the point"),

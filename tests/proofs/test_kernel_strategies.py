@@ -18,13 +18,15 @@ from hypothesis import strategies as st
 import nonsmooth as ns
 from nonsmooth.proofs.checker.polynomials import Polynomial, variable
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
-from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.kernel import simplices
 from nonsmooth.proofs.kernel.quotients import find_quotient, proposed
 from nonsmooth.proofs.kernel.search import decide_claim
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.kernel_strategies import decide_by_quotient, decide_by_weights
+from nonsmooth.proofs.many_states.lyapunov_search import find_growing_product
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
 from nonsmooth.proofs.systems.findings import Known, Method
@@ -48,7 +50,7 @@ def decided(*rhs: str) -> StabilityResult:
         [
             "x + y**2; -y**3",
             "x*y; x**2 + y**2",
-            "y; sign(x) - sign(y)",  # V = -x y falls where it is negative
+            "y; sign(x) - sign(y)",  # in one quadrant, where the relays cancel
             "y; -2*sign(x) + y**3",  # energy grows, and nothing stays where it does not
             "y; -sign(x) + y/2; -z",  # the same energy beside a third state
         ],
@@ -117,7 +119,7 @@ def test_energies_of_three_states(rhs: list[str]) -> None:
 
 
 @pytest.mark.usefixtures("without_reach")
-@pytest.mark.parametrize("rhs", keep(1, ["-x**3; x**2", "-x**5; x**3", "-y**2; x**3", "y**3; -x**2"]))
+@pytest.mark.parametrize("rhs", keep(2, ["-x**3; x**2", "-x**5; x*y**2", "-x**5; x**3", "-y**2; x**3", "y**3; -x**2"]))
 def test_a_product_falls_in_a_quadrant(rhs: str) -> None:
     """Where all terms of a degree vanish on an axis: no solution runs outward along a curve to leading order."""
     result = decided(*rhs.split("; "))
@@ -137,9 +139,11 @@ def test_what_stays_near_is_not_called_unstable(rhs: str) -> None:
 
 @pytest.fixture(scope="module")
 def by_factors() -> dict[str, Any]:
-    result = decided("y", "sign(x) - sign(y)")
-    assert result.method is Method.INSTABILITY
-    certificate = certificate_of(result)
+    system = ns.System(["x", "y"], ["y", "sign(x) - sign(y)"]).system
+    found = find_growing_product(system)
+    assert found is not None
+    statement = {"subject": about(system), "claims": [{"stability": "unstable"}]}
+    certificate = {"version": VERSION, "statement": statement, "evidence": [found.entry]}
     assert not refusal(certificate, SIZE)
     return certificate
 

@@ -33,6 +33,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_pie
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from tests.certificates.inclusion import contradiction
 from tests.oracles.floats import value, velocity
 from tests.plain import built
 from tests.proofs.conftest import Load
@@ -335,6 +336,24 @@ def test_energies_whose_numbers_must_agree(load: Load, rhs: list[str]) -> None:
     assert result.verdict is Translation.STABLE
     assert "not asymptotically" in result.reason
     assert result.check()
+
+
+WEIGHED = {
+    "a state of half the weight": (["-x**3 + y**4", "-x*y"], Translation.ASYMPTOTICALLY_STABLE),
+    "numbers that must agree between degrees": (["y", "-x + z", "-z**3"], Translation.STABLE),
+    "numbers that must agree on a ray of rest": (["-Max(x, 0) + Min(y, 0)", "-y - x"], Translation.STABLE),
+}
+
+
+@pytest.mark.usefixtures("without_reach")
+@pytest.mark.parametrize("name", WEIGHED)
+def test_energies_of_terms_of_several_degrees(name: str) -> None:
+    """``2*x**2 + y**4``, and ``(x - z)**2 + y**2 + 2*y*z**3 + k*z**2``."""
+    rhs, truth = WEIGHED[name]
+    result = decide_system(built(rhs))
+    assert result.verdict is truth
+    assert result.check()
+    assert not contradiction(certificate_of(result)["statement"])
 
 
 # ---- Quadratic functions of linear systems: short, nearly as fast as solutions, and never faster.

@@ -32,6 +32,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 from tests.certificates.inclusion import contradiction
+from tests.oracles.floats import value
 from tests.thorough import few
 
 # ---- Cascades, and surfaces on which solutions slide: systems that are decided by some of their states.
@@ -40,12 +41,23 @@ Decide: TypeAlias = Callable[[CheckedPoint, Known], Finding | None]
 
 ATTRACTS, RESTS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 
+# What is driven rests, and what drives it dies out exponentially or in finite time: a curve of equilibria attracts.
+CARRIED = {
+    "a rectified oscillation is added up": ["Abs(y)", "z", "-y - z"],
+    "a relay is added up": ["y", "z", "-sign(z + sign(y)) - z"],
+    "an enclosed function is added up": ["y", "z", "-y - tanh(z)"],
+    "rates that die out": ["x*z", "y*z", "-z"],
+    "dry friction, pushed": ["y", "-x - sign(y) + z", "-2*sign(z)"],
+    "a spring of second degree, pushed": ["y", "-x*Abs(x) + z", "-z"],
+}
+
 # No polynomial V is known for these; what the states do one after the other is by hand.
 CASCADES = {
     "a cube drives a cube": (["-x**3", "-y**3 + x"], None, ATTRACTS),
     "elsewhere": (["-(x - 1)**3", "-(y + 2)**3 + x - 1"], [1, -2], ATTRACTS),
     "rotation drives": (["y", "-x", "-z**3 + x*z + x*y"], None, RESTS),
     "a sine of what drives": (["-x**3", "-y**3 + sin(x)"], None, ATTRACTS),
+    **{name: (rhs, None, RESTS) for name, rhs in CARRIED.items()},
 }
 SLIDES = {
     "zero dynamics of third degree": (["y", "z", "-sign(x**3 + y + z)"], None, ATTRACTS),
@@ -81,6 +93,19 @@ def require_shown(decide: Decide, case: tuple[list[str], list[int] | None, Trans
     assert {"stability": str(truth)} in certificate_of(decided_by(point, found))["statement"]["claims"]
 
 
+@pytest.mark.parametrize("name", CARRIED)
+def test_what_is_carried_stays_near_and_does_not_come(name: str) -> None:
+    """Paths stay near, and end beside the point: one state after the other takes a step; relays cost a square root."""
+    place = 0.01 * np.random.default_rng(5).uniform(-1, 1, (3, 200))
+    at, size, step = dict(zip("xyz", place, strict=True)), np.abs(place).max(axis=0), 1e-3
+    for _ in range(20_000):
+        for state, text in reversed(list(zip("xyz", CARRIED[name], strict=True))):
+            at[state] = at[state] + step * value(text, **at)
+        place = np.stack(list(at.values()))
+        assert np.all(np.abs(place).max(axis=0) < 3 * np.sqrt(size))
+    assert np.median(np.abs(place).max(axis=0) / size) > 0.05
+
+
 @pytest.mark.usefixtures("without_reach")
 def test_both_decide_where_nothing_else_does() -> None:
     for name, cases, method in (
@@ -112,6 +137,8 @@ NOTHING = [
     (["-x**3", "x"], decide_by_cascade),
     (["-x**3", "2*y*sign(x)**2 - y"], decide_by_cascade),
     (["y", "-x - y"], decide_by_cascade),
+    (["-x**3", "x**2*sign(y)**2"], decide_by_cascade),
+    (["y", "-x + z", "-z**3"], decide_by_cascade),
     (["y", "sign(x + y)"], decide_by_sliding),
     (["2*x*sign(y)**2 - x", "-sign(y)"], decide_by_sliding),
     (["x", "-sign(x + y**3)"], decide_by_sliding),
@@ -127,12 +154,23 @@ def test_nothing_is_said(rhs: list[str], decide: Decide) -> None:
 def test_random_systems_are_not_contradicted(seed: int) -> None:
     """By solutions of the inclusion that are followed in floats, of whatever one of the two theorems says."""
     source = random.Random(seed)
-    for rhs, decide in ((random_relay(source), decide_by_sliding), (random_cascade(source), decide_by_cascade)):
-        point = checked_point(system(rhs))
-        found = decide(point, Known())
-        if found is not None:
-            certificate = certificate_of(decided_by(point, found))
-            assert not contradiction(certificate["statement"]), rhs
+    require_true(random_relay(source), decide_by_sliding)
+    require_true(random_cascade(source), decide_by_cascade)
+
+
+@few(6)
+@pytest.mark.parametrize("seed", range(40))
+def test_what_rests_beside_others_is_not_contradicted(seed: int) -> None:
+    require_true(random_carried(random.Random(seed)), decide_by_cascade)
+
+
+def require_true(rhs: list[str], decide: Decide) -> None:
+    """What a theorem says of a system, if anything."""
+    point = checked_point(system(rhs))
+    found = decide(point, Known())
+    if found is not None:
+        certificate = certificate_of(decided_by(point, found))
+        assert not contradiction(certificate["statement"]), rhs
 
 
 def decided_by(point: CheckedPoint, found: Finding) -> StabilityResult:
@@ -157,6 +195,24 @@ def random_cascade(source: random.Random) -> list[str]:
     ]
     pairs = zip("xyz", zip(falls, drives, strict=True), strict=True)
     return [f"{fall.format(name, name)} + {drive}" for name, (fall, drive) in pairs]
+
+
+def random_carried(source: random.Random) -> list[str]:
+    """Two states that only rest, or that fall, where a third one pushes them, which falls slowly or fast."""
+    rests = [
+        ("y", "-x"),
+        ("y", "-x**3"),
+        ("0", "0"),
+        ("y", "-x*Abs(x)"),
+        ("-sign(x)", "0"),
+        ("y", "-sign(x)"),
+        ("y", "0"),
+    ]
+    pushes = [
+        source.choice(["z", "x*z", "Abs(z)", "z**2", "y*Abs(z)", "sat(z + x, -1, 1) - sat(x, -1, 1)"]) for _ in "xy"
+    ]
+    sides = [f"{rest} + {push}" for rest, push in zip(source.choice(rests), pushes, strict=True)]
+    return [*sides, source.choice(["-z", "-sign(z)", "-z**3", "-z*Abs(z)", "z"])]
 
 
 # ---- Empty and thin cells between curves, against cells that are empty or hold a point because of how they are made.
