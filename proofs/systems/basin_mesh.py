@@ -24,8 +24,8 @@ from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, area, lengths
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, area, falls, gradients, lengths
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 EVERY = 12  # points of a ring of which one is used at first
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
@@ -353,28 +353,17 @@ class MeshBuilder:
         starts = dict(zip(rings, accumulate(map(len, rings.values()), initial=0), strict=False))
         places = [[starts[ring] + point for ring, point in own] for own in named]
         corners = np.concatenate(list(rings.values()))[places]
-        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-        areas = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
-        outer_side = np.array([own[0] == 1 for _, own in bands])
-        along = np.where(outer_side[:, None], b - a, c - a)
-        normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        good = (areas > 0) & self._falls(corners, normals)
+        heights = np.array(
+            [[float(ring == pair[1]) for ring, _ in own] for (pair, _), own in zip(bands, named, strict=True)]
+        )
+        sizes, slopes = gradients(corners, heights)
+        at = corners * float(self.lattice.unit)
+        good = (sizes > 0) & falls(self.field, at, slopes, SMALL, self.lattice.on_lines(corners))
         found: dict[Band, list[Failing]] = {pair: [] for pair in pairs}
         for number in np.nonzero(~good)[0].tolist():
             pair, own = bands[number]
-            found[pair].append((own, bool(areas[number] <= 0)))
+            found[pair].append((own, bool(sizes[number] <= 0)))
         return found
-
-    def _falls(self, corners: Floats, normals: Floats) -> Mask:
-        """On which triangles ``n . f < 0`` for the fields of all cells that they may meet."""
-        good = np.ones(len(corners), dtype=bool)
-        places = corners * float(self.lattice.unit)
-        for cell, here in self.field.meeting(places, self.lattice.on_lines(corners)):
-            for velocities, points in self.field.velocities(cell, places[here]):
-                rates = points.coefficients(np.einsum("mkd,md->mk", velocities, normals[here]))
-                sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
-                good[here] &= rates.max(axis=1) < -SMALL * sizes
-        return good
 
     def _refine(self, pair: Band, failing: Sequence[Failing]) -> set[int]:
         """Halve sides of triangles that fail; which rings have more points."""

@@ -175,9 +175,9 @@ class FloatField:
         """
         for k, side in enumerate(self.plane.sides(cell)):
             still, *moved = (max(own.degree for own in part) for part in side.parts)
-            count = triangles.shape[1]
+            count, states = triangles.shape[1:]
             points = bernstein(max([still, *(own + 1 for own in moved)]), count)
-            at, corners = points.places(triangles), triangles.reshape(-1, count - 1)
+            at, corners = points.places(triangles), triangles.reshape(-1, states)
             bounds = []
             for (_, v), own in zip(self.plane.waves[k], self.waves(k, corners), strict=True):
                 arguments = values(v, corners).reshape(len(triangles), count)
@@ -185,7 +185,7 @@ class FloatField:
                 mean = points.weights(own.reshape(len(triangles), count))
                 bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
             for waves in product(*bounds):
-                yield self.side(cell, k, at.reshape(-1, count - 1), waves).reshape(at.shape), points
+                yield self.side(cell, k, at.reshape(-1, states), waves).reshape(at.shape), points
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, Mask]]:
         """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there.
@@ -209,16 +209,11 @@ class FloatField:
             allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
             if slack:
                 allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
-        kinds, which = np.unique(allowed.reshape(len(triangles), -1), axis=0, return_inverse=True)
-        groups: dict[Pattern, Mask] = {}
-        for number, kind in enumerate(kinds):
-            patterns: list[Pattern] = [()]
-            for low, high in kind.reshape(-1, 2):
-                signs = [s for s, holds in ((-1, low), (1, high)) if holds]
-                patterns = [(*own, s) for own in patterns for s in signs]
-            for pattern in patterns:
-                groups[pattern] = groups.get(pattern, np.zeros(len(triangles), dtype=bool)) | (which.ravel() == number)
-        yield from groups.items()
+        groups: list[tuple[Pattern, Mask]] = [((), np.ones(len(triangles), dtype=bool))]
+        for number in range(len(listed)):
+            more = [((*own, s), here & allowed[:, number, k]) for own, here in groups for k, s in enumerate((-1, 1))]
+            groups = [(own, here) for own, here in more if here.any()]
+        yield from groups
 
     def guards(self, x: Floats) -> Floats:
         """The values of the surfaces: shape (places, surfaces)."""
@@ -330,6 +325,42 @@ def together(polynomials: Sequence[Polynomial]) -> Callable[[Floats], Floats]:
         return np.asarray(weights @ terms)
 
     return at
+
+
+def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
+    """The sizes of simplices in d states, times d!, and the gradients of affine functions on them, times these.
+
+    Args:
+        places: their corners, shape (simplices, d + 1, d).
+        heights: the values there, shape (simplices, d + 1).
+    """
+    count, _, states = places.shape
+    edges, rises = np.zeros((3, count, 3)), np.zeros((3, count))
+    edges[2, :, 2] = 1  # a triangle is the base of a prism of height 1, along which the function is constant
+    edges[:states, :, :states] = (places[:, 1:] - places[:, :1]).transpose(1, 0, 2)
+    rises[:states] = (heights[:, 1:] - heights[:, :1]).T
+    normals = np.stack([np.cross(edges[k - 2], edges[k - 1]) for k in range(3)])
+    slopes = (rises[:, :, None] * normals).sum(axis=0)
+    return np.asarray((edges[0] * normals[0]).sum(axis=1)), np.asarray(slopes[:, :states])
+
+
+def falls(field: FieldInCells, places: Floats, slopes: Floats, margin: float, exact: Mapping[int, Floats]) -> Mask:
+    """On which simplices a function is seen to fall for the fields of all cells that they may meet.
+
+    Args:
+        field: the velocities.
+        places: the corners of the simplices, or of sides in space.
+        slopes: the gradient of the function on each, or the outward normal of each side.
+        margin: of the rate at which it falls, against the sizes of both vectors.
+        exact: as :meth:`FieldInCells.meeting` has it.
+    """
+    good = np.ones(len(places), dtype=bool)
+    for cell, here in field.meeting(places, exact):
+        for velocities, points in field.velocities(cell, places[here]):
+            rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes[here]))
+            sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes[here], axis=1)
+            good[here] &= rates.max(axis=1) < -margin * sizes
+    return good
 
 
 def values(polynomial: Polynomial, x: Floats) -> Floats:

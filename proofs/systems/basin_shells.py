@@ -27,8 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.checker.cells import Pattern
-from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, bernstein, falling_form, lattice_unit
+from nonsmooth.proofs.systems.basin_rings import FloatField, falling_form, falls, gradients, lattice_unit
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
@@ -338,26 +337,11 @@ class Front:
         corners = self.triangles[near[rows, chosen]]
         return np.asarray((logarithms[corners] * own).sum(axis=1) / own.sum(axis=1))
 
-    def _on_sides(self, cell: Pattern) -> Bernstein:
-        """For polynomials of the degree of a cell's fields; sines and cosines are taken for cubic ones."""
-        parts = [side.parts for side in self.field.plane.sides(cell)]
-        degrees = [max(own.degree for own in part) + 3 * (k > 0) for own in parts for k, part in enumerate(own)]
-        return bernstein(max(degrees))
-
     def _bad_sides(self, logarithms: Floats) -> Mask:
         """Over which sides the field is not seen to lead inward."""
         corners = self.places(logarithms)[self.triangles]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        bad = np.zeros(len(corners), dtype=bool)
-        for cell, here in self.field.meeting(corners, self._on_planes(corners, self.triangles)):
-            points = self._on_sides(cell)
-            places = points.places(corners[here])
-            for velocities in self.field.on(cell, places.reshape(-1, 3)):
-                own = velocities.reshape(places.shape)
-                rates = points.coefficients(np.einsum("mkd,md->mk", own, normals[here]))
-                scale = np.linalg.norm(own, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
-                bad[here] |= rates.max(axis=1) > -MARGIN * scale
-        return bad
+        return ~falls(self.field, corners, normals, MARGIN, self._on_planes(corners, self.triangles))
 
     def _thinned(self, found: Sequence[Floats]) -> list[Floats]:
         """Some of the polyhedra, a little apart: after each one the farthest of a few that serves as the next."""
@@ -400,13 +384,7 @@ class Front:
         """Those of some tetrahedra between two polyhedra on which floats do not see W fall."""
         places = np.concatenate([self.places(inner), self.places(outer)])[own]
         sizes, slopes = gradients(places, (own >= self.count).astype(float))
-        good = sizes > 0
-        for cell, here in self.field.meeting(places, self._on_planes(places, own % self.count)):
-            for velocities, points in self.field.velocities(cell, places[here]):
-                rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes[here]))
-                scale = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes[here], axis=1)
-                good[here] &= rates.max(axis=1) < -margin * scale
-        return np.asarray(~good)
+        return ~((sizes > 0) & falls(self.field, places, slopes, margin, self._on_planes(places, own % self.count)))
 
     @cached_property
     def _beside_planes(self) -> tuple[Triples, Triples]:
@@ -548,20 +526,6 @@ def _reach(ray: Floats, inside: Callable[[Floats], Mask], within: float) -> floa
     shares = np.linspace(0, 1, 513)[1:] * within / float(np.abs(ray).max())
     left = ~inside(shares[:, None] * ray)
     return float(shares[max(int(left.argmax()) - 1, 0)] if left.any() else shares[-1])
-
-
-def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
-    """Six times the sizes of tetrahedra, and the gradients of affine functions on them, times these.
-
-    Args:
-        places: their corners, shape (tetrahedra, 4, 3).
-        heights: the values there, shape (tetrahedra, 4).
-    """
-    a, b, c = (places[:, k] - places[:, 0] for k in (1, 2, 3))
-    rises = heights[:, 1:] - heights[:, :1]
-    normals = [np.cross(b, c), np.cross(c, a), np.cross(a, b)]
-    slopes = sum(rises[:, k, None] * own for k, own in enumerate(normals))
-    return np.asarray((a * normals[0]).sum(axis=1)), np.asarray(slopes)
 
 
 def inside_polyhedron(sides: Floats, x: Floats) -> Mask:
