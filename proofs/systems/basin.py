@@ -23,9 +23,15 @@ from nonsmooth.proofs.checker.outside import closed, place_of
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
+from nonsmooth.proofs.systems.basin_mesh import (
+    BasinEffort,
+    BuiltMesh,
+    MeshBuilder,
+    last_ring,
+    mesh_corners,
+    mesh_of_rings,
+)
 from nonsmooth.proofs.systems.basin_rings import (
-    WAY,
     FieldInCells,
     FloatField,
     Pace,
@@ -190,27 +196,6 @@ FARTHEST = 1e4  # times the size of the first ring: no ring goes there
 MARGIN = 1.25  # of the square around the mesh over which starts are sampled
 
 
-@dataclass(frozen=True)
-class BasinEffort:
-    """What a search may cost.
-
-    Attributes:
-        pace: of rings.
-        starts: in a row of those that are sampled.
-        points: of a ring, at most.
-        way: of rings, in multiples of their size, at most.
-        triangles: that are looked at in floats for a mesh, at most; those near the point come first.
-        outward: steps of rings that look for a polygon outside, at most.
-    """
-
-    pace: Pace
-    starts: int
-    points: int = 4_000
-    way: float = WAY
-    triangles: int = 300_000
-    outward: int = 10_000
-
-
 EFFORTS = {
     "fast": BasinEffort(Pace(0.04, 0.012, 0.04), 41, way=12.0, triangles=40_000, outward=300),
     "best": BasinEffort(Pace(0.007, 0.0025, 0.02), 101, points=20_000, triangles=10_000_000),
@@ -316,7 +301,7 @@ def find_basin(
         return Plane(system, unit, surfaces, Proofs({}))
 
     def builder(rings: Sequence[Floats]) -> MeshBuilder:
-        return MeshBuilder(field, cells, rings, effort.pace.move, effort.triangles)
+        return MeshBuilder(field, cells, rings, effort)
 
     field, home = FloatField(cells("1")), _Home(system, local)
     first = level_ring(field, home.potential, home.level, home.within)

@@ -11,7 +11,7 @@ Where cells meet, each band is at last put to the checker's own conditions; ring
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate, islice, pairwise
 from math import gcd, lcm
@@ -24,10 +24,9 @@ from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, area, falls, gradients, lengths
+from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Pace, area, falls, gradients, lengths
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-EVERY = 12  # points of a ring of which one is used at first
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
 ROUNDS = 8  # in which a band is refined
 AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be refined are not needed
@@ -41,24 +40,42 @@ Band: TypeAlias = tuple[int, int]  # the rings on both sides
 Failing: TypeAlias = tuple[tuple[int, int, int], bool]  # a triangle of a band, and whether it is turned over
 
 
+@dataclass(frozen=True)
+class BasinEffort:
+    """What a search may cost.
+
+    Attributes:
+        pace: of rings.
+        starts: in a row of those that are sampled.
+        every: as many points of a ring there are for each that is a corner at first.
+        points: of a ring, at most.
+        way: of rings, in multiples of their size, at most.
+        triangles: that are looked at in floats for a mesh, at most; those near the point come first.
+        outward: steps of rings that look for a polygon outside, at most.
+    """
+
+    pace: Pace
+    starts: int
+    every: int = 12
+    points: int = 4_000
+    way: float = WAY
+    triangles: int = 300_000
+    outward: int = 10_000
+
+
 @dataclass
 class LatticeRing:
     """A dense ring on the lattice.
 
     Attributes:
         points: whole numbers, in units.
-        lines: of each point the surface, a line, on which it lies, or another mark by which points of two rings belong
-            together; -1 of all others.
+        lines: of each point the surface, a line, on which it lies; -1 of all others.
         chosen: the points that are corners of the mesh, in order.
     """
 
     points: Floats
     lines: NDArray[np.int64]
-    chosen: list[int] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        fixed = np.nonzero(self.lines >= 0)[0].tolist()
-        self.chosen = sorted({*range(0, len(self.points), EVERY), *fixed})
+    chosen: list[int]
 
     def halve(self, position: int) -> int | None:
         """The point between two chosen neighbours; None where there is none."""
@@ -89,10 +106,10 @@ class Lattice:
         self.unit = Fraction(1, shared) / Fraction(2) ** power
         self.lines = {number: (int(a), int(b), int(c / self.unit)) for number, (a, b, c) in forms.items()}
 
-    def ring(self, ring: Floats, marks: NDArray[np.int64]) -> LatticeRing:
-        """A ring with the points at which it crosses lines, all on the lattice."""
+    def ring(self, ring: Floats, every: int) -> LatticeRing:
+        """A ring with the points at which it crosses lines, all on the lattice; one of some points is a corner."""
         scale = 1 / float(self.unit)
-        points, on_line = np.rint(ring * scale), marks
+        points, on_line = np.rint(ring * scale), np.full(len(ring), -1)
         for number, (a, b, c) in self.lines.items():
             value = a * points[:, 0] + b * points[:, 1] + c
             on_line = np.where((value == 0) & (on_line < 0), number, on_line)
@@ -103,7 +120,10 @@ class Lattice:
             places = np.array([self._on_line(number, place) for place in places]).reshape(-1, 2)
             points = np.insert(points, crossed + 1, places, axis=0)
             on_line = np.insert(on_line, crossed + 1, number)
-        return LatticeRing(*_thinned(points, on_line))
+        points, on_line = _thinned(points, on_line)
+        return LatticeRing(
+            points, on_line, sorted({*range(0, len(points), every), *np.nonzero(on_line >= 0)[0].tolist()})
+        )
 
     def on_lines(self, corners: Floats) -> dict[int, Floats]:
         """The values of the surfaces that are lines at whole places: shape (triangles, 3), without error."""
@@ -160,9 +180,6 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
     seen = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, own), (outer, other))]
     turns = [t for t in range(len(other)) if seen[0] == seen[1][t:] + seen[1][:t]]
     if not turns:
-        own, other = _in_common(own, other, *seen)
-        turns = [0]
-    if not own:
         own, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
     places = outer.points[np.array(outer.chosen)[other]][turns]
     turn = turns[int(lengths(places - inner.points[inner.chosen[own[0]]]).argmin())]
@@ -174,23 +191,6 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
             sides = (listed[(k + 1) % len(own)] - listed[k]) % size
             stretches.append((listed[k], sides or size))
         yield stretches[0], stretches[1]
-
-
-def _in_common(
-    own: list[int], other: list[int], marks: Sequence[int], other_marks: Sequence[int]
-) -> tuple[list[int], list[int]]:
-    """Places whose marks both rings have once, as many as come in one cyclic order: the longest rising chain."""
-    once = [m for m in marks if marks.count(m) == 1 and other_marks.count(m) == 1]
-    if not once:
-        return [], []
-    size, start = len(other), other_marks.index(once[0])
-    ranks = [(other_marks.index(m) - start) % size for m in once]
-    best: list[list[int]] = []  # the longest chain that ends at each mark; all begin at the first one
-    for k, rank in enumerate(ranks):
-        before = [chain for j, chain in enumerate(best) if ranks[j] < rank]
-        best.append([*max(before, key=len, default=[]), k])
-    kept = [once[k] for k in max((chain for chain in best if chain[0] == 0), key=len)]
-    return [own[marks.index(m)] for m in kept], [other[other_marks.index(m)] for m in kept]
 
 
 @dataclass(frozen=True)
@@ -255,9 +255,9 @@ class MeshBuilder:
         field: the velocities in floats.
         exact: the checker's cells, told the unit of the mesh.
         rings: from the first one on.
-        move: from each to the next one, of their size.
-        most: triangles that are looked at, refined ones anew; then the mesh ends before the first band that is open.
-        is_first_whole: whether all points of the first one are corners, and no others.
+        effort: of the search; a triangle that is refined counts anew, and after the last one the mesh ends before the
+            first band that is open.
+        is_first_whole: whether all points of the first one are corners.
     """
 
     def __init__(
@@ -265,8 +265,7 @@ class MeshBuilder:
         field: FieldInCells,
         exact: Callable[[str], CellFields],
         rings: Sequence[Floats],
-        move: float,
-        most: int,
+        effort: BasinEffort,
         *,
         is_first_whole: bool = False,
     ) -> None:
@@ -274,16 +273,19 @@ class MeshBuilder:
         self.lattice = Lattice(field.surfaces, size)
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
-        self.left, self.is_first_whole, self.used = most, is_first_whole, list[int]()
-        self.between = max(round(BETWEEN / move), 1)
-        if is_first_whole:
-            self.ring(0).chosen = list(range(len(self.ring(0).points)))
+        self.left, self.every, self.is_first_whole, self.used = (
+            effort.triangles,
+            effort.every,
+            is_first_whole,
+            list[int](),
+        )
+        self.between = max(round(BETWEEN / effort.pace.move), 1)
 
     def ring(self, number: int) -> LatticeRing:
         """A ring on the lattice."""
         if number not in self.rings:
-            is_kept = self.is_first_whole and not number
-            self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number], is_kept=is_kept))
+            is_whole = self.is_first_whole and not number
+            self.rings[number] = self.lattice.ring(self.dense[number], 1 if is_whole else self.every)
         return self.rings[number]
 
     def refine(self, announce: Callable[[int, int], None]) -> bool:

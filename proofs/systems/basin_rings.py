@@ -82,16 +82,6 @@ class FieldInCells(Protocol):
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Where a ring crosses lines along which solutions slide: after which points, the places, and velocities."""
 
-    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
-        """A ring with points beside the borders of cells that it crosses, and marks of these; -1 of all others.
-
-        Neighbours with marks, on both sides of a border, are to be joined with those of the next ring.
-
-        Args:
-            ring: as it has grown.
-            is_kept: whether it may have no other points than its own.
-        """
-
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, Mask]]:
         """Each cell with the triangles whose inside it may meet.
 
@@ -156,10 +146,6 @@ class FloatField:
         sliding = (a > 0) & (b < 0)
         mixed = (b[:, None] * f - a[:, None] * h)[sliding] / (b - a)[sliding, None]
         return rows[sliding], places[sliding], mixed
-
-    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
-        """The ring as it is: points are put on lines, exactly, and curves are crossed where they are."""
-        return ring, np.full(len(ring), -1)
 
     @property
     def scale(self) -> float:
