@@ -39,7 +39,16 @@ from nonsmooth.proofs.systems.basin_mesh import (
     mesh_corners,
     mesh_of_rings,
 )
-from nonsmooth.proofs.systems.basin_rings import Bernstein, Pace, area, bernstein, followed_home, grow, inside_ring
+from nonsmooth.proofs.systems.basin_rings import (
+    Bernstein,
+    Pace,
+    area,
+    bernstein,
+    followed_home,
+    grow,
+    inside_ring,
+    sines,
+)
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
@@ -305,13 +314,13 @@ def _first_rings(field: FloatCells) -> Iterator[Floats]:
         middle = field.resting.mean(axis=0)
         for wider in RESTING:
             ring = middle + wider * (field.resting - middle)
-            if np.abs(ring).max() < field.half and _largest_outward(field, ring) < -INWARD:
+            if np.abs(ring).max() < field.half and _leads_inward(field, ring):
                 yield ring
         return
     for centre in (np.zeros(2), _end(field)):
         radius, found = SMALLEST * field.half, 0
         while radius < field.half - np.abs(centre).max() and found < CIRCLES:
-            if _largest_outward(field, _circle(centre, radius)) < -INWARD:
+            if _leads_inward(field, _circle(centre, radius)):
                 found += 1
                 radius *= WIDER**found
                 yield _circle(centre, radius)
@@ -326,16 +335,9 @@ def _why_none(field: FloatCells) -> str:
     return "velocities do not lead inward around the area in which bodies rest"
 
 
-def _largest_outward(field: FloatCells, ring: Floats) -> float:
-    """The largest sine at which velocities at corners and middles of sides lead outward over sides of a polygon."""
-    along = np.roll(ring, -1, axis=0) - ring
-    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
-    largest = -1.0
-    for place in (ring, ring + along / 2, ring + along):
-        velocities = field.at(place)
-        speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
-        largest = max(largest, float((np.einsum("kij,ij->ki", velocities, normals) / speeds).max()))
-    return largest
+def _leads_inward(field: FloatCells, ring: Floats) -> bool:
+    """Whether all velocities are seen to lead inward over the sides of a polygon that is counterclockwise."""
+    return bool(sines(field, ring[::-1]).min() > INWARD)
 
 
 def _end(field: FloatCells) -> Floats:

@@ -44,6 +44,7 @@ APART = 2.0**-10  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
 STARTS = 400  # points of the first ring
 TURNS, SHARP = 20, 0.8  # within half a step, of a start that stays somewhere else; cosines of these are below
+ALONG_SIDE = 5  # places on a side at which floats look whether velocities lead over it
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
 
 
@@ -509,6 +510,17 @@ def _sides(ring: Floats) -> Floats:
 def lengths(x: Floats) -> Floats:
     """Of vectors in the plane, which stand in the last axis."""
     return np.asarray(np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2))
+
+
+def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Floats:
+    """The least sine of the angle at which velocities lead to the right over sides from corners, as floats see it."""
+    sides = np.roll(ring, -1, axis=0) - ring if sides is None else sides
+    normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+    places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
+    velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
+    across = (velocities * normals).sum(axis=-1)
+    sizes = np.linalg.norm(velocities, axis=-1) * np.linalg.norm(normals, axis=1)
+    return np.asarray((across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1)))
 
 
 def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], Mask], far: float) -> Mask:
