@@ -11,16 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.basin import NAMES, Plane
-from nonsmooth.proofs.checker.cells import Pattern, System
-from nonsmooth.proofs.checker.formulas import Formula
+from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import closed, place_of
-from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.systems.basin_mesh import (
@@ -34,14 +32,13 @@ from nonsmooth.proofs.systems.basin_mesh import (
 from nonsmooth.proofs.systems.basin_rings import (
     FieldInCells,
     FloatField,
+    Home,
     Pace,
     area,
-    by_pattern,
     followed_home,
     grow,
     inside_ring,
     level_ring,
-    values,
 )
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as IN_SPACE
 from nonsmooth.proofs.systems.basin_shells import Front, inside_polyhedron
@@ -190,7 +187,6 @@ class _Search:
 # ---- the basin -----------------------------------------------------------------------------------
 
 
-INSIDE = 0.9  # of the level: the first ring
 POWERS, NEARLY_ALL = (2, 0), 0.95  # tried in turn, until triangles fill so much of the last ring
 FARTHEST = 1e4  # times the size of the first ring: no ring goes there
 MARGIN = 1.25  # of the square around the mesh over which starts are sampled
@@ -303,8 +299,8 @@ def find_basin(
     def builder(rings: Sequence[Floats]) -> MeshBuilder:
         return MeshBuilder(field, cells, rings, effort)
 
-    field, home = FloatField(cells("1")), _Home(system, local)
-    first = level_ring(field, home.potential, home.level, home.within)
+    field, home = FloatField(cells("1")), Home(system, local)
+    first = level_ring(field, home)
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())
@@ -360,8 +356,8 @@ def find_basin_in_space(
         limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
         announce: told what is done, how much of it, and of how much.
     """
-    field, home, effort = FloatField.of(system, surfaces), _Home(system, local), IN_SPACE[asked]
-    front = Front(field, home, home.within, limit, effort)
+    field, home, effort = FloatField.of(system, surfaces), Home(system, local), IN_SPACE[asked]
+    front = Front(field, home, limit, effort)
     grown = front.grown(_step(announce, "polyhedra"))
     if len(grown) < 2:
         return None
@@ -377,50 +373,6 @@ def find_basin_in_space(
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
     return lambda done, total: announce(what, done, total)
-
-
-class _Home:
-    """Where a V that falls is below a level, on the square or cube on which that is shown, in floats.
-
-    Attributes:
-        potential: V.
-        level: a part of the certified one.
-        within: half the side of the cube.
-    """
-
-    def __init__(self, system: System, local: Record) -> None:
-        self.potential = _potential(system, local)
-        self.level, self.within = INSIDE * float(Fraction(local["level"])), float(Fraction(local["cells"]["within"]))
-
-    def __call__(self, x: Floats) -> Mask:
-        """Which places are there."""
-        return np.asarray((self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within))
-
-
-def _potential(system: System, local: Record) -> Callable[[Floats], Floats]:
-    """V in floats: one formula, or one for each of some patterns of signs; infinite where it is not known."""
-    function, field = local["function"], FloatField.of(system, local["cells"]["surfaces"])
-    place, near = field.plane.domain.displacement, field.plane
-
-    def sign_patterns(x: Floats) -> NDArray[np.int64]:
-        return np.where(field.guards(x) >= 0, 1, -1)
-
-    @cache
-    def piece(signs: Pattern) -> Polynomial | None:
-        for mark, formula in [["", function]] if isinstance(function, str) else function:
-            if all(m == "." or "-+".index(m) * 2 - 1 == s for m, s in zip(mark, signs, strict=False)):
-                return Formula(formula, place).on(partial(near.surfaces.sign_on, signs))
-        return None
-
-    def potential(x: Floats) -> Floats:
-        found = np.full(len(x), np.inf)
-        for signs, here in by_pattern(sign_patterns(x)):
-            own = piece(signs)
-            if own is not None:
-                found[here] = values(own, x[here])
-        return found
-
-    return potential
 
 
 def _grid(border: Floats, count: int, limit: float | None) -> Floats:

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from itertools import accumulate, product
 from math import factorial, prod
 from operator import mul
@@ -31,8 +31,10 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.cells import Pattern, System
+from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
 WAY, PAUSE, GROWTH = 30.0, 1.0, 1.0015  # of a ring's size at most; between looks at the area; by which this must grow
@@ -42,6 +44,7 @@ PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ri
 WIDTH = 2.0**-20  # of a ring: of differences
 APART = 2.0**-10  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
+INSIDE = 0.9  # of the certified level: the first ring
 STARTS = 400  # points of the first ring
 TURNS, SHARP = 20, 0.8  # within half a step, of a start that stays somewhere else; cosines of these are below
 ALONG_SIDE = 5  # places on a side at which floats look whether velocities lead over it
@@ -361,38 +364,80 @@ def area(ring: Floats) -> float:
     return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
 
 
-def level_ring(field: FloatField, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
+class Home:
+    """Where a V that falls is below a level, on the square or cube on which that is shown, in floats.
+
+    Attributes:
+        potential: V.
+        level: a part of the certified one, at which polyhedra begin.
+        within: half the side of the cube.
+    """
+
+    def __init__(self, system: System, local: Record) -> None:
+        self.potential = _potential(system, local)
+        self.level, self.within = INSIDE * float(Fraction(local["level"])), float(Fraction(local["cells"]["within"]))
+
+    def __call__(self, x: Floats) -> Mask:
+        """Which places are there."""
+        return np.asarray((self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within))
+
+    def reach(self, rays: Floats) -> Floats:
+        """How many times vectors lead to where V first is the level; NaN where it is not on the way out of the cube."""
+        near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
+        for share in np.linspace(0, 1, 65)[1:]:
+            here = share * self.within / np.abs(rays).max(axis=1)
+            above = self.potential(rays * here[:, None]) >= self.level
+            far = np.where(np.isnan(far) & above, here, far)
+            near = np.where(np.isnan(far), here, near)
+        for _ in range(40):
+            middle = (near + far) / 2
+            above = self.potential(rays * middle[:, None]) >= self.level
+            near, far = np.where(above, near, middle), np.where(above, middle, far)
+        return np.where(np.isnan(far), np.nan, near)
+
+
+def _potential(system: System, local: Record) -> Callable[[Floats], Floats]:
+    """V in floats: one formula, or one for each of some patterns of signs; infinite where it is not known."""
+    function, field = local["function"], FloatField.of(system, local["cells"]["surfaces"])
+    place, near = field.plane.domain.displacement, field.plane
+
+    def sign_patterns(x: Floats) -> NDArray[np.int64]:
+        return np.where(field.guards(x) >= 0, 1, -1)
+
+    @cache
+    def piece(signs: Pattern) -> Polynomial | None:
+        for mark, formula in [["", function]] if isinstance(function, str) else function:
+            if all(m == "." or "-+".index(m) * 2 - 1 == s for m, s in zip(mark, signs, strict=False)):
+                return Formula(formula, place).on(partial(near.surfaces.sign_on, signs))
+        return None
+
+    def potential(x: Floats) -> Floats:
+        found = np.full(len(x), np.inf)
+        for signs, here in by_pattern(sign_patterns(x)):
+            own = piece(signs)
+            if own is not None:
+                found[here] = values(own, x[here])
+        return found
+
+    return potential
+
+
+def level_ring(field: FloatField, home: Home) -> Floats | None:
     """Where V first is a level on rays from the point, within a square; None where it is not on all of them.
 
     There are rays to where the level set crosses surfaces, too: it may have corners there.
     """
-    angles = np.linspace(0, 2 * np.pi, STARTS, endpoint=False)
-    ring = _on_rays(unit_vectors(angles), potential, level, radius)
-    if ring is None:
+    rays = unit_vectors(np.linspace(0, 2 * np.pi, STARTS, endpoint=False))
+    ring = rays * home.reach(rays)[:, None]
+    if np.isnan(ring).any():
         return None
     _, rows, places = field.crossings(ring)
     gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - np.roll(ring, -1, axis=0)[rows], axis=1)
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
     own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
-    rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
-    return _on_rays(rays, potential, level, radius)
-
-
-def _on_rays(rays: Floats, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
-    """Where V first is a level on rays from the point, within a square; None where it is not on all of them."""
-    near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
-    for share in np.linspace(0, 1, 65)[1:]:
-        here = share * radius / np.abs(rays).max(axis=1)
-        above = potential(rays * here[:, None]) >= level
-        far = np.where(np.isnan(far) & above, here, far)
-        near = np.where(np.isnan(far), here, near)
-    if np.isnan(far).any():
-        return None
-    for _ in range(40):
-        middle = (near + far) / 2
-        above = potential(rays * middle[:, None]) >= level
-        near, far = np.where(above, near, middle), np.where(above, middle, far)
-    return np.asarray(rays * near[:, None])
+    rays = np.insert(rays, rows[apart] + 1, own, axis=0)
+    ring = rays * home.reach(rays)[:, None]
+    return None if np.isnan(ring).any() else ring
 
 
 def grow(

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.systems.basin_rings import FloatField, falling_form, falls, gradients, lattice_unit
+from nonsmooth.proofs.systems.basin_rings import FloatField, Home, falling_form, falls, gradients, lattice_unit
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
@@ -159,8 +159,7 @@ class Front:
 
     Args:
         field: of a system in three states that does not switch.
-        inside: which places are in the level set that attracts.
-        within: half the side of a cube that holds this.
+        home: the level set that attracts.
         limit: half the side of a cube that no polyhedron should leave; a wider one serves where they begin in that.
         effort: of the search.
     """
@@ -168,23 +167,22 @@ class Front:
     def __init__(
         self,
         field: FloatField,
-        inside: Callable[[Floats], Mask],
-        within: float,
+        home: Home,
         limit: float,
         effort: ShellEffort,
     ) -> None:
         self.field, self.effort = field, effort
         self.planes = switching_planes(field)
         numbers = list(self.planes)
-        units = unit_ball(slopes_along(lambda x: field.at(x)[0], np.eye(3), NEAR * within))
+        units = unit_ball(slopes_along(lambda x: field.at(x)[0], np.eye(3), NEAR * home.within))
         if numbers:
-            along = self._along_plane(inside, within) if len(numbers) == 1 else None
-            units = self._level_set(inside, within) if along is None else along
+            along = self._along_plane(home) if len(numbers) == 1 else None
+            units = self._level_set(home) if along is None else along
         normals = np.array([self.planes[k] for k in numbers], dtype=float).reshape(-1, 3) @ units
         self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         self.sphere, self.triangles, self.held = geodesic_sphere(effort.frequency, self.normals)
         self.count = len(self.sphere)
-        self.units = units * INSIDE * min(_reach(own, inside, within) for own in self.sphere @ units.T)
+        self.units = units * INSIDE * reach(home, self.sphere @ units.T).min()
         for _ in range(SMALLER):
             if not self._bad_sides(np.zeros(self.count)).any():
                 break
@@ -200,13 +198,13 @@ class Front:
         """The corners of the first polyhedron."""
         return np.asarray(self.sphere @ self.units.T)
 
-    def _level_set(self, inside: Callable[[Floats], Mask], within: float) -> Floats:
+    def _level_set(self, home: Home) -> Floats:
         """Units U of the ellipsoid nearest to the set that attracts: ``r^-2 = u' P u`` for its distances r on rays u.
 
         ``P = (U U')^-1``; where that is not positive, U are the units of the states.
         """
         sphere, _, _ = geodesic_sphere(self.effort.frequency)
-        distances = np.array([_reach(own, inside, within) for own in sphere])
+        distances = reach(home, sphere)
         pairs = list(combinations_with_replacement(range(3), 2))
         columns = np.stack([sphere[:, i] * sphere[:, j] for i, j in pairs], axis=1)
         form = np.zeros((3, 3))
@@ -217,13 +215,13 @@ class Front:
             return np.eye(3)
         return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
 
-    def _along_plane(self, inside: Callable[[Floats], Mask], within: float) -> Floats | None:
+    def _along_plane(self, home: Home) -> Floats | None:
         """Units in which a ball shrinks along a plane on which solutions slide near the point; None where none do.
 
         Its third axis is that of the jump of the field, so that off the plane the ball shrinks by what jumps.
         """
         normal = np.array(next(iter(self.planes.values())), dtype=float)
-        size, plane = NEAR * within, np.linalg.svd(normal[None])[2][1:]
+        size, plane = NEAR * home.within, np.linalg.svd(normal[None])[2][1:]
         _, slides = sliding(self.field, size * plane, normal)
         if not slides.all():
             return None
@@ -231,8 +229,8 @@ class Front:
         across = WIDTH * size * normal / np.linalg.norm(normal)
         jump = np.subtract(*(self.field.at(own[None])[0, 0] for own in (across, -across)))
         flat, jump = plane.T @ unit_ball(plane @ slopes), jump / np.linalg.norm(jump)
-        flat = flat * min(_reach(own, inside, within) for own in flat.T)
-        units = np.column_stack([flat, _reach(jump, inside, within) * jump])
+        flat = flat * reach(home, flat.T).min()
+        units = np.column_stack([flat, reach(home, jump[None])[0] * jump])
         return units * [1, 1, np.sign(np.linalg.det(units))]  # as the axes of the states are turned
 
     def grown(self, announce: Callable[[int, int], None]) -> list[Floats]:
@@ -521,11 +519,9 @@ def unit_ball(linear: Floats) -> Floats:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(falling_form(linear, SHIFT)).T))
 
 
-def _reach(ray: Floats, inside: Callable[[Floats], Mask], within: float) -> float:
-    """How many times a vector leads to where a set is left first, on its way out of a cube."""
-    shares = np.linspace(0, 1, 513)[1:] * within / float(np.abs(ray).max())
-    left = ~inside(shares[:, None] * ray)
-    return float(shares[max(int(left.argmax()) - 1, 0)] if left.any() else shares[-1])
+def reach(home: Home, rays: Floats) -> Floats:
+    """How many times vectors lead to where the level set is left first, or to the border of its cube."""
+    return np.fmin(home.reach(rays), home.within / np.abs(rays).max(axis=1))
 
 
 def inside_polyhedron(sides: Floats, x: Floats) -> Mask:
