@@ -126,30 +126,17 @@ class FloatField:
         return numbers, rows, np.asarray(ring[rows] + shares[:, None] * (np.roll(ring, -1, axis=0) - ring)[rows])
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
-        """Where a ring crosses surfaces to which the velocities of both sides lead, with the mixtures along these.
-
-        The mixture ``(b f - a h) / (b - a)`` of velocities f and h, which have the parts a and b along the normal of
-        the surface, is tangent to it.
-        """
+        """Where a ring crosses surfaces to which the velocities of both sides lead, with the mixtures along these."""
         numbers, rows, places = self.crossings(ring)
         if not len(rows) or len(self.at(ring[:1])) > 1:
             return rows[:0], places[:0], places[:0]
-        signs = np.where(self.guards(ring) >= 0, 1, -1)
-        first, last = signs[rows], signs[(rows + 1) % len(ring)]
-        f, h = (
-            np.stack([self.on(tuple(own), x[None])[0, 0] for own, x in zip(k, places, strict=True)])
-            for k in (first, last)
-        )
+        f, h = (self.beside(ends, places)[0] for ends in (ring[rows], np.roll(ring, -1, axis=0)[rows]))
         width = WIDTH * float(np.abs(ring).max())
-        columns = []
-        for step in np.eye(2) * width:
-            rise = self.guards(places + step) - self.guards(places - step)
-            columns.append(rise[np.arange(len(rows)), numbers])
-        normals = np.stack(columns, axis=1) * -first[np.arange(len(rows)), numbers][:, None]
-        a, b = (normals * f).sum(axis=1), (normals * h).sum(axis=1)
-        sliding = (a > 0) & (b < 0)
-        mixed = (b[:, None] * f - a[:, None] * h)[sliding] / (b - a)[sliding, None]
-        return rows[sliding], places[sliding], mixed
+        rises = [self.guards(places + step) - self.guards(places - step) for step in np.eye(2) * width]
+        slopes = np.stack(rises, axis=2)[np.arange(len(rows)), numbers]
+        normals = np.where(self.guards(ring)[rows, numbers] >= 0, -1, 1)[:, None] * slopes
+        mixed, slides = mixtures(f, h, normals)
+        return rows[slides], places[slides], mixed[slides]
 
     @property
     def scale(self) -> float:
@@ -244,18 +231,32 @@ class FloatField:
         return [[(name, together([v])) for name, v in side] for side in self.plane.waves]
 
     def at(self, x: Floats) -> Floats:
-        """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
+        """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, states)."""
+        return self.beside(x, x)
+
+    def beside(self, x: Floats, ends: Floats) -> Floats:
+        """The velocities that the cells of places have at other places."""
         guards = self.guards(x)
         if not guards.shape[1]:
-            return self.on((), x)
+            return self.on((), ends)
         found = None
         for signs, here in by_pattern(np.where(guards >= 0, 1, -1)):
-            own = self.on(signs, x[here])
+            own = self.on(signs, ends[here])
             found = np.zeros((len(own), *x.shape)) if found is None else found
             found[:, here] = own
         if found is None:
             raise ValueError("required a place")
         return found
+
+
+def mixtures(below: Floats, above: Floats, normals: Floats) -> tuple[Floats, Mask]:
+    """The mixtures along surfaces of velocities on both sides, and where both velocities lead to the surface.
+
+    With the parts a and b of velocities f and h along the normal, which leads upward, it is ``(b f - a h) / (b - a)``.
+    """
+    a, b = (normals * below).sum(axis=1), (normals * above).sum(axis=1)
+    slides = (a > 0) & (b < 0)
+    return (b[:, None] * below - a[:, None] * above) / np.where(slides, b - a, 1)[:, None], slides
 
 
 def by_pattern(signs: NDArray[np.int64]) -> Iterator[tuple[Pattern, Mask]]:

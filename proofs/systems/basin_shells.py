@@ -27,7 +27,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.systems.basin_rings import FloatField, Home, falling_form, falls, gradients, lattice_unit
+from nonsmooth.proofs.systems.basin_rings import (
+    FloatField,
+    Home,
+    falling_form,
+    falls,
+    gradients,
+    lattice_unit,
+    mixtures,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
@@ -386,43 +394,45 @@ class Front:
 
     @cached_property
     def _beside_planes(self) -> tuple[Triples, Triples]:
-        """Pairs of tetrahedra with a side between them in a plane, and the place of the corner of the first off it."""
+        """Pairs of tetrahedra with a side between them in a plane, shape (pairs, 2), and the corners of the sides."""
         held = self.held[self.between % self.count]
         found: dict[tuple[int, ...], list[int]] = {}
         for k in range(len(self.planes)):
             for number in np.nonzero(held[:, :, k].sum(axis=1) == 3)[0].tolist():
                 side = tuple(sorted(self.between[number][held[number, :, k]].tolist()))
                 found.setdefault(side, []).append(number)
-        pairs = np.array([own for own in found.values() if len(own) == 2], dtype=int).reshape(-1, 2)
-        sides = [side for side, own in found.items() if len(own) == 2]
-        away = [np.isin(self.between[own[0]], side).argmin() for own, side in zip(pairs, sides, strict=True)]
-        return pairs, np.array(away, dtype=int)
+        both = {side: own for side, own in found.items() if len(own) == 2}
+        pairs, sides = np.array(list(both.values()), dtype=int), np.array(list(both), dtype=int)
+        return pairs.reshape(-1, 2), sides.reshape(-1, 3)
 
     def _failing_beside_planes(self, inner: Floats, outer: Floats, margin: float) -> Mask:
-        """Tetrahedra beside sides in planes on which no mixture of both gradients is seen to fall for all fields."""
+        """Tetrahedra beside sides in planes on which no mixture of both gradients falls for the fields of both cells.
+
+        Velocities are looked at where the corners of the side are.
+        """
         failing = np.zeros(len(self.between), dtype=bool)
-        pairs, away = self._beside_planes
+        pairs, sides = self._beside_planes
         if not len(pairs):
             return failing
-        own = self.between[pairs.T]
-        places = np.concatenate([self.places(inner), self.places(outer)])[own]
-        slopes = [gradients(at, (n >= self.count).astype(float))[1] for at, n in zip(places, own, strict=True)]
+        corners = np.concatenate([self.places(inner), self.places(outer)])
+        tetrahedra = corners[self.between[pairs]]  # (pairs, 2, 4, 3)
+        heights = (self.between[pairs] >= self.count).astype(float)
+        first, second = (gradients(tetrahedra[:, k], heights[:, k])[1] for k in (0, 1))
         low, high = np.zeros(len(pairs)), np.ones(len(pairs))  # bounds of the part of the second gradient
-        listed, rays = places.reshape(-1, 4, 3), own.reshape(-1, 4) % self.count
-        for cell, here in self.field.meeting(listed, self._on_planes(listed, rays)):
-            touched = here.reshape(2, -1).any(axis=0)
-            for velocities, points in self.field.velocities(cell, places[0, touched]):
-                sizes = np.linalg.norm(velocities, axis=2).max(axis=1)
-                first, second = (
-                    points.coefficients(np.einsum("mkd,md->mk", velocities, slope[touched]))
-                    + (margin * sizes * np.linalg.norm(slope[touched], axis=1))[:, None]
-                    for slope in slopes
+        for k, corner in product((0, 1), range(3)):
+            middle = tetrahedra[:, k].mean(axis=1)
+            at = corners[sides[:, corner]]
+            for velocities in self.field.beside(middle, at):
+                speeds = np.linalg.norm(velocities, axis=1)
+                rate, other = (
+                    (velocities * slope).sum(axis=1) + margin * speeds * np.linalg.norm(slope, axis=1)
+                    for slope in (first, second)
                 )
-                on_side, rise = points.nodes[:, away[touched]].T == 0, second - first
-                bound = -first / np.where(rise == 0, 1, rise)
-                low[touched] = np.maximum(low[touched], np.where(on_side & (rise < 0), bound, 0).max(axis=1))
-                high[touched] = np.minimum(high[touched], np.where(on_side & (rise > 0), bound, 1).min(axis=1))
-                high[touched] -= (on_side & (rise == 0) & (first >= 0)).any(axis=1)
+                rise = other - rate
+                bound = -rate / np.where(rise == 0, 1, rise)
+                low = np.where(rise < 0, np.maximum(low, bound), low)
+                high = np.where(rise > 0, np.minimum(high, bound), high)
+                high -= (rise == 0) & (rate >= 0)
         failing[pairs[low >= high]] = True
         return failing
 
@@ -502,9 +512,7 @@ def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]
     width = WIDTH * np.linalg.norm(x, axis=1)[:, None] * normal / np.linalg.norm(normal)
     there = x - np.outer(x @ normal, normal) / (normal @ normal)
     above, below = (field.at(there + own)[0] for own in (width, -width))
-    a, b = above @ normal, below @ normal
-    slides = (a < 0) & (b > 0)
-    return (b[:, None] * above - a[:, None] * below) / np.where(slides, b - a, 1)[:, None], slides
+    return mixtures(below, above, normal[None])
 
 
 def unit_ball(linear: Floats) -> Floats:
