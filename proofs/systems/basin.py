@@ -325,16 +325,11 @@ def find_basin(
         traps = find_traps(system, surfaces, border, effort.pace, effort.outward)
     starts = _grid(border, effort.starts, limit)
     certified = inside_ring(border, starts)
-    open_ones = np.ones(len(starts), dtype=bool)
-    for _, own in traps:
-        open_ones &= ~inside_ring(ring_of(own), starts)
-    for _, own in saddles:
-        open_ones &= left_of(own, starts)
-    if outside is not None:
-        open_ones &= inside_ring(ring_of(outside), starts)
+    left = [~inside_ring(ring_of(own), starts) for _, own in traps] + [left_of(own, starts) for _, own in saddles]
+    left += [] if outside is None else [inside_ring(ring_of(outside), starts)]
+    open_ones = np.all([np.ones(len(starts), dtype=bool), *left], axis=0)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
-    came = _come(field, home, border, starts[~certified & open_ones])
-    sampled = square[0], square[0] + came
+    sampled = square[0], square[0] + _come(field, home, border, starts[~certified & open_ones])
     return CertifiedBasin(hypotheses, sampled, outside, tuple(traps), tuple(saddles), square, _ends(starts))
 
 

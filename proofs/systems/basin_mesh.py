@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
+from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls, whole_argument
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
@@ -32,7 +32,6 @@ ROUNDS = 8  # in which a band is refined
 AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be refined are not needed
 STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh goes as far as they do
 BITS = 26  # of coordinates
-NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
 
 Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
 Triangle: TypeAlias = tuple[Corner, Corner, Corner]
@@ -89,22 +88,16 @@ class Lattice:
     """Points that are multiples of a unit, among them many of every line on which a system switches.
 
     Attributes:
-        unit: such that the offset of every line is whole, too.
+        unit: such that the offset of every line is whole, too, and its largest slope divides it.
         lines: a, b, c of the surfaces that are lines, by their numbers: ``a X + b Y + c`` times a positive number.
     """
 
     def __init__(self, surfaces: Sequence[Polynomial], size: float) -> None:
-        forms = {}
-        for number, own in enumerate(surfaces):
-            if own.degree == 1:
-                a, b = own.slope(0), own.slope(1)
-                bottom = lcm(a.denominator, b.denominator)
-                common = gcd(int(a * bottom), int(b * bottom))
-                forms[number] = tuple(value * bottom / common for value in (a, b, own.at_origin))
-        shared = lcm(1, *(c.denominator for *_, c in forms.values()))
+        forms = {number: whole_plane(own) for number, own in enumerate(surfaces) if own.degree == 1}
+        shared = lcm(1, *((offset / max(normal, key=abs)).denominator for normal, offset in forms.values()))
         power = BITS - int(np.ceil(np.log2(size)))
         self.unit = Fraction(1, shared) / Fraction(2) ** power
-        self.lines = {number: (int(a), int(b), int(c / self.unit)) for number, (a, b, c) in forms.items()}
+        self.lines = {number: (a, b, int(offset / self.unit)) for number, ((a, b), offset) in forms.items()}
 
     def ring(self, ring: Floats, every: int) -> LatticeRing:
         """A ring with the points at which it crosses lines, all on the lattice; one of some points is a corner."""
@@ -117,10 +110,9 @@ class Lattice:
             crossed = np.nonzero((value * after < 0) & (on_line < 0) & (np.roll(on_line, -1) < 0))[0]
             shares = value[crossed] / (value[crossed] - after[crossed])
             places = points[crossed] + shares[:, None] * (nearest[crossed] - points[crossed])
-            places = np.array([self._on_line(number, place) for place in places]).reshape(-1, 2)
+            places = np.array([on_plane(place, (a, b), c) for place in places]).reshape(-1, 2)
             points = np.insert(points, crossed + 1, places, axis=0)
             on_line = np.insert(on_line, crossed + 1, number)
-        points, on_line = _thinned(points, on_line)
         return LatticeRing(
             points, on_line, sorted({*range(0, len(points), every), *np.nonzero(on_line >= 0)[0].tolist()})
         )
@@ -129,24 +121,21 @@ class Lattice:
         """The values of the surfaces that are lines at whole places: shape (triangles, 3), without error."""
         return {n: a * corners[:, :, 0] + b * corners[:, :, 1] + c for n, (a, b, c) in self.lines.items()}
 
-    def _on_line(self, number: int, place: Floats) -> tuple[int, int]:
-        """The point of the lattice on a line near a place."""
-        a, b, c = self.lines[number]
-        x = -c * pow(a, -1, abs(b)) % abs(b) if b else -c // a  # a X + c is a multiple of b
-        y = (-c - a * x) // b if b else 0
-        steps = round((b * (place[0] - x) - a * (place[1] - y)) / (a * a + b * b))
-        return x + steps * b, y - steps * a
+
+def whole_plane(surface: Polynomial) -> tuple[list[int], Fraction]:
+    """The normal of a line or plane in whole numbers without a common factor, and its value at the point."""
+    _, offset, *normal = whole_argument(surface)
+    common = gcd(*normal)
+    return [own // common for own in normal], Fraction(offset, common)
 
 
-def _thinned(points: Floats, on_line: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """Without points that are on no line and very near one that is."""
-    kept = np.ones(len(points), dtype=bool)
-    for k in np.nonzero(on_line >= 0)[0]:
-        for step in (-1, 1):
-            beside, beyond = (k + step) % len(points), (k + 2 * step) % len(points)
-            near, far = (np.linalg.norm(points[other] - points[k]) for other in (beside, beyond))
-            kept[beside] &= bool(on_line[beside] >= 0 or near > NEAR_LINE * far)
-    return points[kept], on_line[kept]
+def on_plane(place: Sequence[float], normal: Sequence[int], offset: int) -> list[int]:
+    """A whole place near another one on a line or plane: its largest slope, the pivot, is to divide the offset."""
+    numbers = range(len(normal))
+    pivot = max(numbers, key=lambda k: abs(normal[k]))
+    moved = [round(own / normal[pivot]) * normal[pivot] for own in place]
+    moved[pivot] = -(offset + sum(normal[k] * moved[k] for k in numbers if k != pivot)) // normal[pivot]
+    return moved
 
 
 # ---- triangles between two rings -----------------------------------------------------------------

@@ -21,12 +21,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, product
-from math import gcd, lcm
+from math import gcd
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.systems.basin_mesh import on_plane, whole_plane
 from nonsmooth.proofs.systems.basin_rings import (
     FloatField,
     Home,
@@ -473,10 +474,7 @@ def switching_planes(field: FloatField) -> dict[int, tuple[int, int, int]]:
     found: dict[int, tuple[int, int, int]] = {}
     for number, own in enumerate(field.surfaces):
         if own.degree == 1 and not own.at_origin:
-            slopes = [own.slope(k) for k in range(3)]
-            bottom = lcm(*(value.denominator for value in slopes))
-            common = gcd(*(int(value * bottom) for value in slopes))
-            x, y, z = (int(value * bottom) // common for value in slopes)
+            x, y, z = whole_plane(own)[0]
             known = np.array([*found.values(), (x, y, z)], dtype=float)
             if len(found) < 3 and np.linalg.matrix_rank(known) == len(known):
                 found[number] = x, y, z
@@ -492,13 +490,7 @@ def on_planes(place: Sequence[int], normals: Sequence[tuple[int, int, int]]) -> 
         x, y, z = (own // common for own in line)
         steps = round((x * place[0] + y * place[1] + z * place[2]) / (x * x + y * y + z * z))
         return steps * x, steps * y, steps * z
-    moved = list(place)
-    for normal in normals:
-        pivot = max(range(3), key=lambda k: abs(normal[k]))
-        for k in {0, 1, 2} - {pivot}:
-            moved[k] = round(moved[k] / normal[pivot]) * normal[pivot]
-        moved[pivot] = -sum(normal[k] * moved[k] for k in {0, 1, 2} - {pivot}) // normal[pivot]
-    x, y, z = moved
+    x, y, z = on_plane(place, normals[0], 0) if normals else place
     return x, y, z
 
 
