@@ -34,10 +34,9 @@ from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import (
     BasinEffort,
     BuiltMesh,
-    MeshBuilder,
+    grown_mesh,
     last_ring,
     mesh_corners,
-    mesh_of_rings,
 )
 from nonsmooth.proofs.systems.basin_rings import (
     Bernstein,
@@ -45,7 +44,6 @@ from nonsmooth.proofs.systems.basin_rings import (
     area,
     bernstein,
     followed_home,
-    grow,
     inside_ring,
     sines,
 )
@@ -284,13 +282,8 @@ def _meshes(
     found, why = [], _why_none(field)
     for first, effort in product(_first_rings(field), efforts):
         limit = field.half * (1 - SQUARE)
-        rings = grow(field, first, effort.pace, limit, effort.points, effort.way, partial(announce, "rings"))
-
-        def builder(rings: Sequence[Floats], effort: BasinEffort = effort) -> MeshBuilder:
-            plane = partial(ArrayPlane, cells)
-            return MeshBuilder(field, plane, rings, effort, is_first_whole=True)
-
-        built, last = mesh_of_rings(rings, builder, effort.pace.move, partial(announce, "bands of triangles"))
+        exact = partial(ArrayPlane, cells)
+        built, last = grown_mesh(field, exact, first, effort, limit, announce, is_first_whole=True)
         if built is not None:
             found.append((built, first, effort.starts))
             if built.area > NEARLY_ALL * area(last):

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +24,9 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.systems.basin_mesh import (
     BasinEffort,
     BuiltMesh,
-    MeshBuilder,
+    grown_mesh,
     last_ring,
     mesh_corners,
-    mesh_of_rings,
 )
 from nonsmooth.proofs.systems.basin_rings import (
     FieldInCells,
@@ -36,7 +35,6 @@ from nonsmooth.proofs.systems.basin_rings import (
     Pace,
     area,
     followed_home,
-    grow,
     inside_ring,
     level_ring,
 )
@@ -296,9 +294,6 @@ def find_basin(
     def cells(unit: str) -> Plane:
         return Plane(system, unit, surfaces, Proofs({}))
 
-    def builder(rings: Sequence[Floats]) -> MeshBuilder:
-        return MeshBuilder(field, cells, rings, effort)
-
     field, home = FloatField(cells("1")), Home(system, local)
     first = level_ring(field, home)
     if first is None:
@@ -306,9 +301,7 @@ def find_basin(
     far = FARTHEST * float(np.abs(first).max())
     best: BuiltMesh | None = None
     for power in POWERS:
-        farthest, tell = min(limit or far, far), _step(announce, "rings")
-        rings = grow(field, first, effort.pace, farthest, effort.points, effort.way, tell, power)
-        built, last = mesh_of_rings(rings, builder, effort.pace.move, _step(announce, "bands of triangles"))
+        built, last = grown_mesh(field, cells, first, effort, min(limit or far, far), announce, power=power)
         if built is not None and (best is None or built.area > best.area):
             best = built
         if best is not None and best.area > NEARLY_ALL * area(last):
@@ -353,7 +346,7 @@ def find_basin_in_space(
     """
     field, home, effort = FloatField.of(system, surfaces), Home(system, local), IN_SPACE[asked]
     front = Front(field, home, limit, effort)
-    grown = front.grown(_step(announce, "polyhedra"))
+    grown = front.grown(partial(announce, "polyhedra"))
     if len(grown) < 2:
         return None
     mesh = front.record(grown)
@@ -364,10 +357,6 @@ def find_basin_in_space(
     count = int(np.sum(certified))
     came = _come(field, home, found.border, starts[~certified])
     return replace(found, sampled=(count, count + came), window=_ends(starts))
-
-
-def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
-    return lambda done, total: announce(what, done, total)
 
 
 def _grid(border: Floats, count: int, limit: float | None) -> Floats:

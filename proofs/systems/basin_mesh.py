@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import accumulate, islice, pairwise
 from math import gcd, lcm
 from typing import TypeAlias
@@ -24,7 +25,7 @@ from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls, whole_a
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Pace, area, falls, gradients, lengths
+from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Pace, area, falls, gradients, grow, lengths
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
@@ -217,22 +218,39 @@ def last_ring(corners: Floats) -> Floats:
     return np.asarray(corners[corners[:, -1] == corners[:, -1].max()][:, :-1])
 
 
-def mesh_of_rings(
-    rings: Iterator[Floats],
-    builder: Callable[[Sequence[Floats]], MeshBuilder],
-    move: float,
-    announce: Callable[[int, int], None],
+def grown_mesh(
+    field: FieldInCells,
+    exact: Callable[[str], CellFields],
+    first: Floats,
+    effort: BasinEffort,
+    limit: float,
+    announce: Callable[[str, int, int], None],
+    *,
+    power: int = 2,
+    is_first_whole: bool = False,
 ) -> tuple[BuiltMesh | None, Floats]:
-    """The mesh of rings that are made as far as it comes, and the last of them."""
+    """The mesh of rings that are made as far as it comes, and the last of them.
+
+    Args:
+        field: the velocities in floats.
+        exact: the checker's cells, told the unit of the mesh.
+        first: ring.
+        effort: of the search.
+        limit: half the side of a square that no ring leaves.
+        announce: told what is done, how much of it, and of how much.
+        power: p of the speed of rings.
+        is_first_whole: whether all points of the first one are corners.
+    """
+    rings = grow(field, first, effort.pace, limit, effort.points, effort.way, partial(announce, "rings"), power)
     made: list[Floats] = []
     own: MeshBuilder | None = None
-    for count in (round(way / move) for way in STAGES):
+    for count in (round(way / effort.pace.move) for way in STAGES):
         more = list(islice(rings, count - len(made)))
         if made and not more:
             break
         made += more
-        own = builder(made) if len(made) > 1 else None
-        if own is None or not own.refine(announce) or len(made) < count:
+        own = MeshBuilder(field, exact, made, effort, is_first_whole=is_first_whole) if len(made) > 1 else None
+        if own is None or not own.refine(partial(announce, "bands of triangles")) or len(made) < count:
             break
     return None if own is None else own.built(), made[-1]
 
