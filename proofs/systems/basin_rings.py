@@ -48,6 +48,7 @@ INSIDE = 0.9  # of the certified level: the first ring
 STARTS = 400  # points of the first ring
 TURNS, SHARP = 20, 0.8  # within half a step, of a start that stays somewhere else; cosines of these are below
 ALONG_SIDE = 5  # places on a side at which floats look whether velocities lead over it
+SLOW = 2.0**-10  # rate of decay, against the largest entry: a slower one is none
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
 
 
@@ -607,15 +608,19 @@ def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> Mask:
     return found
 
 
-def falling_form(linear: Floats, share: float) -> Floats:
-    """P such that ``x' P x`` falls along ``x' = A x``, at least about at a share s of the slowest rate r.
+def unit_ball(linear: Floats, share: float) -> Floats:
+    """Units U in which balls shrink along ``x' = A x``, with ``x = U z``, by about a share s of the slowest rate r.
 
-    It has ``(A + s r I)' P + P (A + s r I) = -I``.
+    ``P = (U U')^-1`` has ``(A + s r I)' P + P (A + s r I) = -I``.  Where a rate is nearly zero, these are the units of
+    the states.
     """
     from scipy.linalg import solve_continuous_lyapunov
 
-    shift = -share * float(np.linalg.eigvals(linear).real.max())
-    return np.asarray(solve_continuous_lyapunov((linear + shift * np.eye(len(linear))).T, -np.eye(len(linear))))
+    slowest, one = -float(np.linalg.eigvals(linear).real.max()), np.eye(len(linear))
+    if not slowest > SLOW * float(np.abs(linear).max()):
+        return one
+    form = solve_continuous_lyapunov((linear + share * slowest * one).T, -one)
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
 
 
 def lattice_unit(power: int) -> str:

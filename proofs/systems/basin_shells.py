@@ -31,18 +31,17 @@ from nonsmooth.proofs.systems.basin_mesh import on_plane, whole_plane
 from nonsmooth.proofs.systems.basin_rings import (
     FloatField,
     Home,
-    falling_form,
     falls,
     gradients,
     lattice_unit,
     mixtures,
+    unit_ball,
 )
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
 SMALLER, WIDER = 20, 2.0  # times that the ellipsoid gets smaller by a fifth; of it, a cube that polyhedra do not leave
-SLOW = 2.0**-10  # rate of decay, against the largest entry: a slower one is none
 PATH = 0.25  # of the distance from the point: a step along the field
 BLUNT, SMOOTHINGS = 0.5, 4  # part of the mean of neighbours that corners become, and how often
 SLOWEST = 0.25  # part of their way that corners go at least for all that
@@ -183,7 +182,7 @@ class Front:
         self.field, self.effort = field, effort
         self.planes = switching_planes(field)
         numbers = list(self.planes)
-        units = unit_ball(slopes_along(lambda x: field.at(x)[0], np.eye(3), NEAR * home.within))
+        units = unit_ball(slopes_along(lambda x: field.at(x)[0], np.eye(3), NEAR * home.within), SHIFT)
         if numbers:
             along = self._along_plane(home) if len(numbers) == 1 else None
             units = self._level_set(home) if along is None else along
@@ -237,7 +236,7 @@ class Front:
         slopes = slopes_along(lambda x: sliding(self.field, x, normal)[0], plane, size)
         across = WIDTH * size * normal / np.linalg.norm(normal)
         jump = np.subtract(*(self.field.at(own[None])[0, 0] for own in (across, -across)))
-        flat, jump = plane.T @ unit_ball(plane @ slopes), jump / np.linalg.norm(jump)
+        flat, jump = plane.T @ unit_ball(plane @ slopes, SHIFT), jump / np.linalg.norm(jump)
         flat = flat * reach(home, flat.T).min()
         units = np.column_stack([flat, reach(home, jump[None])[0] * jump])
         return units * [1, 1, np.sign(np.linalg.det(units))]  # as the axes of the states are turned
@@ -505,18 +504,6 @@ def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]
     there = x - np.outer(x @ normal, normal) / (normal @ normal)
     above, below = (field.at(there + own)[0] for own in (width, -width))
     return mixtures(below, above, normal[None])
-
-
-def unit_ball(linear: Floats) -> Floats:
-    """Units U in which a ball shrinks at a good angle along ``x' = A x``, with ``x = U z``.
-
-    ``(U U')^-1`` is a :func:`form that falls <nonsmooth.proofs.systems.basin_rings.falling_form>`.  Where a rate is
-    nearly zero, these are the units of the states.
-    """
-    slowest = -float(np.linalg.eigvals(linear).real.max())
-    if not slowest > SLOW * float(np.abs(linear).max()):
-        return np.eye(len(linear))
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(falling_form(linear, SHIFT)).T))
 
 
 def reach(home: Home, rays: Floats) -> Floats:

@@ -32,11 +32,11 @@ from nonsmooth.proofs.systems.basin_rings import (
     FloatField,
     Pace,
     area,
-    falling_form,
     grow,
     lattice_unit,
     next_ring,
     sines,
+    unit_ball,
 )
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
@@ -164,9 +164,7 @@ def _grown_about(
 
 def _small_ring(slope: Floats) -> Floats:
     """An ellipse of size 1, counterclockwise: a level set of a V that falls about as fast as the slowest solutions."""
-    shape = falling_form(slope, SLOWER)
-    circle = unit_vectors(np.linspace(0, 2 * np.pi, FIRST, endpoint=False))
-    ring = circle / np.sqrt(np.einsum("ki,ij,kj->k", circle, shape, circle))[:, None]
+    ring = unit_vectors(np.linspace(0, 2 * np.pi, FIRST, endpoint=False)) @ unit_ball(slope, SLOWER).T
     return np.asarray(ring / np.abs(ring).max())
 
 
