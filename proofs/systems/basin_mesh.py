@@ -25,12 +25,13 @@ from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls, whole_a
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Pace, area, falls, gradients, grow, lengths
+from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Pace, area, falls, gradients, grow, lengths
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
 ROUNDS = 8  # in which a band is refined
 AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be refined are not needed
+WAY = 30.0  # of the fastest points of rings, in multiples of their size, at most
 STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh goes as far as they do
 BITS = 26  # of coordinates
 

@@ -37,7 +37,7 @@ from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
-WAY, PAUSE, GROWTH = 30.0, 1.0, 1.0015  # of a ring's size at most; between looks at the area; by which this must grow
+PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
 PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ring of this size has
