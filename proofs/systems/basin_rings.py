@@ -437,7 +437,7 @@ def level_ring(field: FloatField, home: Home) -> Floats | None:
     gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - np.roll(ring, -1, axis=0)[rows], axis=1)
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
     own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
-    rays = np.insert(rays, rows[apart] + 1, own, axis=0)
+    rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
     ring = rays * home.reach(rays)[:, None]
     return None if np.isnan(ring).any() else ring
 
