@@ -34,6 +34,7 @@ AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be r
 WAY = 30.0  # of the fastest points of rings, in multiples of their size, at most
 STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh goes as far as they do
 BITS = 26  # of coordinates
+NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
 
 Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
 Triangle: TypeAlias = tuple[Corner, Corner, Corner]
@@ -115,6 +116,7 @@ class Lattice:
             places = np.array([on_plane(place, (a, b), c) for place in places]).reshape(-1, 2)
             points = np.insert(points, crossed + 1, places, axis=0)
             on_line = np.insert(on_line, crossed + 1, number)
+        points, on_line = _thinned(points, on_line)
         return LatticeRing(
             points, on_line, sorted({*range(0, len(points), every), *np.nonzero(on_line >= 0)[0].tolist()})
         )
@@ -138,6 +140,17 @@ def on_plane(place: Sequence[float], normal: Sequence[int], offset: int) -> list
     moved = [round(own / normal[pivot]) * normal[pivot] for own in place]
     moved[pivot] = -(offset + sum(normal[k] * moved[k] for k in numbers if k != pivot)) // normal[pivot]
     return moved
+
+
+def _thinned(points: Floats, on_line: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
+    """Without points that are on no line and very near one that is."""
+    kept = np.ones(len(points), dtype=bool)
+    for k in np.nonzero(on_line >= 0)[0]:
+        for step in (-1, 1):
+            beside, beyond = (k + step) % len(points), (k + 2 * step) % len(points)
+            near, far = (np.linalg.norm(points[other] - points[k]) for other in (beside, beyond))
+            kept[beside] &= bool(on_line[beside] >= 0 or near > NEAR_LINE * far)
+    return points[kept], on_line[kept]
 
 
 # ---- triangles between two rings -----------------------------------------------------------------
