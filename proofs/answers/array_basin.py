@@ -30,15 +30,30 @@ from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
-from nonsmooth.proofs.systems.basin import NEARLY_ALL, BasinEffort, CertifiedBasin
-from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
-from nonsmooth.proofs.systems.basin_rings import Bernstein, Pace, area, bernstein, followed_home, grow, inside_ring
+from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
+from nonsmooth.proofs.systems.basin_mesh import (
+    BasinEffort,
+    BuiltMesh,
+    grown_mesh,
+    last_ring,
+    mesh_corners,
+)
+from nonsmooth.proofs.systems.basin_rings import (
+    Bernstein,
+    Pace,
+    area,
+    bernstein,
+    followed_home,
+    inside_ring,
+    sines,
+)
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
-COARSE, FINE = BasinEffort(Pace(0.12, 0.03, 0.02), 41), BasinEffort(Pace(0.04, 0.012, 0.02), 101)
+COARSE = BasinEffort(Pace(0.12, 0.03, 0.02), 41, every=8)
+FINE = BasinEffort(Pace(0.04, 0.012, 0.02), 101, every=8)
 EFFORTS = {"fast": (COARSE,), "best": (FINE, COARSE)}  # tried in turn, until triangles fill the last ring
 PIXELS = 96  # of a raster of the square, in each direction, by which cells are looked up
 CIRCLE = 48  # points of the first ring
@@ -48,7 +63,6 @@ CIRCLES = 3  # that are tried about one place
 SMALLEST, WIDER = 2.0**-10, 1.06  # radii that are tried: of the square's half-width, and each of the one before
 NEAR = 2.0**-30  # of the square's half-width: what is as near to a line may lie on either side
 SQUARE = 2.0**-20  # by which the square in which the mesh lies is smaller than that of the cells
-ACROSS = 2.0**-10  # of the distance of neighbours on a ring: how far across a border a side ends
 FOLLOWED = ("nearest", "box")  # contact rules
 
 
@@ -111,65 +125,8 @@ class FloatCells:
             yield own.reshape(at.shape), points
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
-        """None: sides of rings lie across borders of cells, and so do their tips."""
+        """None: triangles lie across borders of cells, and so do tips of rings."""
         return np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2))
-
-    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
-        """A ring with a side across each border of cells that it crosses, and marks of the ends of that side.
-
-        Where W is the time that solutions take, its gradient jumps across a border by a multiple of the border's
-        normal.  So where solutions cross it, one of the two gradients is right for the velocities of both cells: the
-        side across the border goes on in the direction that the ring has in one cell; or it joins the points beside
-        the border.
-        """
-        cells = self.which(ring)
-        after = np.roll(cells, -1)
-        points, marks = [], []
-        for k in range(len(ring)):
-            points.append(ring[k])
-            marks.append(-1)
-            if cells[k] == after[k]:
-                continue
-            pair = 2 * (int(cells[k]) * len(self.outlines) + int(after[k]))
-            near, far = ring[k], ring[(k + 1) % len(ring)]
-            options = [(near, far)]
-            beyond = before = None
-            if not is_kept:
-                beyond = self._across(ring[k - 1], near, far, int(cells[k]), int(after[k]))
-                before = self._across(ring[(k + 2) % len(ring)], far, near, int(after[k]), int(cells[k]))
-            options += [] if beyond is None else [(near, beyond)]
-            options += [] if before is None else [(before, far)]
-            best = min(range(len(options)), key=lambda j: self._outward(*options[j], int(cells[k]), int(after[k])))
-            first, last = options[best]
-            if first[0] != near[0] or first[1] != near[1]:
-                points.append(first)
-                marks.append(-1)
-            marks[-1] = pair
-            points.append(last)
-            marks.append(pair + 1)
-        return _without_repeats(np.array(points), np.array(marks))
-
-    def _across(self, before: Floats, near: Floats, far: Floats, cell: int, other: int) -> Floats | None:
-        """The point just across the border of a cell on the line on through two points of it; None where it is far."""
-        along = near - before
-        gap = float(np.linalg.norm(far - near))
-        along = along / (float(np.linalg.norm(along)) + np.finfo(float).tiny)
-        sides = half_planes(self.outlines[cell])
-        speeds, rooms = sides[:, :2] @ along, sides[:, :2] @ near + sides[:, 2]
-        leaving = speeds < 0
-        if not leaving.any():
-            return None
-        way = float((rooms[leaving] / -speeds[leaving]).min())
-        way += ACROSS * max(gap, way)
-        point = near + way * along
-        return np.asarray(point) if way < 2 * gap and int(self.which(point[None])[0]) == other else None
-
-    def _outward(self, first: Floats, last: Floats, cell: int, other: int) -> float:
-        """The largest sine at which velocities of two cells lead outward over a side of a ring."""
-        along = last - first
-        normal = np.array([along[1], -along[0]]) / (float(np.linalg.norm(along)) + np.finfo(float).tiny)
-        found = [self._on(own, first[None])[:, 0] for own in (cell, other)]
-        return max(float((v @ normal / (np.linalg.norm(v, axis=1) + np.finfo(float).tiny)).max()) for v in found)
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[int, Mask]]:
         """Each cell with the triangles that no line of a side, of its own or of theirs, parts from it."""
@@ -188,14 +145,6 @@ class FloatCells:
             met[todo] = (beyond > -near) & (behind > -near)
             if met.any():
                 yield cell, met
-
-
-def _without_repeats(points: Floats, marks: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """A ring without points that stand twice, one after the other; a mark of the earlier one is kept."""
-    repeats = (points == np.roll(points, 1, axis=0)).all(axis=1)
-    own = np.roll(repeats, -1) & (marks < 0)  # the later one has a mark, or none has
-    marks[own] = np.roll(marks, -1)[own]
-    return points[~repeats], marks[~repeats]
 
 
 def convex_outline(places: Floats) -> Floats:
@@ -333,13 +282,8 @@ def _meshes(
     found, why = [], _why_none(field)
     for first, effort in product(_first_rings(field), efforts):
         limit = field.half * (1 - SQUARE)
-        rings = grow(field, first, effort.pace, limit, effort.points, effort.way, partial(announce, "rings"))
-
-        def builder(rings: Sequence[Floats], effort: BasinEffort = effort) -> MeshBuilder:
-            plane = partial(ArrayPlane, cells)
-            return MeshBuilder(field, plane, rings, effort.pace.move, effort.triangles, is_first_whole=True)
-
-        built, last = mesh_of_rings(rings, builder, effort.pace.move, partial(announce, "bands of triangles"))
+        exact = partial(ArrayPlane, cells)
+        built, last = grown_mesh(field, exact, first, effort, limit, announce, is_first_whole=True)
         if built is not None:
             found.append((built, first, effort.starts))
             if built.area > NEARLY_ALL * area(last):
@@ -363,13 +307,13 @@ def _first_rings(field: FloatCells) -> Iterator[Floats]:
         middle = field.resting.mean(axis=0)
         for wider in RESTING:
             ring = middle + wider * (field.resting - middle)
-            if np.abs(ring).max() < field.half and _largest_outward(field, ring) < -INWARD:
+            if np.abs(ring).max() < field.half and _leads_inward(field, ring):
                 yield ring
         return
     for centre in (np.zeros(2), _end(field)):
         radius, found = SMALLEST * field.half, 0
         while radius < field.half - np.abs(centre).max() and found < CIRCLES:
-            if _largest_outward(field, _circle(centre, radius)) < -INWARD:
+            if _leads_inward(field, _circle(centre, radius)):
                 found += 1
                 radius *= WIDER**found
                 yield _circle(centre, radius)
@@ -384,16 +328,9 @@ def _why_none(field: FloatCells) -> str:
     return "velocities do not lead inward around the area in which bodies rest"
 
 
-def _largest_outward(field: FloatCells, ring: Floats) -> float:
-    """The largest sine at which velocities at corners and middles of sides lead outward over sides of a polygon."""
-    along = np.roll(ring, -1, axis=0) - ring
-    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
-    largest = -1.0
-    for place in (ring, ring + along / 2, ring + along):
-        velocities = field.at(place)
-        speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
-        largest = max(largest, float((np.einsum("kij,ij->ki", velocities, normals) / speeds).max()))
-    return largest
+def _leads_inward(field: FloatCells, ring: Floats) -> bool:
+    """Whether all velocities are seen to lead inward over the sides of a polygon that is counterclockwise."""
+    return bool(sines(field, ring[::-1]).min() > INWARD)
 
 
 def _end(field: FloatCells) -> Floats:

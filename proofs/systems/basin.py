@@ -11,31 +11,32 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.basin import NAMES, Plane
-from nonsmooth.proofs.checker.cells import Pattern, System
-from nonsmooth.proofs.checker.formulas import Formula
+from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import closed, place_of
-from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
+from nonsmooth.proofs.systems.basin_mesh import (
+    BasinEffort,
+    BuiltMesh,
+    grown_mesh,
+    last_ring,
+    mesh_corners,
+)
 from nonsmooth.proofs.systems.basin_rings import (
-    WAY,
     FieldInCells,
     FloatField,
+    Home,
     Pace,
     area,
-    by_pattern,
     followed_home,
-    grow,
     inside_ring,
     level_ring,
-    values,
 )
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as IN_SPACE
 from nonsmooth.proofs.systems.basin_shells import Front, inside_polyhedron
@@ -184,31 +185,9 @@ class _Search:
 # ---- the basin -----------------------------------------------------------------------------------
 
 
-INSIDE = 0.9  # of the level: the first ring
 POWERS, NEARLY_ALL = (2, 0), 0.95  # tried in turn, until triangles fill so much of the last ring
 FARTHEST = 1e4  # times the size of the first ring: no ring goes there
 MARGIN = 1.25  # of the square around the mesh over which starts are sampled
-
-
-@dataclass(frozen=True)
-class BasinEffort:
-    """What a search may cost.
-
-    Attributes:
-        pace: of rings.
-        starts: in a row of those that are sampled.
-        points: of a ring, at most.
-        way: of rings, in multiples of their size, at most.
-        triangles: that are looked at in floats for a mesh, at most; those near the point come first.
-        outward: steps of rings that look for a polygon outside, at most.
-    """
-
-    pace: Pace
-    starts: int
-    points: int = 4_000
-    way: float = WAY
-    triangles: int = 300_000
-    outward: int = 10_000
 
 
 EFFORTS = {
@@ -315,19 +294,14 @@ def find_basin(
     def cells(unit: str) -> Plane:
         return Plane(system, unit, surfaces, Proofs({}))
 
-    def builder(rings: Sequence[Floats]) -> MeshBuilder:
-        return MeshBuilder(field, cells, rings, effort.pace.move, effort.triangles)
-
-    field, home = FloatField(cells("1")), _Home(system, local)
-    first = level_ring(field, home.potential, home.level, home.within)
+    field, home = FloatField(cells("1")), Home(system, local)
+    first = level_ring(field, home)
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())
     best: BuiltMesh | None = None
     for power in POWERS:
-        farthest, tell = min(limit or far, far), _step(announce, "rings")
-        rings = grow(field, first, effort.pace, farthest, effort.points, effort.way, tell, power)
-        built, last = mesh_of_rings(rings, builder, effort.pace.move, _step(announce, "bands of triangles"))
+        built, last = grown_mesh(field, cells, first, effort, min(limit or far, far), announce, power=power)
         if built is not None and (best is None or built.area > best.area):
             best = built
         if best is not None and best.area > NEARLY_ALL * area(last):
@@ -344,16 +318,11 @@ def find_basin(
         traps = find_traps(system, surfaces, border, effort.pace, effort.outward)
     starts = _grid(border, effort.starts, limit)
     certified = inside_ring(border, starts)
-    open_ones = np.ones(len(starts), dtype=bool)
-    for _, own in traps:
-        open_ones &= ~inside_ring(ring_of(own), starts)
-    for _, own in saddles:
-        open_ones &= left_of(own, starts)
-    if outside is not None:
-        open_ones &= inside_ring(ring_of(outside), starts)
+    left = [~inside_ring(ring_of(own), starts) for _, own in traps] + [left_of(own, starts) for _, own in saddles]
+    left += [] if outside is None else [inside_ring(ring_of(outside), starts)]
+    open_ones = np.all([np.ones(len(starts), dtype=bool), *left], axis=0)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
-    came = _come(field, home, border, starts[~certified & open_ones])
-    sampled = square[0], square[0] + came
+    sampled = square[0], square[0] + _come(field, home, border, starts[~certified & open_ones])
     return CertifiedBasin(hypotheses, sampled, outside, tuple(traps), tuple(saddles), square, _ends(starts))
 
 
@@ -375,9 +344,9 @@ def find_basin_in_space(
         limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
         announce: told what is done, how much of it, and of how much.
     """
-    field, home, effort = FloatField.of(system, surfaces), _Home(system, local), IN_SPACE[asked]
-    front = Front(field, home, home.within, limit, effort)
-    grown = front.grown(_step(announce, "polyhedra"))
+    field, home, effort = FloatField.of(system, surfaces), Home(system, local), IN_SPACE[asked]
+    front = Front(field, home, limit, effort)
+    grown = front.grown(partial(announce, "polyhedra"))
     if len(grown) < 2:
         return None
     mesh = front.record(grown)
@@ -388,54 +357,6 @@ def find_basin_in_space(
     count = int(np.sum(certified))
     came = _come(field, home, found.border, starts[~certified])
     return replace(found, sampled=(count, count + came), window=_ends(starts))
-
-
-def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
-    return lambda done, total: announce(what, done, total)
-
-
-class _Home:
-    """Where a V that falls is below a level, on the square or cube on which that is shown, in floats.
-
-    Attributes:
-        potential: V.
-        level: a part of the certified one.
-        within: half the side of the cube.
-    """
-
-    def __init__(self, system: System, local: Record) -> None:
-        self.potential = _potential(system, local)
-        self.level, self.within = INSIDE * float(Fraction(local["level"])), float(Fraction(local["cells"]["within"]))
-
-    def __call__(self, x: Floats) -> Mask:
-        """Which places are there."""
-        return np.asarray((self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within))
-
-
-def _potential(system: System, local: Record) -> Callable[[Floats], Floats]:
-    """V in floats: one formula, or one for each of some patterns of signs; infinite where it is not known."""
-    function, field = local["function"], FloatField.of(system, local["cells"]["surfaces"])
-    place, near = field.plane.domain.displacement, field.plane
-
-    def sign_patterns(x: Floats) -> NDArray[np.int64]:
-        return np.where(field.guards(x) >= 0, 1, -1)
-
-    @cache
-    def piece(signs: Pattern) -> Polynomial | None:
-        for mark, formula in [["", function]] if isinstance(function, str) else function:
-            if all(m == "." or "-+".index(m) * 2 - 1 == s for m, s in zip(mark, signs, strict=False)):
-                return Formula(formula, place).on(partial(near.surfaces.sign_on, signs))
-        return None
-
-    def potential(x: Floats) -> Floats:
-        found = np.full(len(x), np.inf)
-        for signs, here in by_pattern(sign_patterns(x)):
-            own = piece(signs)
-            if own is not None:
-                found[here] = values(own, x[here])
-        return found
-
-    return potential
 
 
 def _grid(border: Floats, count: int, limit: float | None) -> Floats:

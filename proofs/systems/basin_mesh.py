@@ -11,8 +11,9 @@ Where cells meet, each band is at last put to the checker's own conditions; ring
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import accumulate, islice, pairwise
 from math import gcd, lcm
 from typing import TypeAlias
@@ -20,17 +21,17 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
+from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls, whole_argument
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, area, lengths
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Pace, area, falls, gradients, grow, lengths
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
-EVERY = 12  # points of a ring of which one is used at first
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
 ROUNDS = 8  # in which a band is refined
 AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be refined are not needed
+WAY = 30.0  # of the fastest points of rings, in multiples of their size, at most
 STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh goes as far as they do
 BITS = 26  # of coordinates
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
@@ -41,24 +42,42 @@ Band: TypeAlias = tuple[int, int]  # the rings on both sides
 Failing: TypeAlias = tuple[tuple[int, int, int], bool]  # a triangle of a band, and whether it is turned over
 
 
+@dataclass(frozen=True)
+class BasinEffort:
+    """What a search may cost.
+
+    Attributes:
+        pace: of rings.
+        starts: in a row of those that are sampled.
+        every: as many points of a ring there are for each that is a corner at first.
+        points: of a ring, at most.
+        way: of rings, in multiples of their size, at most.
+        triangles: that are looked at in floats for a mesh, at most; those near the point come first.
+        outward: steps of rings that look for a polygon outside, at most.
+    """
+
+    pace: Pace
+    starts: int
+    every: int = 12
+    points: int = 4_000
+    way: float = WAY
+    triangles: int = 300_000
+    outward: int = 10_000
+
+
 @dataclass
 class LatticeRing:
     """A dense ring on the lattice.
 
     Attributes:
         points: whole numbers, in units.
-        lines: of each point the surface, a line, on which it lies, or another mark by which points of two rings belong
-            together; -1 of all others.
+        lines: of each point the surface, a line, on which it lies; -1 of all others.
         chosen: the points that are corners of the mesh, in order.
     """
 
     points: Floats
     lines: NDArray[np.int64]
-    chosen: list[int] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        fixed = np.nonzero(self.lines >= 0)[0].tolist()
-        self.chosen = sorted({*range(0, len(self.points), EVERY), *fixed})
+    chosen: list[int]
 
     def halve(self, position: int) -> int | None:
         """The point between two chosen neighbours; None where there is none."""
@@ -72,27 +91,21 @@ class Lattice:
     """Points that are multiples of a unit, among them many of every line on which a system switches.
 
     Attributes:
-        unit: such that the offset of every line is whole, too.
+        unit: such that the offset of every line is whole, too, and its largest slope divides it.
         lines: a, b, c of the surfaces that are lines, by their numbers: ``a X + b Y + c`` times a positive number.
     """
 
     def __init__(self, surfaces: Sequence[Polynomial], size: float) -> None:
-        forms = {}
-        for number, own in enumerate(surfaces):
-            if own.degree == 1:
-                a, b = own.slope(0), own.slope(1)
-                bottom = lcm(a.denominator, b.denominator)
-                common = gcd(int(a * bottom), int(b * bottom))
-                forms[number] = tuple(value * bottom / common for value in (a, b, own.at_origin))
-        shared = lcm(1, *(c.denominator for *_, c in forms.values()))
+        forms = {number: whole_plane(own) for number, own in enumerate(surfaces) if own.degree == 1}
+        shared = lcm(1, *((offset / max(normal, key=abs)).denominator for normal, offset in forms.values()))
         power = BITS - int(np.ceil(np.log2(size)))
         self.unit = Fraction(1, shared) / Fraction(2) ** power
-        self.lines = {number: (int(a), int(b), int(c / self.unit)) for number, (a, b, c) in forms.items()}
+        self.lines = {number: (a, b, int(offset / self.unit)) for number, ((a, b), offset) in forms.items()}
 
-    def ring(self, ring: Floats, marks: NDArray[np.int64]) -> LatticeRing:
-        """A ring with the points at which it crosses lines, all on the lattice."""
+    def ring(self, ring: Floats, every: int) -> LatticeRing:
+        """A ring with the points at which it crosses lines, all on the lattice; one of some points is a corner."""
         scale = 1 / float(self.unit)
-        points, on_line = np.rint(ring * scale), marks
+        points, on_line = np.rint(ring * scale), np.full(len(ring), -1)
         for number, (a, b, c) in self.lines.items():
             value = a * points[:, 0] + b * points[:, 1] + c
             on_line = np.where((value == 0) & (on_line < 0), number, on_line)
@@ -100,22 +113,33 @@ class Lattice:
             crossed = np.nonzero((value * after < 0) & (on_line < 0) & (np.roll(on_line, -1) < 0))[0]
             shares = value[crossed] / (value[crossed] - after[crossed])
             places = points[crossed] + shares[:, None] * (nearest[crossed] - points[crossed])
-            places = np.array([self._on_line(number, place) for place in places]).reshape(-1, 2)
+            places = np.array([on_plane(place, (a, b), c) for place in places]).reshape(-1, 2)
             points = np.insert(points, crossed + 1, places, axis=0)
             on_line = np.insert(on_line, crossed + 1, number)
-        return LatticeRing(*_thinned(points, on_line))
+        points, on_line = _thinned(points, on_line)
+        return LatticeRing(
+            points, on_line, sorted({*range(0, len(points), every), *np.nonzero(on_line >= 0)[0].tolist()})
+        )
 
     def on_lines(self, corners: Floats) -> dict[int, Floats]:
         """The values of the surfaces that are lines at whole places: shape (triangles, 3), without error."""
         return {n: a * corners[:, :, 0] + b * corners[:, :, 1] + c for n, (a, b, c) in self.lines.items()}
 
-    def _on_line(self, number: int, place: Floats) -> tuple[int, int]:
-        """The point of the lattice on a line near a place."""
-        a, b, c = self.lines[number]
-        x = -c * pow(a, -1, abs(b)) % abs(b) if b else -c // a  # a X + c is a multiple of b
-        y = (-c - a * x) // b if b else 0
-        steps = round((b * (place[0] - x) - a * (place[1] - y)) / (a * a + b * b))
-        return x + steps * b, y - steps * a
+
+def whole_plane(surface: Polynomial) -> tuple[list[int], Fraction]:
+    """The normal of a line or plane in whole numbers without a common factor, and its value at the point."""
+    _, offset, *normal = whole_argument(surface)
+    common = gcd(*normal)
+    return [own // common for own in normal], Fraction(offset, common)
+
+
+def on_plane(place: Sequence[float], normal: Sequence[int], offset: int) -> list[int]:
+    """A whole place near another one on a line or plane: its largest slope, the pivot, is to divide the offset."""
+    numbers = range(len(normal))
+    pivot = max(numbers, key=lambda k: abs(normal[k]))
+    moved = [round(own / normal[pivot]) * normal[pivot] for own in place]
+    moved[pivot] = -(offset + sum(normal[k] * moved[k] for k in numbers if k != pivot)) // normal[pivot]
+    return moved
 
 
 def _thinned(points: Floats, on_line: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
@@ -160,9 +184,6 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
     seen = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, own), (outer, other))]
     turns = [t for t in range(len(other)) if seen[0] == seen[1][t:] + seen[1][:t]]
     if not turns:
-        own, other = _in_common(own, other, *seen)
-        turns = [0]
-    if not own:
         own, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
     places = outer.points[np.array(outer.chosen)[other]][turns]
     turn = turns[int(lengths(places - inner.points[inner.chosen[own[0]]]).argmin())]
@@ -174,23 +195,6 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
             sides = (listed[(k + 1) % len(own)] - listed[k]) % size
             stretches.append((listed[k], sides or size))
         yield stretches[0], stretches[1]
-
-
-def _in_common(
-    own: list[int], other: list[int], marks: Sequence[int], other_marks: Sequence[int]
-) -> tuple[list[int], list[int]]:
-    """Places whose marks both rings have once, as many as come in one cyclic order: the longest rising chain."""
-    once = [m for m in marks if marks.count(m) == 1 and other_marks.count(m) == 1]
-    if not once:
-        return [], []
-    size, start = len(other), other_marks.index(once[0])
-    ranks = [(other_marks.index(m) - start) % size for m in once]
-    best: list[list[int]] = []  # the longest chain that ends at each mark; all begin at the first one
-    for k, rank in enumerate(ranks):
-        before = [chain for j, chain in enumerate(best) if ranks[j] < rank]
-        best.append([*max(before, key=len, default=[]), k])
-    kept = [once[k] for k in max((chain for chain in best if chain[0] == 0), key=len)]
-    return [own[marks.index(m)] for m in kept], [other[other_marks.index(m)] for m in kept]
 
 
 @dataclass(frozen=True)
@@ -228,22 +232,39 @@ def last_ring(corners: Floats) -> Floats:
     return np.asarray(corners[corners[:, -1] == corners[:, -1].max()][:, :-1])
 
 
-def mesh_of_rings(
-    rings: Iterator[Floats],
-    builder: Callable[[Sequence[Floats]], MeshBuilder],
-    move: float,
-    announce: Callable[[int, int], None],
+def grown_mesh(
+    field: FieldInCells,
+    exact: Callable[[str], CellFields],
+    first: Floats,
+    effort: BasinEffort,
+    limit: float,
+    announce: Callable[[str, int, int], None],
+    *,
+    power: int = 2,
+    is_first_whole: bool = False,
 ) -> tuple[BuiltMesh | None, Floats]:
-    """The mesh of rings that are made as far as it comes, and the last of them."""
+    """The mesh of rings that are made as far as it comes, and the last of them.
+
+    Args:
+        field: the velocities in floats.
+        exact: the checker's cells, told the unit of the mesh.
+        first: ring.
+        effort: of the search.
+        limit: half the side of a square that no ring leaves.
+        announce: told what is done, how much of it, and of how much.
+        power: p of the speed of rings.
+        is_first_whole: whether all points of the first one are corners.
+    """
+    rings = grow(field, first, effort.pace, limit, effort.points, effort.way, partial(announce, "rings"), power)
     made: list[Floats] = []
     own: MeshBuilder | None = None
-    for count in (round(way / move) for way in STAGES):
+    for count in (round(way / effort.pace.move) for way in STAGES):
         more = list(islice(rings, count - len(made)))
         if made and not more:
             break
         made += more
-        own = builder(made) if len(made) > 1 else None
-        if own is None or not own.refine(announce) or len(made) < count:
+        own = MeshBuilder(field, exact, made, effort, is_first_whole=is_first_whole) if len(made) > 1 else None
+        if own is None or not own.refine(partial(announce, "bands of triangles")) or len(made) < count:
             break
     return None if own is None else own.built(), made[-1]
 
@@ -255,9 +276,9 @@ class MeshBuilder:
         field: the velocities in floats.
         exact: the checker's cells, told the unit of the mesh.
         rings: from the first one on.
-        move: from each to the next one, of their size.
-        most: triangles that are looked at, refined ones anew; then the mesh ends before the first band that is open.
-        is_first_whole: whether all points of the first one are corners, and no others.
+        effort: of the search; a triangle that is refined counts anew, and after the last one the mesh ends before the
+            first band that is open.
+        is_first_whole: whether all points of the first one are corners.
     """
 
     def __init__(
@@ -265,8 +286,7 @@ class MeshBuilder:
         field: FieldInCells,
         exact: Callable[[str], CellFields],
         rings: Sequence[Floats],
-        move: float,
-        most: int,
+        effort: BasinEffort,
         *,
         is_first_whole: bool = False,
     ) -> None:
@@ -274,16 +294,19 @@ class MeshBuilder:
         self.lattice = Lattice(field.surfaces, size)
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
-        self.left, self.is_first_whole, self.used = most, is_first_whole, list[int]()
-        self.between = max(round(BETWEEN / move), 1)
-        if is_first_whole:
-            self.ring(0).chosen = list(range(len(self.ring(0).points)))
+        self.left, self.every, self.is_first_whole, self.used = (
+            effort.triangles,
+            effort.every,
+            is_first_whole,
+            list[int](),
+        )
+        self.between = max(round(BETWEEN / effort.pace.move), 1)
 
     def ring(self, number: int) -> LatticeRing:
         """A ring on the lattice."""
         if number not in self.rings:
-            is_kept = self.is_first_whole and not number
-            self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number], is_kept=is_kept))
+            is_whole = self.is_first_whole and not number
+            self.rings[number] = self.lattice.ring(self.dense[number], 1 if is_whole else self.every)
         return self.rings[number]
 
     def refine(self, announce: Callable[[int, int], None]) -> bool:
@@ -353,28 +376,17 @@ class MeshBuilder:
         starts = dict(zip(rings, accumulate(map(len, rings.values()), initial=0), strict=False))
         places = [[starts[ring] + point for ring, point in own] for own in named]
         corners = np.concatenate(list(rings.values()))[places]
-        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-        areas = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
-        outer_side = np.array([own[0] == 1 for _, own in bands])
-        along = np.where(outer_side[:, None], b - a, c - a)
-        normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        good = (areas > 0) & self._falls(corners, normals)
+        heights = np.array(
+            [[float(ring == pair[1]) for ring, _ in own] for (pair, _), own in zip(bands, named, strict=True)]
+        )
+        sizes, slopes = gradients(corners, heights)
+        at = corners * float(self.lattice.unit)
+        good = (sizes > 0) & falls(self.field, at, slopes, SMALL, self.lattice.on_lines(corners))
         found: dict[Band, list[Failing]] = {pair: [] for pair in pairs}
         for number in np.nonzero(~good)[0].tolist():
             pair, own = bands[number]
-            found[pair].append((own, bool(areas[number] <= 0)))
+            found[pair].append((own, bool(sizes[number] <= 0)))
         return found
-
-    def _falls(self, corners: Floats, normals: Floats) -> Mask:
-        """On which triangles ``n . f < 0`` for the fields of all cells that they may meet."""
-        good = np.ones(len(corners), dtype=bool)
-        places = corners * float(self.lattice.unit)
-        for cell, here in self.field.meeting(places, self.lattice.on_lines(corners)):
-            for velocities, points in self.field.velocities(cell, places[here]):
-                rates = points.coefficients(np.einsum("mkd,md->mk", velocities, normals[here]))
-                sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
-                good[here] &= rates.max(axis=1) < -SMALL * sizes
-        return good
 
     def _refine(self, pair: Band, failing: Sequence[Failing]) -> set[int]:
         """Halve sides of triangles that fail; which rings have more points."""

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from itertools import accumulate, product
 from math import factorial, prod
 from operator import mul
@@ -31,19 +31,24 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.cells import Pattern, System
+from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
-WAY, PAUSE, GROWTH = 30.0, 1.0, 1.0015  # of a ring's size at most; between looks at the area; by which this must grow
+PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
 PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ring of this size has
 WIDTH = 2.0**-20  # of a ring: of differences
 APART = 2.0**-10  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
+INSIDE = 0.9  # of the certified level: the first ring
 STARTS = 400  # points of the first ring
 TURNS, SHARP = 20, 0.8  # within half a step, of a start that stays somewhere else; cosines of these are below
+ALONG_SIDE = 5  # places on a side at which floats look whether velocities lead over it
+SLOW = 2.0**-10  # rate of decay, against the largest entry: a slower one is none
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
 
 
@@ -81,16 +86,6 @@ class FieldInCells(Protocol):
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Where a ring crosses lines along which solutions slide: after which points, the places, and velocities."""
-
-    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
-        """A ring with points beside the borders of cells that it crosses, and marks of these; -1 of all others.
-
-        Neighbours with marks, on both sides of a border, are to be joined with those of the next ring.
-
-        Args:
-            ring: as it has grown.
-            is_kept: whether it may have no other points than its own.
-        """
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, Mask]]:
         """Each cell with the triangles whose inside it may meet.
@@ -132,34 +127,17 @@ class FloatField:
         return numbers, rows, np.asarray(ring[rows] + shares[:, None] * (np.roll(ring, -1, axis=0) - ring)[rows])
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
-        """Where a ring crosses surfaces to which the velocities of both sides lead, with the mixtures along these.
-
-        The mixture ``(b f - a h) / (b - a)`` of velocities f and h, which have the parts a and b along the normal of
-        the surface, is tangent to it.
-        """
+        """Where a ring crosses surfaces to which the velocities of both sides lead, with the mixtures along these."""
         numbers, rows, places = self.crossings(ring)
         if not len(rows) or len(self.at(ring[:1])) > 1:
             return rows[:0], places[:0], places[:0]
-        signs = np.where(self.guards(ring) >= 0, 1, -1)
-        first, last = signs[rows], signs[(rows + 1) % len(ring)]
-        f, h = (
-            np.stack([self.on(tuple(own), x[None])[0, 0] for own, x in zip(k, places, strict=True)])
-            for k in (first, last)
-        )
+        f, h = (self.beside(ends, places)[0] for ends in (ring[rows], np.roll(ring, -1, axis=0)[rows]))
         width = WIDTH * float(np.abs(ring).max())
-        columns = []
-        for step in np.eye(2) * width:
-            rise = self.guards(places + step) - self.guards(places - step)
-            columns.append(rise[np.arange(len(rows)), numbers])
-        normals = np.stack(columns, axis=1) * -first[np.arange(len(rows)), numbers][:, None]
-        a, b = (normals * f).sum(axis=1), (normals * h).sum(axis=1)
-        sliding = (a > 0) & (b < 0)
-        mixed = (b[:, None] * f - a[:, None] * h)[sliding] / (b - a)[sliding, None]
-        return rows[sliding], places[sliding], mixed
-
-    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
-        """The ring as it is: points are put on lines, exactly, and curves are crossed where they are."""
-        return ring, np.full(len(ring), -1)
+        rises = [self.guards(places + step) - self.guards(places - step) for step in np.eye(2) * width]
+        slopes = np.stack(rises, axis=2)[np.arange(len(rows)), numbers]
+        normals = np.where(self.guards(ring)[rows, numbers] >= 0, -1, 1)[:, None] * slopes
+        mixed, slides = mixtures(f, h, normals)
+        return rows[slides], places[slides], mixed[slides]
 
     @property
     def scale(self) -> float:
@@ -175,9 +153,9 @@ class FloatField:
         """
         for k, side in enumerate(self.plane.sides(cell)):
             still, *moved = (max(own.degree for own in part) for part in side.parts)
-            count = triangles.shape[1]
+            count, states = triangles.shape[1:]
             points = bernstein(max([still, *(own + 1 for own in moved)]), count)
-            at, corners = points.places(triangles), triangles.reshape(-1, count - 1)
+            at, corners = points.places(triangles), triangles.reshape(-1, states)
             bounds = []
             for (_, v), own in zip(self.plane.waves[k], self.waves(k, corners), strict=True):
                 arguments = values(v, corners).reshape(len(triangles), count)
@@ -185,7 +163,7 @@ class FloatField:
                 mean = points.weights(own.reshape(len(triangles), count))
                 bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
             for waves in product(*bounds):
-                yield self.side(cell, k, at.reshape(-1, count - 1), waves).reshape(at.shape), points
+                yield self.side(cell, k, at.reshape(-1, states), waves).reshape(at.shape), points
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, Mask]]:
         """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there.
@@ -209,16 +187,11 @@ class FloatField:
             allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
             if slack:
                 allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
-        kinds, which = np.unique(allowed.reshape(len(triangles), -1), axis=0, return_inverse=True)
-        groups: dict[Pattern, Mask] = {}
-        for number, kind in enumerate(kinds):
-            patterns: list[Pattern] = [()]
-            for low, high in kind.reshape(-1, 2):
-                signs = [s for s, holds in ((-1, low), (1, high)) if holds]
-                patterns = [(*own, s) for own in patterns for s in signs]
-            for pattern in patterns:
-                groups[pattern] = groups.get(pattern, np.zeros(len(triangles), dtype=bool)) | (which.ravel() == number)
-        yield from groups.items()
+        groups: list[tuple[Pattern, Mask]] = [((), np.ones(len(triangles), dtype=bool))]
+        for number in range(len(listed)):
+            more = [((*own, s), here & allowed[:, number, k]) for own, here in groups for k, s in enumerate((-1, 1))]
+            groups = [(own, here) for own, here in more if here.any()]
+        yield from groups
 
     def guards(self, x: Floats) -> Floats:
         """The values of the surfaces: shape (places, surfaces)."""
@@ -259,18 +232,32 @@ class FloatField:
         return [[(name, together([v])) for name, v in side] for side in self.plane.waves]
 
     def at(self, x: Floats) -> Floats:
-        """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
+        """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, states)."""
+        return self.beside(x, x)
+
+    def beside(self, x: Floats, ends: Floats) -> Floats:
+        """The velocities that the cells of places have at other places."""
         guards = self.guards(x)
         if not guards.shape[1]:
-            return self.on((), x)
+            return self.on((), ends)
         found = None
         for signs, here in by_pattern(np.where(guards >= 0, 1, -1)):
-            own = self.on(signs, x[here])
+            own = self.on(signs, ends[here])
             found = np.zeros((len(own), *x.shape)) if found is None else found
             found[:, here] = own
         if found is None:
             raise ValueError("required a place")
         return found
+
+
+def mixtures(below: Floats, above: Floats, normals: Floats) -> tuple[Floats, Mask]:
+    """The mixtures along surfaces of velocities on both sides, and where both velocities lead to the surface.
+
+    With the parts a and b of velocities f and h along the normal, which leads upward, it is ``(b f - a h) / (b - a)``.
+    """
+    a, b = (normals * below).sum(axis=1), (normals * above).sum(axis=1)
+    slides = (a > 0) & (b < 0)
+    return (b[:, None] * below - a[:, None] * above) / np.where(slides, b - a, 1)[:, None], slides
 
 
 def by_pattern(signs: NDArray[np.int64]) -> Iterator[tuple[Pattern, Mask]]:
@@ -332,6 +319,42 @@ def together(polynomials: Sequence[Polynomial]) -> Callable[[Floats], Floats]:
     return at
 
 
+def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
+    """The sizes of simplices in d states, times d!, and the gradients of affine functions on them, times these.
+
+    Args:
+        places: their corners, shape (simplices, d + 1, d).
+        heights: the values there, shape (simplices, d + 1).
+    """
+    count, _, states = places.shape
+    edges, rises = np.zeros((3, count, 3)), np.zeros((3, count))
+    edges[2, :, 2] = 1  # a triangle is the base of a prism of height 1, along which the function is constant
+    edges[:states, :, :states] = (places[:, 1:] - places[:, :1]).transpose(1, 0, 2)
+    rises[:states] = (heights[:, 1:] - heights[:, :1]).T
+    normals = np.stack([np.cross(edges[k - 2], edges[k - 1]) for k in range(3)])
+    slopes = (rises[:, :, None] * normals).sum(axis=0)
+    return np.asarray((edges[0] * normals[0]).sum(axis=1)), np.asarray(slopes[:, :states])
+
+
+def falls(field: FieldInCells, places: Floats, slopes: Floats, margin: float, exact: Mapping[int, Floats]) -> Mask:
+    """On which simplices a function is seen to fall for the fields of all cells that they may meet.
+
+    Args:
+        field: the velocities.
+        places: the corners of the simplices, or of sides in space.
+        slopes: the gradient of the function on each, or the outward normal of each side.
+        margin: of the rate at which it falls, against the sizes of both vectors.
+        exact: as :meth:`FieldInCells.meeting` has it.
+    """
+    good = np.ones(len(places), dtype=bool)
+    for cell, here in field.meeting(places, exact):
+        for velocities, points in field.velocities(cell, places[here]):
+            rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes[here]))
+            sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes[here], axis=1)
+            good[here] &= rates.max(axis=1) < -margin * sizes
+    return good
+
+
 def values(polynomial: Polynomial, x: Floats) -> Floats:
     """A polynomial of the checker at places."""
     return together([polynomial])(x)[0]
@@ -343,38 +366,80 @@ def area(ring: Floats) -> float:
     return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
 
 
-def level_ring(field: FloatField, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
+class Home:
+    """Where a V that falls is below a level, on the square or cube on which that is shown, in floats.
+
+    Attributes:
+        potential: V.
+        level: a part of the certified one, at which polyhedra begin.
+        within: half the side of the cube.
+    """
+
+    def __init__(self, system: System, local: Record) -> None:
+        self.potential = _potential(system, local)
+        self.level, self.within = INSIDE * float(Fraction(local["level"])), float(Fraction(local["cells"]["within"]))
+
+    def __call__(self, x: Floats) -> Mask:
+        """Which places are there."""
+        return np.asarray((self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within))
+
+    def reach(self, rays: Floats) -> Floats:
+        """How many times vectors lead to where V first is the level; NaN where it is not on the way out of the cube."""
+        near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
+        for share in np.linspace(0, 1, 65)[1:]:
+            here = share * self.within / np.abs(rays).max(axis=1)
+            above = self.potential(rays * here[:, None]) >= self.level
+            far = np.where(np.isnan(far) & above, here, far)
+            near = np.where(np.isnan(far), here, near)
+        for _ in range(40):
+            middle = (near + far) / 2
+            above = self.potential(rays * middle[:, None]) >= self.level
+            near, far = np.where(above, near, middle), np.where(above, middle, far)
+        return np.where(np.isnan(far), np.nan, near)
+
+
+def _potential(system: System, local: Record) -> Callable[[Floats], Floats]:
+    """V in floats: one formula, or one for each of some patterns of signs; infinite where it is not known."""
+    function, field = local["function"], FloatField.of(system, local["cells"]["surfaces"])
+    place, near = field.plane.domain.displacement, field.plane
+
+    def sign_patterns(x: Floats) -> NDArray[np.int64]:
+        return np.where(field.guards(x) >= 0, 1, -1)
+
+    @cache
+    def piece(signs: Pattern) -> Polynomial | None:
+        for mark, formula in [["", function]] if isinstance(function, str) else function:
+            if all(m == "." or "-+".index(m) * 2 - 1 == s for m, s in zip(mark, signs, strict=False)):
+                return Formula(formula, place).on(partial(near.surfaces.sign_on, signs))
+        return None
+
+    def potential(x: Floats) -> Floats:
+        found = np.full(len(x), np.inf)
+        for signs, here in by_pattern(sign_patterns(x)):
+            own = piece(signs)
+            if own is not None:
+                found[here] = values(own, x[here])
+        return found
+
+    return potential
+
+
+def level_ring(field: FloatField, home: Home) -> Floats | None:
     """Where V first is a level on rays from the point, within a square; None where it is not on all of them.
 
     There are rays to where the level set crosses surfaces, too: it may have corners there.
     """
-    angles = np.linspace(0, 2 * np.pi, STARTS, endpoint=False)
-    ring = _on_rays(unit_vectors(angles), potential, level, radius)
-    if ring is None:
+    rays = unit_vectors(np.linspace(0, 2 * np.pi, STARTS, endpoint=False))
+    ring = rays * home.reach(rays)[:, None]
+    if np.isnan(ring).any():
         return None
     _, rows, places = field.crossings(ring)
     gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - np.roll(ring, -1, axis=0)[rows], axis=1)
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
     own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
     rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
-    return _on_rays(rays, potential, level, radius)
-
-
-def _on_rays(rays: Floats, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
-    """Where V first is a level on rays from the point, within a square; None where it is not on all of them."""
-    near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
-    for share in np.linspace(0, 1, 65)[1:]:
-        here = share * radius / np.abs(rays).max(axis=1)
-        above = potential(rays * here[:, None]) >= level
-        far = np.where(np.isnan(far) & above, here, far)
-        near = np.where(np.isnan(far), here, near)
-    if np.isnan(far).any():
-        return None
-    for _ in range(40):
-        middle = (near + far) / 2
-        above = potential(rays * middle[:, None]) >= level
-        near, far = np.where(above, near, middle), np.where(above, middle, far)
-    return np.asarray(rays * near[:, None])
+    ring = rays * home.reach(rays)[:, None]
+    return None if np.isnan(ring).any() else ring
 
 
 def grow(
@@ -494,6 +559,17 @@ def lengths(x: Floats) -> Floats:
     return np.asarray(np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2))
 
 
+def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Floats:
+    """The least sine of the angle at which velocities lead to the right over sides from corners, as floats see it."""
+    sides = np.roll(ring, -1, axis=0) - ring if sides is None else sides
+    normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+    places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
+    velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
+    across = (velocities * normals).sum(axis=-1)
+    sizes = np.linalg.norm(velocities, axis=-1) * np.linalg.norm(normals, axis=1)
+    return np.asarray((across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1)))
+
+
 def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], Mask], far: float) -> Mask:
     """Which starts come to where ``home`` is true before they are farther away than some distance, in floats.
 
@@ -532,15 +608,19 @@ def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> Mask:
     return found
 
 
-def falling_form(linear: Floats, share: float) -> Floats:
-    """P such that ``x' P x`` falls along ``x' = A x``, at least about at a share s of the slowest rate r.
+def unit_ball(linear: Floats, share: float) -> Floats:
+    """Units U in which balls shrink along ``x' = A x``, with ``x = U z``, by about a share s of the slowest rate r.
 
-    It has ``(A + s r I)' P + P (A + s r I) = -I``.
+    ``P = (U U')^-1`` has ``(A + s r I)' P + P (A + s r I) = -I``.  Where a rate is nearly zero, these are the units of
+    the states.
     """
     from scipy.linalg import solve_continuous_lyapunov
 
-    shift = -share * float(np.linalg.eigvals(linear).real.max())
-    return np.asarray(solve_continuous_lyapunov((linear + shift * np.eye(len(linear))).T, -np.eye(len(linear))))
+    slowest, one = -float(np.linalg.eigvals(linear).real.max()), np.eye(len(linear))
+    if not slowest > SLOW * float(np.abs(linear).max()):
+        return one
+    form = solve_continuous_lyapunov((linear + share * slowest * one).T, -one)
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
 
 
 def lattice_unit(power: int) -> str:

@@ -21,20 +21,27 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, product
-from math import gcd, lcm
+from math import gcd
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.checker.cells import Pattern
-from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, bernstein, falling_form, lattice_unit
+from nonsmooth.proofs.systems.basin_mesh import on_plane, whole_plane
+from nonsmooth.proofs.systems.basin_rings import (
+    FloatField,
+    Home,
+    falls,
+    gradients,
+    lattice_unit,
+    mixtures,
+    unit_ball,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
 SMALLER, WIDER = 20, 2.0  # times that the ellipsoid gets smaller by a fifth; of it, a cube that polyhedra do not leave
-SLOW = 2.0**-10  # rate of decay, against the largest entry: a slower one is none
 PATH = 0.25  # of the distance from the point: a step along the field
 BLUNT, SMOOTHINGS = 0.5, 4  # part of the mean of neighbours that corners become, and how often
 SLOWEST = 0.25  # part of their way that corners go at least for all that
@@ -160,8 +167,7 @@ class Front:
 
     Args:
         field: of a system in three states that does not switch.
-        inside: which places are in the level set that attracts.
-        within: half the side of a cube that holds this.
+        home: the level set that attracts.
         limit: half the side of a cube that no polyhedron should leave; a wider one serves where they begin in that.
         effort: of the search.
     """
@@ -169,23 +175,22 @@ class Front:
     def __init__(
         self,
         field: FloatField,
-        inside: Callable[[Floats], Mask],
-        within: float,
+        home: Home,
         limit: float,
         effort: ShellEffort,
     ) -> None:
         self.field, self.effort = field, effort
         self.planes = switching_planes(field)
         numbers = list(self.planes)
-        units = unit_ball(slopes_along(lambda x: field.at(x)[0], np.eye(3), NEAR * within))
+        units = unit_ball(slopes_along(lambda x: field.at(x)[0], np.eye(3), NEAR * home.within), SHIFT)
         if numbers:
-            along = self._along_plane(inside, within) if len(numbers) == 1 else None
-            units = self._level_set(inside, within) if along is None else along
+            along = self._along_plane(home) if len(numbers) == 1 else None
+            units = self._level_set(home) if along is None else along
         normals = np.array([self.planes[k] for k in numbers], dtype=float).reshape(-1, 3) @ units
         self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         self.sphere, self.triangles, self.held = geodesic_sphere(effort.frequency, self.normals)
         self.count = len(self.sphere)
-        self.units = units * INSIDE * min(_reach(own, inside, within) for own in self.sphere @ units.T)
+        self.units = units * INSIDE * reach(home, self.sphere @ units.T).min()
         for _ in range(SMALLER):
             if not self._bad_sides(np.zeros(self.count)).any():
                 break
@@ -201,13 +206,13 @@ class Front:
         """The corners of the first polyhedron."""
         return np.asarray(self.sphere @ self.units.T)
 
-    def _level_set(self, inside: Callable[[Floats], Mask], within: float) -> Floats:
+    def _level_set(self, home: Home) -> Floats:
         """Units U of the ellipsoid nearest to the set that attracts: ``r^-2 = u' P u`` for its distances r on rays u.
 
         ``P = (U U')^-1``; where that is not positive, U are the units of the states.
         """
         sphere, _, _ = geodesic_sphere(self.effort.frequency)
-        distances = np.array([_reach(own, inside, within) for own in sphere])
+        distances = reach(home, sphere)
         pairs = list(combinations_with_replacement(range(3), 2))
         columns = np.stack([sphere[:, i] * sphere[:, j] for i, j in pairs], axis=1)
         form = np.zeros((3, 3))
@@ -218,22 +223,22 @@ class Front:
             return np.eye(3)
         return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
 
-    def _along_plane(self, inside: Callable[[Floats], Mask], within: float) -> Floats | None:
+    def _along_plane(self, home: Home) -> Floats | None:
         """Units in which a ball shrinks along a plane on which solutions slide near the point; None where none do.
 
         Its third axis is that of the jump of the field, so that off the plane the ball shrinks by what jumps.
         """
         normal = np.array(next(iter(self.planes.values())), dtype=float)
-        size, plane = NEAR * within, np.linalg.svd(normal[None])[2][1:]
+        size, plane = NEAR * home.within, np.linalg.svd(normal[None])[2][1:]
         _, slides = sliding(self.field, size * plane, normal)
         if not slides.all():
             return None
         slopes = slopes_along(lambda x: sliding(self.field, x, normal)[0], plane, size)
         across = WIDTH * size * normal / np.linalg.norm(normal)
         jump = np.subtract(*(self.field.at(own[None])[0, 0] for own in (across, -across)))
-        flat, jump = plane.T @ unit_ball(plane @ slopes), jump / np.linalg.norm(jump)
-        flat = flat * min(_reach(own, inside, within) for own in flat.T)
-        units = np.column_stack([flat, _reach(jump, inside, within) * jump])
+        flat, jump = plane.T @ unit_ball(plane @ slopes, SHIFT), jump / np.linalg.norm(jump)
+        flat = flat * reach(home, flat.T).min()
+        units = np.column_stack([flat, reach(home, jump[None])[0] * jump])
         return units * [1, 1, np.sign(np.linalg.det(units))]  # as the axes of the states are turned
 
     def grown(self, announce: Callable[[int, int], None]) -> list[Floats]:
@@ -338,26 +343,11 @@ class Front:
         corners = self.triangles[near[rows, chosen]]
         return np.asarray((logarithms[corners] * own).sum(axis=1) / own.sum(axis=1))
 
-    def _on_sides(self, cell: Pattern) -> Bernstein:
-        """For polynomials of the degree of a cell's fields; sines and cosines are taken for cubic ones."""
-        parts = [side.parts for side in self.field.plane.sides(cell)]
-        degrees = [max(own.degree for own in part) + 3 * (k > 0) for own in parts for k, part in enumerate(own)]
-        return bernstein(max(degrees))
-
     def _bad_sides(self, logarithms: Floats) -> Mask:
         """Over which sides the field is not seen to lead inward."""
         corners = self.places(logarithms)[self.triangles]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        bad = np.zeros(len(corners), dtype=bool)
-        for cell, here in self.field.meeting(corners, self._on_planes(corners, self.triangles)):
-            points = self._on_sides(cell)
-            places = points.places(corners[here])
-            for velocities in self.field.on(cell, places.reshape(-1, 3)):
-                own = velocities.reshape(places.shape)
-                rates = points.coefficients(np.einsum("mkd,md->mk", own, normals[here]))
-                scale = np.linalg.norm(own, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
-                bad[here] |= rates.max(axis=1) > -MARGIN * scale
-        return bad
+        return ~falls(self.field, corners, normals, MARGIN, self._on_planes(corners, self.triangles))
 
     def _thinned(self, found: Sequence[Floats]) -> list[Floats]:
         """Some of the polyhedra, a little apart: after each one the farthest of a few that serves as the next."""
@@ -400,53 +390,49 @@ class Front:
         """Those of some tetrahedra between two polyhedra on which floats do not see W fall."""
         places = np.concatenate([self.places(inner), self.places(outer)])[own]
         sizes, slopes = gradients(places, (own >= self.count).astype(float))
-        good = sizes > 0
-        for cell, here in self.field.meeting(places, self._on_planes(places, own % self.count)):
-            for velocities, points in self.field.velocities(cell, places[here]):
-                rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes[here]))
-                scale = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes[here], axis=1)
-                good[here] &= rates.max(axis=1) < -margin * scale
-        return np.asarray(~good)
+        return ~((sizes > 0) & falls(self.field, places, slopes, margin, self._on_planes(places, own % self.count)))
 
     @cached_property
     def _beside_planes(self) -> tuple[Triples, Triples]:
-        """Pairs of tetrahedra with a side between them in a plane, and the place of the corner of the first off it."""
+        """Pairs of tetrahedra with a side between them in a plane, shape (pairs, 2), and the corners of the sides."""
         held = self.held[self.between % self.count]
         found: dict[tuple[int, ...], list[int]] = {}
         for k in range(len(self.planes)):
             for number in np.nonzero(held[:, :, k].sum(axis=1) == 3)[0].tolist():
                 side = tuple(sorted(self.between[number][held[number, :, k]].tolist()))
                 found.setdefault(side, []).append(number)
-        pairs = np.array([own for own in found.values() if len(own) == 2], dtype=int).reshape(-1, 2)
-        sides = [side for side, own in found.items() if len(own) == 2]
-        away = [np.isin(self.between[own[0]], side).argmin() for own, side in zip(pairs, sides, strict=True)]
-        return pairs, np.array(away, dtype=int)
+        both = {side: own for side, own in found.items() if len(own) == 2}
+        pairs, sides = np.array(list(both.values()), dtype=int), np.array(list(both), dtype=int)
+        return pairs.reshape(-1, 2), sides.reshape(-1, 3)
 
     def _failing_beside_planes(self, inner: Floats, outer: Floats, margin: float) -> Mask:
-        """Tetrahedra beside sides in planes on which no mixture of both gradients is seen to fall for all fields."""
+        """Tetrahedra beside sides in planes on which no mixture of both gradients falls for the fields of both cells.
+
+        Velocities are looked at where the corners of the side are.
+        """
         failing = np.zeros(len(self.between), dtype=bool)
-        pairs, away = self._beside_planes
+        pairs, sides = self._beside_planes
         if not len(pairs):
             return failing
-        own = self.between[pairs.T]
-        places = np.concatenate([self.places(inner), self.places(outer)])[own]
-        slopes = [gradients(at, (n >= self.count).astype(float))[1] for at, n in zip(places, own, strict=True)]
+        corners = np.concatenate([self.places(inner), self.places(outer)])
+        tetrahedra = corners[self.between[pairs]]  # (pairs, 2, 4, 3)
+        heights = (self.between[pairs] >= self.count).astype(float)
+        first, second = (gradients(tetrahedra[:, k], heights[:, k])[1] for k in (0, 1))
         low, high = np.zeros(len(pairs)), np.ones(len(pairs))  # bounds of the part of the second gradient
-        listed, rays = places.reshape(-1, 4, 3), own.reshape(-1, 4) % self.count
-        for cell, here in self.field.meeting(listed, self._on_planes(listed, rays)):
-            touched = here.reshape(2, -1).any(axis=0)
-            for velocities, points in self.field.velocities(cell, places[0, touched]):
-                sizes = np.linalg.norm(velocities, axis=2).max(axis=1)
-                first, second = (
-                    points.coefficients(np.einsum("mkd,md->mk", velocities, slope[touched]))
-                    + (margin * sizes * np.linalg.norm(slope[touched], axis=1))[:, None]
-                    for slope in slopes
+        for k, corner in product((0, 1), range(3)):
+            middle = tetrahedra[:, k].mean(axis=1)
+            at = corners[sides[:, corner]]
+            for velocities in self.field.beside(middle, at):
+                speeds = np.linalg.norm(velocities, axis=1)
+                rate, other = (
+                    (velocities * slope).sum(axis=1) + margin * speeds * np.linalg.norm(slope, axis=1)
+                    for slope in (first, second)
                 )
-                on_side, rise = points.nodes[:, away[touched]].T == 0, second - first
-                bound = -first / np.where(rise == 0, 1, rise)
-                low[touched] = np.maximum(low[touched], np.where(on_side & (rise < 0), bound, 0).max(axis=1))
-                high[touched] = np.minimum(high[touched], np.where(on_side & (rise > 0), bound, 1).min(axis=1))
-                high[touched] -= (on_side & (rise == 0) & (first >= 0)).any(axis=1)
+                rise = other - rate
+                bound = -rate / np.where(rise == 0, 1, rise)
+                low = np.where(rise < 0, np.maximum(low, bound), low)
+                high = np.where(rise > 0, np.minimum(high, bound), high)
+                high -= (rise == 0) & (rate >= 0)
         failing[pairs[low >= high]] = True
         return failing
 
@@ -487,10 +473,7 @@ def switching_planes(field: FloatField) -> dict[int, tuple[int, int, int]]:
     found: dict[int, tuple[int, int, int]] = {}
     for number, own in enumerate(field.surfaces):
         if own.degree == 1 and not own.at_origin:
-            slopes = [own.slope(k) for k in range(3)]
-            bottom = lcm(*(value.denominator for value in slopes))
-            common = gcd(*(int(value * bottom) for value in slopes))
-            x, y, z = (int(value * bottom) // common for value in slopes)
+            x, y, z = whole_plane(own)[0]
             known = np.array([*found.values(), (x, y, z)], dtype=float)
             if len(found) < 3 and np.linalg.matrix_rank(known) == len(known):
                 found[number] = x, y, z
@@ -506,13 +489,7 @@ def on_planes(place: Sequence[int], normals: Sequence[tuple[int, int, int]]) -> 
         x, y, z = (own // common for own in line)
         steps = round((x * place[0] + y * place[1] + z * place[2]) / (x * x + y * y + z * z))
         return steps * x, steps * y, steps * z
-    moved = list(place)
-    for normal in normals:
-        pivot = max(range(3), key=lambda k: abs(normal[k]))
-        for k in {0, 1, 2} - {pivot}:
-            moved[k] = round(moved[k] / normal[pivot]) * normal[pivot]
-        moved[pivot] = -sum(normal[k] * moved[k] for k in {0, 1, 2} - {pivot}) // normal[pivot]
-    x, y, z = moved
+    x, y, z = on_plane(place, normals[0], 0) if normals else place
     return x, y, z
 
 
@@ -526,42 +503,15 @@ def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]
     width = WIDTH * np.linalg.norm(x, axis=1)[:, None] * normal / np.linalg.norm(normal)
     there = x - np.outer(x @ normal, normal) / (normal @ normal)
     above, below = (field.at(there + own)[0] for own in (width, -width))
-    a, b = above @ normal, below @ normal
-    slides = (a < 0) & (b > 0)
-    return (b[:, None] * above - a[:, None] * below) / np.where(slides, b - a, 1)[:, None], slides
+    return mixtures(below, above, normal[None])
 
 
-def unit_ball(linear: Floats) -> Floats:
-    """Units U in which a ball shrinks at a good angle along ``x' = A x``, with ``x = U z``.
-
-    ``(U U')^-1`` is a :func:`form that falls <nonsmooth.proofs.systems.basin_rings.falling_form>`.  Where a rate is
-    nearly zero, these are the units of the states.
-    """
-    slowest = -float(np.linalg.eigvals(linear).real.max())
-    if not slowest > SLOW * float(np.abs(linear).max()):
-        return np.eye(len(linear))
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(falling_form(linear, SHIFT)).T))
-
-
-def _reach(ray: Floats, inside: Callable[[Floats], Mask], within: float) -> float:
-    """How many times a vector leads to where a set is left first, on its way out of a cube."""
-    shares = np.linspace(0, 1, 513)[1:] * within / float(np.abs(ray).max())
-    left = ~inside(shares[:, None] * ray)
-    return float(shares[max(int(left.argmax()) - 1, 0)] if left.any() else shares[-1])
-
-
-def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
-    """Six times the sizes of tetrahedra, and the gradients of affine functions on them, times these.
-
-    Args:
-        places: their corners, shape (tetrahedra, 4, 3).
-        heights: the values there, shape (tetrahedra, 4).
-    """
-    a, b, c = (places[:, k] - places[:, 0] for k in (1, 2, 3))
-    rises = heights[:, 1:] - heights[:, :1]
-    normals = [np.cross(b, c), np.cross(c, a), np.cross(a, b)]
-    slopes = sum(rises[:, k, None] * own for k, own in enumerate(normals))
-    return np.asarray((a * normals[0]).sum(axis=1)), np.asarray(slopes)
+def reach(home: Home, rays: Floats) -> Floats:
+    """How many times vectors lead to where the level set is left first, on their way out of its cube."""
+    shares = np.linspace(0, 1, 513)[1:, None] * home.within / np.abs(rays).max(axis=1)
+    left = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)
+    last = np.where(left.any(axis=0), np.maximum(left.argmax(axis=0) - 1, 0), -1)
+    return np.asarray(shares[last, np.arange(len(rays))])
 
 
 def inside_polyhedron(sides: Floats, x: Floats) -> Mask:

@@ -28,7 +28,16 @@ from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, area, falling_form, grow, lattice_unit, next_ring
+from nonsmooth.proofs.systems.basin_rings import (
+    FloatField,
+    Pace,
+    area,
+    grow,
+    lattice_unit,
+    next_ring,
+    sines,
+    unit_ball,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
 Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
@@ -42,8 +51,8 @@ AROUND, GRID, NEWTON = 3.0, 15, 12  # half-widths of the region where other plac
 SETTLED, NEAR, MOST_TRAPS = 2.0**-30, 2.0**-8, 2  # speeds and distances of one place, over the size; places
 COARSER, MOST_POINTS, POINTS_A_STEP = 2.0, 4_000, 5  # angles and gaps than those of the region; points of a ring
 SLOWER = 0.75  # than the slowest solutions a V falls
+LESS = 0.75  # of the angle at which velocities lead into the first ring: that at which they meet the next ones
 FIRST, SMALLER, LOOKS = 200, (2, 4, 8, 16, 64), 25  # points of the first ring; distance over its size; rings tried
-ALONG_SIDE = 5  # places on a side at which floats look whether velocities lead over it
 KEPT, LONGEST, COARSENINGS = 0.25, (1 / 24, 1 / 96), 6  # of the angle; of the size, sides with fewer corners; rounds
 
 
@@ -147,7 +156,7 @@ def _grown_about(
     if first is None:
         return None
     most = min(MOST_POINTS, POINTS_A_STEP * steps)
-    angle = min(COARSER * pace.angle, _least_angle(field, first) / 2)
+    angle = min(COARSER * pace.angle, LESS * float(np.arcsin(sines(field, first[::-1]).min())))
     own = Pace(angle, min(COARSER * pace.gap, SLENDER * angle), pace.move)
     rings = list(grow(field, first, own, FARTHEST * distance, most, steps * pace.move, lambda done, total: None))
     return next(filter(None, map(shown, rings[:: -max(1, len(rings) // LOOKS)])), None)
@@ -155,19 +164,8 @@ def _grown_about(
 
 def _small_ring(slope: Floats) -> Floats:
     """An ellipse of size 1, counterclockwise: a level set of a V that falls about as fast as the slowest solutions."""
-    shape = falling_form(slope, SLOWER)
-    circle = unit_vectors(np.linspace(0, 2 * np.pi, FIRST, endpoint=False))
-    ring = circle / np.sqrt(np.einsum("ki,ij,kj->k", circle, shape, circle))[:, None]
+    ring = unit_vectors(np.linspace(0, 2 * np.pi, FIRST, endpoint=False)) @ unit_ball(slope, SLOWER).T
     return np.asarray(ring / np.abs(ring).max())
-
-
-def _least_angle(field: FloatField, ring: Floats) -> float:
-    """At which velocities lead into a ring."""
-    after = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
-    velocities = field.at(ring)
-    across = velocities[..., 0] * after[:, 1] - velocities[..., 1] * after[:, 0]
-    sizes = np.linalg.norm(velocities, axis=2) * np.linalg.norm(after, axis=1)
-    return float(np.arcsin(np.clip(-across / sizes, 0, 1)).min())
 
 
 def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) -> list[str]:
@@ -186,7 +184,7 @@ def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ri
         field: its velocities.
         ring: corners of a polygon with the point to its left.
     """
-    if not (_sines(field, ring) > 0).all():
+    if not (sines(field, ring) > 0).all():
         return None
     size = float(np.ptp(ring, axis=0).max())
     coarser = (_with_fewer_corners(field, ring, part * size) for part in LONGEST)
@@ -196,27 +194,16 @@ def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ri
 
 def _with_fewer_corners(field: FloatField, ring: Floats, longest: float) -> Floats:
     """A ring without corners between which velocities lead over the longer side at a good part of the angle, too."""
-    least = KEPT * float(_sines(field, ring).min())
+    least = KEPT * float(sines(field, ring).min())
     for _ in range(COARSENINGS):
         longer = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
-        left_out = _sines(field, np.roll(ring, 1, axis=0), longer) > least
+        left_out = sines(field, np.roll(ring, 1, axis=0), longer) > least
         left_out &= np.linalg.norm(longer, axis=1) < longest
         left_out[::2] = left_out[-1] = False  # never two neighbours
         if not left_out.any():
             break
         ring = ring[~left_out]
     return ring
-
-
-def _sines(field: FloatField, ring: Floats, sides: Floats | None = None) -> Floats:
-    """The least sine of the angle at which velocities lead to the right over sides from corners, as floats see it."""
-    sides = np.roll(ring, -1, axis=0) - ring if sides is None else sides
-    normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
-    places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
-    velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
-    across = (velocities * normals).sum(axis=-1)
-    sizes = np.linalg.norm(velocities, axis=-1) * np.linalg.norm(normals, axis=1)
-    return np.asarray((across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1)))
 
 
 def is_shown(system: System, hypotheses: Record) -> bool:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
+from nonsmooth.proofs.systems.basin import EFFORTS
+from nonsmooth.proofs.systems.basin_mesh import BasinEffort
 from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence import published_systems as study

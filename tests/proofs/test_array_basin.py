@@ -15,7 +15,7 @@ from nonsmooth.proofs.checker.array_basin import ArrayPlane
 from nonsmooth.proofs.checker.contact import Cells
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.wheels import read_array
-from nonsmooth.proofs.systems.basin import BasinEffort
+from nonsmooth.proofs.systems.basin_mesh import BasinEffort
 from nonsmooth.proofs.systems.basin_rings import Pace
 from tests.certificates.corpus import good_arrays, text_of
 from tests.evidence.array_basins import basin_of, drawn, strays

@@ -20,7 +20,8 @@ from nonsmooth.proofs.answers.array_basin import NoBasin, find_array_basin
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.many_states.reshaped_region import EFFORTS as RESHAPED
 from nonsmooth.proofs.system_certificates import find_region_of_simplices
-from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin
+from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin
+from nonsmooth.proofs.systems.basin_mesh import BasinEffort
 from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as SHELLS
 from nonsmooth.reports.checks.check import check_system
