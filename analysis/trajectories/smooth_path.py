@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, length
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, follow
 from nonsmooth.analysis.trajectories.guards import WHIRL_LOOP, FaceGuards, SurfaceCrossing, last_turn, whirl_around
@@ -355,7 +355,7 @@ def onto(x: Floats, surfaces: Sequence[Surface], size: float) -> Floats:
         else:
             gradients = np.array([surface.gradient(x) for surface in surfaces])
             move = np.linalg.lstsq(gradients, np.array(values), rcond=SURFACE_SLACK)[0]
-        if largest(move) > size:
+        if length(move) > size:
             break
         x = x - move
     if x is start:
