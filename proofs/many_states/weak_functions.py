@@ -158,7 +158,8 @@ class LinearProgram:
                 found = rounded(solved, partial(_holds, rows, matrix))
                 rising = self.beside() @ (solved if found is None else np.array(list(map(float, found)))) > SLACK
                 if not rising.any():
-                    yield from [] if found is None else [found]
+                    if found is not None:
+                        yield found
                     break
                 rows = np.vstack([rows, self.beside()[rising]])
 
