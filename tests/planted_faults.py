@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 NOT_COPIED = shutil.ignore_patterns(".*", "__pycache__", "*.egg-info")
 ROW = "tests/test_golden_matrix.py::test_a_row_says_what_it_said[{}]"
 FOUND, NOT_FOUND = 1, 0  # exit statuses of pytest: a test fails, none does
-LONGEST = 600  # seconds; work that does not end is found too
+LONGEST = 120  # seconds; work that does not end is found too
 
 
 @dataclass(frozen=True)
