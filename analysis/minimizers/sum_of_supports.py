@@ -330,8 +330,7 @@ def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, fo
     With S the Hessian of the others by the slip of the contact, their best answer along t taken out, the slip is ``v =
     s q``, ``(s S + w_k) q = w_k f`` and ``|q| = 1``; Newton's method solves ``1/|q| = 1`` for s.
     """
-    x, z = units
-    rates = np.array([z * z, x * x, -x * z]) / np.maximum(sums.sets.support(*slips), TINY)
+    rates = _turns(units) / np.maximum(sums.sets.support(*slips), TINY)
     rates[:, *held.at] = 0.0
     hessian = sums.hessian(rates)[_SQUARE].reshape(3, 3, -1)
     bent = (hessian * held.way).sum(axis=1)
@@ -350,6 +349,12 @@ def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, fo
     return (held.back * slip).sum(axis=1) - held.way * ((coupled * slip).sum(axis=0) / bend)
 
 
+def _turns(units: Floats) -> Floats:
+    """The derivative of units (2, n, m) by slips of length one, its entries ``(xx, yy, xy)``: across, nothing along."""
+    x, z = units
+    return np.array([z * z, x * x, -x * z])
+
+
 def _freely(sums: SupportSums, y: Floats) -> tuple[Floats, Floats, Floats]:
     """Unknowns, forces and the last step, after Newton steps in all three unknowns.
 
@@ -358,8 +363,8 @@ def _freely(sums: SupportSums, y: Floats) -> tuple[Floats, Floats, Floats]:
     for _ in range(FREE_STEPS):
         slips = sums.slips(y)
         inverse = 1 / np.maximum(sums.sets.support(*slips), TINY)
-        x, z = units = slips * inverse
-        xx, yy, xy = rates = np.array([z * z, x * x, -x * z]) * inverse
+        units = slips * inverse
+        xx, yy, xy = rates = _turns(units) * inverse
         step = sums.newton_step(sums.total(units), rates, 0.0, REGULAR)
         y = y + step
     along, across = sums.moved(step)

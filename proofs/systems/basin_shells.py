@@ -507,7 +507,11 @@ def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]
 
 
 def reach(home: Home, rays: Floats) -> Floats:
-    """How many times vectors lead to where the level set is left first, on their way out of its cube."""
+    """How many times vectors lead to where the level set is left first, on their way out of its cube.
+
+    To a part of the way, nearer than :meth:`Home.reach`: polyhedra that begin elsewhere grow to others, larger and
+    smaller ones by a factor, without an order.
+    """
     shares = np.linspace(0, 1, 513)[1:, None] * home.within / np.abs(rays).max(axis=1)
     left = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)
     last = np.where(left.any(axis=0), np.maximum(left.argmax(axis=0) - 1, 0), -1)
