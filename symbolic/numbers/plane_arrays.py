@@ -42,6 +42,11 @@ def point_velocities(twists: Floats, points: Floats) -> Floats:
     return np.asarray(twists[..., :2] + twists[..., 2:] * turned(points))
 
 
+def dot(a: Floats, b: Floats) -> Floats:
+    """Inner products of vectors of shape (..., 2)."""
+    return np.asarray(plane.dot(_coordinates(a), _coordinates(b)))
+
+
 def cross(a: Floats, b: Floats) -> Floats:
     """``a_x b_y - a_y b_x`` for vectors of shape (..., 2)."""
     return np.asarray(plane.cross(_coordinates(a), _coordinates(b)))

@@ -1,0 +1,444 @@
+"""Many paths at once through cells with constant twist: where each ends, when, and with which heading.
+
+The method is that of :mod:`nonsmooth.analysis.trajectories.piecewise_constant`, without the path between its ends.  In
+one leg all paths inside cells move together, whatever their cells, and so do all that are on edges.  Only the generic
+case is vectorized: paths through cells, strict crossings, strict sliding and rest on an edge.  What happens at a corner
+or where sliding ends is the same for all that get there, so it is decided once.  Every other start (on an edge, tangent
+to one) is handed to the scalar integrator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Self, TypeAlias
+
+import numpy as np
+
+from nonsmooth.analysis.cells.cell_complex import AtCorner, InCell, OnEdge
+from nonsmooth.analysis.cells.fan import RaySpeeds, sliding
+from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
+from nonsmooth.analysis.trajectories.closed_forms import (
+    ASYMPTOTE_DOUBT,
+    PROPORTIONAL_DOUBT,
+    SERIES_BELOW,
+    SERIES_TERMS,
+    CornerSpiral,
+    Junction,
+    Turns,
+    junction_at,
+    line_times,
+    signs_of,
+    times_back,
+)
+from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, cross, dot, float_points, turned
+
+MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
+DONE = -1  # the place of a path that has ended
+NONE = -1  # where there is no cell or edge
+
+OnRow: TypeAlias = Callable[[int, int], None]
+
+
+class BatchPaths:
+    """Starts on their way.
+
+    ``place`` numbers cells, then edges, then corners; ``entry`` is the edge or corner from which a cell was entered.
+    """
+
+    def __init__(self, field: ConstantField, points: Floats, theta: float) -> None:
+        count = len(points)
+        self.field, self.cells, self.signs = field, field.cells, signs_of(field)
+        self.arrays, self.turns = CellArrays.of(field), Turns(field, self.signs)
+        self.points, self.theta, self.time = points.copy(), np.full(count, theta), np.zeros(count)
+        self.unique = np.ones(count, dtype=bool)
+        self.ends: list[tuple[EndReason, str] | None] = [None] * count
+        self.first_edge = len(field.flows)
+        self.first_corner = self.first_edge + len(field.cells.edges)
+        self.place, self.entry = np.full(count, DONE), np.full(count, DONE)
+        self.anchors, self.anchored = np.full((count, 2), np.nan), np.full((count, 2), DONE)
+        self.corners: dict[int, tuple[Junction, list[Choice]]] = {}
+        inside = field.depths(points) > self.cells.slack
+        held = inside.any(axis=1)
+        self.place[held] = inside[held].argmax(axis=1)
+        self._one_by_one(np.flatnonzero(~held))
+
+    def run(self, report: OnRow | None = None) -> None:
+        """Leg after leg; ``report`` is told how many of all starts have ended."""
+        for leg in range(MAX_LEGS):
+            self._find_orbits(np.flatnonzero(self.place != DONE), anchor=leg & (leg - 1) == 0)
+            going = np.flatnonzero(self.place != DONE)
+            if report is not None:
+                report(len(self.place) - len(going), len(self.place))
+            if not len(going):
+                return
+            place = self.place[going]
+            inside, corners = place < self.first_edge, place >= self.first_corner
+            self._through(going[inside])
+            self._on_edge(going[~(inside | corners)])
+            for corner in sorted(set(place[corners].tolist())):  # numpy.unique would import masked arrays
+                self._at_corner(corner - self.first_corner, going[place == corner])
+        rest = np.flatnonzero(self.place != DONE)
+        self.time[rest], self.theta[rest] = np.inf, np.nan
+        self._finish(rest, EndReason.EVENTS, "")
+
+    def _find_orbits(self, going: Indices, *, anchor: bool) -> None:
+        """Paths that enter a cell where they entered it before are periodic (Brent: remember legs 1, 2, 4, 8, ...)."""
+        inside = going[(self.place[going] < self.first_edge) & (self.entry[going] != DONE)]
+        entered = np.column_stack([self.place[inside], self.entry[inside]])
+        same = (self.anchored[inside] == entered).all(axis=1)
+        back = same & (np.abs(self.points[inside] - self.anchors[inside]).max(axis=1, initial=0) <= self.cells.slack)
+        if anchor:
+            self.anchors[inside], self.anchored[inside] = self.points[inside], entered
+        orbits = inside[back]
+        rate = self.arrays.flow(self.place[orbits]).omega
+        self.time[orbits], self.theta[orbits] = np.inf, np.where(rate != 0, np.copysign(np.inf, rate), np.nan)
+        self._finish(orbits, EndReason.CIRCLES)
+
+    # ---- legs ----------------------------------------------------------------------------
+
+    def _through(self, own: Indices) -> None:
+        """Through cells to their borders."""
+        cell = self.place[own]
+        self.unique[own] &= ~self.arrays.tied[cell]
+        flow = self.arrays.flow(cell)
+        still = np.abs(velocities(flow, self.points[own])).max(axis=1, initial=0) <= self.signs.speed_slack
+        self._rest(own[still], flow.omega[still])
+        own, cell = own[~still], cell[~still]
+        flow, normals, offsets = self.arrays.flow(cell), self.arrays.normals[cell], self.arrays.offsets[cell]
+        times = crossing_times(flow, normals, offsets, self.points[own], self._entered(own), self.signs.speed_slack)
+        time = times.min(axis=1)
+        circles = np.isinf(time)
+        self.time[own[circles]], self.theta[own[circles]] = np.inf, np.copysign(np.inf, flow.omega[circles])
+        self._finish(own[circles], EndReason.CIRCLES)
+        own, cell, side, time = (values[~circles] for values in (own, cell, times.argmin(axis=1), time))
+        flow = self.arrays.flow(cell)
+        self.points[own] = moved(flow, self.points[own], time)
+        self.theta[own] += flow.omega * time
+        self.time[own] += time
+        self._land(own, self.arrays.borders[cell, side])
+
+    def _entered(self, own: Indices) -> Mask:
+        """Through which sides of their cells paths came in, (m, sides)."""
+        cell, entry = self.place[own], self.entry[own]
+        entered = np.zeros(self.arrays.offsets[cell].shape, dtype=bool)
+        by_edge = np.flatnonzero((entry != DONE) & (entry < self.first_corner))
+        edge = entry[by_edge] - self.first_edge
+        is_left = self.arrays.beside[edge, 0] == cell[by_edge]
+        entered[by_edge, np.where(is_left, *self.arrays.sides[edge].T)] = True
+        for k in np.flatnonzero(entry >= self.first_corner).tolist():
+            entered[k, list(self.cells.active_sides(int(cell[k]), int(entry[k]) - self.first_corner))] = True
+        return entered
+
+    def _land(self, own: Indices, borders: Indices) -> None:
+        """Onto one of the edges of a side, (m, edges), or onto a corner of them, exactly."""
+        for edge in borders.T:
+            there = edge != NONE
+            self._land_on(own[there], edge[there])
+
+    def _land_on(self, own: Indices, edge: Indices) -> None:
+        """Onto edges or corners of them, where they are there."""
+        r, start, end = self.arrays.directions[edge], self.arrays.starts[edge], self.arrays.ends[edge]
+        begin = self.arrays.points[start]
+        along, length = dot(self.points[own] - begin, r), dot(self.arrays.points[end] - begin, r)
+        on = (along > self.cells.slack) & (along < length - self.cells.slack)
+        self.points[own[on]] = (begin + along[:, None] * r)[on]
+        self.place[own[on]] = self.first_edge + edge[on]
+        for corner, distance in ((start, along), (end, along - length)):
+            near = np.abs(distance) <= self.cells.slack
+            self._reach(own[near], corner[near])
+
+    def _reach(self, own: Indices, corner: Indices) -> None:
+        self.points[own], self.place[own] = self.arrays.points[corner], self.first_corner + corner
+
+    def _on_edge(self, own: Indices) -> None:
+        """Across edges, along them, or at rest on them."""
+        edge = self.place[own] - self.first_edge
+        inner = (self.arrays.beside[edge] != NONE).all(axis=1)
+        self._finish(own[~inner], EndReason.OUTSIDE)
+        own, edge = own[inner], edge[inner]
+        cells, r = self.arrays.beside[edge], self.arrays.directions[edge]
+        left, right = (self.arrays.flow(cells[:, k]) for k in (0, 1))
+        u, v = (edge_speeds(flow, r, self.points[own]) for flow in (left, right))
+        n1, n2 = (np.where(np.abs(n) > self.signs.speed_slack, np.sign(n), 0) for n in (u.normal, v.normal))
+        push, *_ = sliding(v, u)
+        opposed, moves = n1 * n2 < 0, np.abs(push) > self.signs.product_slack
+        for sense, k in ((1, 0), (-1, 1)):
+            crosses = (n1 == sense) & (n2 == sense)
+            self._cross(own[crosses], edge[crosses], cells[crosses, k])
+        self.unique[own[opposed & (n1 > 0)]] = False
+        self.unique[own[opposed]] &= ~self.arrays.tied[cells[opposed]].any(axis=1)
+        slides, rests = opposed & moves, opposed & ~moves
+        self._slide(own[slides], edge[slides], forward=np.sign(push[slides]) * n2[slides] > 0)
+        turn = v.normal[rests] * left.omega[rests] - u.normal[rests] * right.omega[rests]
+        self._rest(own[rests], turn / (v.normal - u.normal)[rests])
+        self._one_by_one(own[n1 * n2 == 0])
+
+    def _cross(self, own: Indices, edge: Indices, cell: Indices) -> None:
+        """Into cells, or to the limit of infinitely many small turns around a corner of the edge."""
+        self.place[own], self.entry[own] = cell, self.first_edge + edge
+        for corner in (self.arrays.starts[edge], self.arrays.ends[edge]):
+            distance = np.hypot(*(self.points[own] - self.arrays.points[corner]).T)
+            for k in np.flatnonzero(distance <= self.turns.small).tolist():
+                turn = self.turns.inward_from(int(edge[k]), int(cell[k]), int(corner[k]))
+                if turn is not None and turn.fits(distance[k]):
+                    spiral = CornerSpiral(turn, self.cells.points[corner[k]], self.theta[own[k]], distance[k])
+                    time, self.theta[own[k]] = spiral.limit()
+                    self.time[own[k]] += time
+                    self._reach(own[k : k + 1], corner[k : k + 1])
+
+    def _slide(self, own: Indices, edge: Indices, *, forward: Mask) -> None:
+        """Along edges to a corner, to where sliding ends, or towards an equilibrium."""
+        if not len(own):
+            return
+        cells, r = self.arrays.beside[edge], self.arrays.directions[edge]
+        cells, r = np.where(forward[:, None], cells, cells[:, ::-1]), np.where(forward[:, None], r, -r)
+        corner = np.where(forward, self.arrays.ends[edge], self.arrays.starts[edge])
+        ends = dot(self.arrays.points[corner] - self.points[own], r)
+        left, right = (self.arrays.flow(cells[:, k]) for k in (0, 1))
+        speeds = edge_speeds(left, r, self.points[own]), edge_speeds(right, r, self.points[own])
+        reach, time, rotation = slide_ends(speeds, (left.omega, right.omega), ends)
+        self.points[own] += reach[:, None] * r
+        self.time[own] += time
+        self.theta[own] += rotation
+        endless = np.isinf(time)
+        self._finish(own[endless], EndReason.APPROACH)
+        there = ~endless & (ends - reach <= self.cells.slack)
+        self._reach(own[there], corner[there])
+        between = ~endless & ~there
+        for number, ahead in sorted(set(zip(edge[between].tolist(), forward[between].tolist(), strict=True))):
+            self._leave(number, own[between & (edge == number) & (forward == ahead)])
+
+    def _leave(self, number: int, own: Indices) -> None:
+        """Where sliding along an edge in one direction ends in between: at one point for all, hence decided once."""
+        x, y = self.points[own[0]].tolist()
+        choices = choices_at(self.field, junction_at(self.field, OnEdge(number), (x, y)), 0.0, self.signs)
+        same = float(np.ptp(self.points[own], axis=0).max()) <= self.cells.slack
+        if same and len(choices) == 1 and choices[0].kind is EventKind.CROSS:
+            self.place[own], self.entry[own] = choices[0].cells[0], self.first_edge + number
+        else:
+            self._one_by_one(own)
+
+    def _at_corner(self, corner: int, own: Indices) -> None:
+        """From a corner: all go the same way."""
+        if corner not in self.corners:
+            junction = junction_at(self.field, AtCorner(corner), self.cells.points[corner])
+            self.corners[corner] = junction, choices_at(self.field, junction, 0.0, self.signs)
+        junction, choices = self.corners[corner]
+        only = len(choices) == 1
+        if not choices and junction.border:
+            self._finish(own, EndReason.OUTSIDE)
+        elif only and choices[0].kind is EventKind.CROSS:
+            self.place[own], self.entry[own] = choices[0].cells[0], self.first_corner + corner
+        elif only and choices[0].kind is EventKind.REST:
+            self.unique[own] &= not self.turns.lead_outward(corner)
+            self._rest(own, np.full(len(own), choices[0].rate))
+        else:
+            self._one_by_one(own)
+
+    # ---- ends ----------------------------------------------------------------------------
+
+    def _rest(self, own: Indices, rates: Floats) -> None:
+        """At rest; where theta drifts on, it has no limit."""
+        turning = np.abs(rates) > self.signs.rate_slack
+        self.theta[own[turning]] = np.copysign(np.inf, rates[turning])
+        self._finish(own[turning], EndReason.TURNING)
+        self._finish(own[~turning], EndReason.REST)
+
+    def _finish(self, own: Indices, reason: EndReason, name: str | None = None) -> None:
+        """The end of paths, where they are or at a place of another name."""
+        for k, place in zip(own.tolist(), self.place[own].tolist(), strict=True):
+            self.ends[k] = reason, self._name_of(place) if name is None else name
+        self.place[own] = DONE
+
+    def _name_of(self, place: int) -> str:
+        if place < self.first_edge:
+            return self.field.place_name(InCell(place))
+        if place < self.first_corner:
+            return self.field.place_name(OnEdge(place - self.first_edge))
+        return self.field.place_name(AtCorner(place - self.first_corner))
+
+    def _one_by_one(self, own: Indices) -> None:
+        """Follow starts by the scalar integrator from where they are; those at the same point, together.
+
+        The velocity does not depend on theta, so that all who are at one point go the same way and turn by as much.
+        """
+        if not len(own):
+            return
+        points, member = np.unique(self.points[own], axis=0, return_inverse=True)
+        for k, (x, y) in enumerate(points.tolist()):
+            together = own[member.ravel() == k]
+            path = follow_cells(self.field, (x, y, 0.0))
+            last = path.pieces[-1] if path.pieces else None
+            name = last.place if last else self._place_at(x, y)
+            self.time[together] += float(path.time)
+            self.points[together] = path.pose[:2]
+            self.theta[together] += float(path.pose[2])
+            if path.reason is EndReason.TURNING and last is not None:
+                self.theta[together] = np.copysign(np.inf, last.state(1.0)[2] - last.state(0.0)[2])
+            elif path.reason in (EndReason.CIRCLES, EndReason.EVENTS):
+                self.time[together], self.theta[together] = np.inf, np.nan
+            self.unique[together] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
+            self._finish(together, path.reason, name)
+
+    def _place_at(self, x: float, y: float) -> str:
+        place = self.cells.locate((x, y))
+        return "" if place is None else self.field.place_name(place)
+
+
+# ---- a field as arrays, by the numbers of cells and edges ----------------------------------------
+
+
+class CellArrays(NamedTuple):
+    """What paths need of their cells and edges.
+
+    Attributes:
+        flows: ``(vx, vy, omega, turn)`` of every cell, (cells, 4).
+        tied: whether several motions tie in a cell, (cells,).
+        normals: outward unit normals of its sides, (cells, sides, 2); zero where a cell has fewer sides than another.
+        offsets: of these sides, (cells, sides); infinite where there is none.
+        borders: the edges on each side, (cells, sides, edges); :data:`NONE` where there are fewer.
+        points: of corners, (corners, 2).
+        starts, ends: corners of every edge, (edges,).
+        directions: from start to end, of unit length, (edges, 2).
+        beside: the cells on the left and on the right, (edges, 2); :data:`NONE` beyond the domain.
+        sides: on which of their sides the edge lies, (edges, 2).
+    """
+
+    flows: Floats
+    tied: Mask
+    normals: Floats
+    offsets: Floats
+    borders: Indices
+    points: Floats
+    starts: Indices
+    ends: Indices
+    directions: Floats
+    beside: Indices
+    sides: Indices
+
+    @classmethod
+    def of(cls, field: ConstantField) -> Self:
+        """Those of a field in floats."""
+        cells, edges = field.cells, field.cells.edges
+        shape = len(cells.polygons), max(len(polygon.sides) for polygon in cells.polygons)
+        normals, offsets = np.zeros((*shape, 2)), np.full(shape, np.inf)
+        borders = np.full((*shape, max(len(border) for own in cells.borders for border in own)), NONE)
+        beside, sides = np.full((2, len(edges), 2), NONE)
+        for cell, (polygon, own) in enumerate(zip(cells.polygons, cells.borders, strict=True)):
+            for k, (side, border) in enumerate(zip(polygon.sides, own, strict=True)):
+                normals[cell, k], offsets[cell, k], borders[cell, k, : len(border)] = side.normal, side.offset, border
+                for edge in border:
+                    column = 0 if edges[edge].left == cell else 1
+                    beside[edge, column], sides[edge, column] = cell, k
+        flows = np.array([(own[0].vx, own[0].vy, own[0].omega, own[0].turn) for own in field.flows])
+        tied = np.array([field.tied(cell) for cell in range(len(flows))])
+        points, (starts, ends) = float_points(cells.points), np.array([(edge.start, edge.end) for edge in edges]).T
+        along = points[ends] - points[starts]
+        directions = along / np.hypot(*along.T)[:, None]
+        return cls(flows, tied, normals, offsets, borders, points, starts, ends, directions, beside, sides)
+
+    def flow(self, cell: Indices) -> Flow:
+        """The motions in cells (m,), each entry of shape (m,)."""
+        return Flow(*self.flows[cell].T)
+
+
+# ---- motions of a batch: flows with entries of shape (m,) ----------------------------------------
+
+
+def velocities(flow: Flow, points: Floats) -> Floats:
+    """``c'`` at points (m, 2)."""
+    return np.column_stack([flow.vx - flow.turn * points[:, 1], flow.vy + flow.turn * points[:, 0]])
+
+
+def moved(flow: Flow, points: Floats, time: Floats) -> Floats:
+    """Where motions from points (m, 2) are after a time of each, (m, 2)."""
+    velocity, w = velocities(flow, points), flow.turn
+    divisor = np.where(w != 0, w, 1.0)
+    along = np.where(w != 0, np.sin(w * time) / divisor, time)
+    across = 2 * np.sin(w * time / 2) ** 2 / divisor
+    return points + along[:, None] * velocity + across[:, None] * turned(velocity)
+
+
+def crossing_times(flow: Flow, normals: Floats, offsets: Floats, points: Floats, entered: Mask, slack: float) -> Floats:
+    """Time until each side of its cell is crossed, (m, sides); infinite where it never is.
+
+    Args:
+        flow: the motions.
+        normals: of the sides, (m, sides, 2); zero where there is none.
+        offsets: of the sides, (m, sides); infinite where there is none.
+        points: inside the cells, (m, 2).
+        entered: whether the path came in through the side, (m, sides): to it only an arc comes back.
+        slack: normal speeds that are zero within rounding.
+    """
+    velocity = velocities(flow, points)[:, None]
+    rate, bend, gap = dot(velocity, normals), cross(velocity, normals), offsets - dot(normals, points[:, None])
+    found = np.divide(np.maximum(gap, 0.0), rate, out=np.full(rate.shape, np.inf), where=(rate > 0) & ~entered)
+    arcs = flow.turn != 0
+    if arcs.any():
+        w, rate, bend, entered = flow.turn[arcs, None], rate[arcs], bend[arcs], entered[arcs]
+        back = np.where(np.abs(rate) > slack, times_back(w, rate, bend), np.inf)
+        found[arcs] = np.where(entered, back, line_times(w, gap[arcs], rate, bend))
+    return found
+
+
+def edge_speeds(flow: Flow, directions: Floats, points: Floats) -> RaySpeeds:
+    """Speeds of neighbours of edges of unit directions (m, 2): towards the left of the edge, and along it."""
+    velocity = velocities(flow, points)
+    return RaySpeeds(cross(directions, velocity), flow.turn, dot(directions, velocity))
+
+
+class SlideEnds(NamedTuple):
+    """How slides end: distance covered, time taken (infinite: an equilibrium is approached), rotation."""
+
+    reach: Floats
+    time: Floats
+    rotation: Floats
+
+
+def slide_ends(speeds: tuple[RaySpeeds, RaySpeeds], omegas: tuple[Floats, Floats], ends: Floats) -> SlideEnds:
+    """Slides along unit directions from points with the given speeds to the corners at distances ``ends`` (m,).
+
+    Speeds and rotation rates of the left and the right cell; the normal speeds are of opposite strict signs at the
+    start.
+    """
+    (n1, b1, p1), (n2, b2, p2) = speeds
+    a, b, c, d = sliding(speeds[1], speeds[0])
+    k = n2 * omegas[0] - n1 * omegas[1]
+    first, second = n1 * b2, n2 * b1
+    fixed = np.abs(first - second) <= PROPORTIONAL_DOUBT * (np.abs(first) + np.abs(second))
+    share = n2 / c
+    a, c = np.where(fixed, share * p1 + (1 - share) * p2, a), np.where(fixed, 1.0, c)
+    b, d = np.where(fixed, 0.0, b), np.where(fixed, 0.0, d)
+    k = np.where(fixed, share * omegas[0] + (1 - share) * omegas[1], k)
+    reach = np.array(ends)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for normal, turn in ((n1, b1), (n2, b2)):
+            vanishes = -normal / turn
+            reach = np.where(vanishes > 0, np.minimum(reach, vanishes), reach)
+        stop = -a / b
+        endless = (stop > 0) & (stop <= reach * (1 + ASYMPTOTE_DOUBT))
+        x = np.where(endless, 0.0, b * reach / a)
+        time = c * reach / a * _logarithm(x) + d * reach**2 / a * _second_logarithm(x)
+        rotation = k * reach / a * _logarithm(x)
+    turning = np.where(k != 0, np.copysign(np.inf, k * a), 0.0)
+    return SlideEnds(
+        np.where(endless, stop, reach), np.where(endless, np.inf, time), np.where(endless, turning, rotation)
+    )
+
+
+def _logarithm(x: Floats) -> Floats:
+    """``log(1 + x)/x``, one at zero."""
+    safe = np.where(x == 0, 1.0, x)
+    return np.where(x == 0, 1.0, np.log1p(safe) / safe)
+
+
+def _second_logarithm(x: Floats) -> Floats:
+    """``(x - log(1 + x))/x^2``, one half at zero."""
+    small = np.abs(x) < SERIES_BELOW
+    far = np.where(small, 1.0, x)
+    found = (far - np.log1p(far)) / far**2
+    if small.any():
+        found[small] = sum((-x[small]) ** k / (k + 2) for k in range(SERIES_TERMS))
+    return found
