@@ -3,21 +3,21 @@
 ``maximize sum_k prices_k w_k  subject to  sum_k w_k columns_k = target, w >= 0`` with a handful of rows.
 Primal simplex with Bland's rule (it cannot cycle) over the scene's field: the optimum is exact and comes with
 its own proof, the multipliers ``y`` with ``y . columns_k >= prices_k`` for all k and ``y . target`` equal to the value.
-With three rows the exact pivots cost less than starting a float solver; only over many square roots, where a pivot
-divides by long sums, a float solver proposes the basis and exact signs confirm it.
+With three rows floats go the same way first, and exact signs confirm the basis at which they end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, independent, inner
-from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, divided
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, inner
+from nonsmooth.symbolic.numbers.lazy import divided
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 from nonsmooth.symbolic.numbers.rounded import either_way
 
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 Column: TypeAlias = Sequence[Number]
 
 
-FEW_COLUMNS = 64  # beyond, exact pivots are many and long: floats propose the basis first
+ROUNDING = 2.0**-30  # of the largest entry of a row: less is zero to floats
+MOST_PIVOTS = 100  # of floats, which may go round in circles, for each column
 
 
 @dataclass(frozen=True)
@@ -92,42 +93,24 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
 
 
 def _solve(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | tuple[Number, ...]:
-    """The optimum, or multipliers y with ``y . columns_k >= 0`` and ``y . target < 0``: then nothing is feasible.
-
-    Rows with a negative target are negated first, and one artificial column per row starts phase one.
-    """
-    one = target[0].field.one
-    is_long = len(one.field.radicands) > FEW_ROOTS or len(columns) > FEW_COLUMNS
-    if is_long and len(columns) >= len(target):  # fewer are no basis, and to load the solver takes longer than all else
-        proposed = _verified_proposal(columns, target, prices)
-        if proposed is not None:
-            return proposed
-    zero = one - one
-    rows = len(target)
-    flips = [-1 if t.sign() < 0 else 1 for t in target]
-    padded = [[flip * entry for flip, entry in zip(flips, column, strict=True)] for column in columns]
-    padded += [[one if r == k else zero for r in range(rows)] for k in range(rows)]
-    goal = [flip * t for flip, t in zip(flips, target, strict=True)]
-    real = len(columns)
-    basis = list(range(real, real + rows))
-    phase_one = [zero] * real + [-one] * rows
-    tableau = _Tableau(padded, goal, basis)
-    tableau.maximize(phase_one, allowed=real + rows)
-    if any(basic >= real and level.sign() > 0 for basic, level in zip(tableau.basis, tableau.levels, strict=True)):
-        return tuple(flip * y for flip, y in zip(flips, tableau.multipliers(phase_one), strict=True))
-    tableau.expel_artificials(real)
-    tableau.maximize([*prices, *[zero] * rows], allowed=real)
-    weights = {k: w for k, w in zip(tableau.basis, tableau.levels, strict=True) if k < real and w}
-    multipliers = [flip * y for flip, y in zip(flips, tableau.multipliers([*prices, *[zero] * rows]), strict=True)]
-    return Mixture(weights, _sum([prices[k] * w for k, w in weights.items()], zero), tuple(multipliers))
+    """The optimum, or multipliers y with ``y . columns_k >= 0`` and ``y . target < 0``: then nothing is feasible."""
+    proposed = _verified_proposal(columns, target, prices) if len(target) == 3 else None
+    if proposed is not None:
+        return proposed
+    tableau = _Tableau(columns, target, sign)
+    if not tableau.optimize(prices):
+        return tableau.multipliers(tableau.phase_one)
+    weights = {k: w for k, w in zip(tableau.basis, tableau.levels, strict=True) if k < len(columns) and w}
+    value = _sum([prices[k] * w for k, w in weights.items()], target[0] * 0)
+    return Mixture(weights, value, tableau.multipliers(tableau.padded(prices)))
 
 
 def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
     """The optimum, if floats find its basis and exact signs confirm it; None where they do not.
 
-    With many square roots an exact pivot divides by long sums.  For three rows the basis B alone decides: with
-    ``det = det B``, the weights are ``det(B with the target in place of column k)/det`` and the multipliers
-    ``y = prices_B B^-1``; all signs are those of numerators times that of det.
+    For three rows the basis B alone decides: with ``det = det B``, the weights are ``det(B with the target in place of
+    column k)/det`` and the multipliers ``y = prices_B B^-1``; all signs are those of numerators times that of det.
+    Exact pivots take three times as long, and over many square roots they divide by long sums.
     """
     basis = _float_basis(columns, target, prices)
     if basis is None:
@@ -142,7 +125,7 @@ def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequen
     rows = list(zip(*adjugate, strict=True))
     multipliers = [_sum(prices[k] * c for k, c in zip(basis, row, strict=True)) for row in rows]
     for column, price in zip(columns, prices, strict=True):
-        if (_sum(y * c for y, c in zip(multipliers, column, strict=True)) - price * det).sign() * side < 0:
+        if (_product(multipliers, column) - price * det).sign() * side < 0:
             return None
     value = _sum(prices[k] * top for k, top in zip(basis, tops, strict=True))
     weights = {k: divided(top, det) for k, top in zip(basis, tops, strict=True) if top}
@@ -150,24 +133,25 @@ def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequen
 
 
 def _float_basis(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> list[int] | None:
-    """Columns of an optimal vertex according to HiGHS, completed to three."""
-    from scipy.optimize import linprog
+    """The columns at which the same pivots end in floats; None where they end at others than three, or nowhere."""
+    entries, costs = _scaled(float_points([*columns, target])), _scaled(float_points([prices]).T)
+    tableau = _Tableau(entries[:-1], entries[-1], _float_sign, range(MOST_PIVOTS * len(columns)))
+    try:
+        feasible = tableau.optimize([cost for (cost,) in costs])
+    except ValueError:
+        return None
+    return tableau.basis if feasible and max(tableau.basis) < len(columns) else None
 
-    matrix = float_points(columns).T
-    largest = max(abs(price) for price in prices)
-    costs = np.array([float(divided(price, largest)) if largest else 0.0 for price in prices])
-    if not np.isfinite(matrix).all():
-        return None
-    result = linprog(-costs, A_eq=matrix, b_eq=[float(t) for t in target], method="highs-ds")
-    if result.status != 0 or len(target) != 3:
-        return None
-    slack = matrix.T @ -result.eqlin.marginals - costs
-    order = np.lexsort((slack, -result.x))  # columns in use first, then those that would cost least
-    basis: list[int] = []
-    for k in order.tolist():
-        if len(independent([_triple(columns[i]) for i in [*basis, k]])) > len(basis):
-            basis.append(k)
-    return basis if len(basis) == 3 else None
+
+def _scaled(values: Floats) -> list[list[float]]:
+    """Each entry in units of the largest of its kind, (m, kinds); zero where floats do not reach."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        scaled: list[list[float]] = np.nan_to_num(values / np.abs(values).max(axis=0)).tolist()
+    return scaled
+
+
+def _float_sign(value: float) -> int:
+    return 0 if abs(value) <= ROUNDING else sign(value)
 
 
 def _triple(column: Column) -> Triple:
@@ -175,37 +159,74 @@ def _triple(column: Column) -> Triple:
 
 
 class _Tableau:
-    """Dense simplex tableau: ``body[k]`` is column k in the current basis, ``levels`` the basic values."""
+    """Dense simplex tableau over numbers whose sign is known: ``body[k]`` is column k in the current basis.
 
-    def __init__(self, columns: Sequence[Column], target: Column, basis: list[int]) -> None:
-        self.body = [list(column) for column in columns]
-        self.levels = list(target)
-        self.basis = basis
-        self.start = len(columns) - len(target)  # the artificial columns hold the inverse of the basis
+    Rows with a negative target are negated first, and one artificial column per row starts phase one: they come after
+    the others, and hold the inverse of the basis.  ``levels`` are the values of the columns of the basis.
+    """
 
-    def maximize(self, prices: Sequence[Number], allowed: int) -> None:
-        while True:
+    def __init__(
+        self,
+        columns: Sequence[Sequence[Any]],
+        target: Sequence[Any],
+        sign: Callable[[Any], int],
+        pivots: Iterable[int] | None = None,
+    ) -> None:
+        zero, self.sign, self.pivots = target[0] * 0, sign, iter(count() if pivots is None else pivots)
+        self.rows, self.start = range(len(target)), len(columns)
+        self.flips = [-1 if sign(t) < 0 else 1 for t in target]
+        self.body = [self._flipped(column) for column in columns]
+        self.body += [[zero + (1 if r == k else 0) for r in self.rows] for k in self.rows]
+        self.levels = self._flipped(target)
+        self.basis = [self.start + r for r in self.rows]
+        self.phase_one = [*(zero for _ in columns), *(zero - 1 for _ in self.rows)]
+
+    def _flipped(self, column: Iterable[Any]) -> list[Any]:
+        return [flip * entry for flip, entry in zip(self.flips, column, strict=True)]
+
+    def padded(self, prices: Sequence[Any]) -> list[Any]:
+        """With those of artificial columns, which are nothing."""
+        return [*prices, *(self.levels[0] * 0 for _ in self.rows)]
+
+    def optimize(self, prices: Sequence[Any]) -> bool:
+        """Both phases; False after the first where no weights reach the target.
+
+        Raises:
+            ValueError: if the program is unbounded, or floats go round in circles.
+        """
+        self.maximize(self.phase_one, allowed=len(self.body))
+        levels = zip(self.basis, self.levels, strict=True)
+        if any(basic >= self.start and self.sign(level) > 0 for basic, level in levels):
+            return False
+        self.expel_artificials()
+        self.maximize(self.padded(prices), allowed=self.start)
+        return True
+
+    def maximize(self, prices: Sequence[Any], allowed: int) -> None:
+        """Pivots by Bland's rule, until no column that is allowed raises the value."""
+        for _ in self.pivots:
             entering = self._entering(prices, allowed)
             if entering is None:
                 return
             self._pivot(self._leaving(entering), entering)
+        raise ValueError("required a linear program that ends")
 
-    def _entering(self, prices: Sequence[Number], allowed: int) -> int | None:
+    def _entering(self, prices: Sequence[Any], allowed: int) -> int | None:
         for k in range(allowed):
             if k not in self.basis:
                 gain = prices[k] - _sum(prices[b] * e for b, e in zip(self.basis, self.body[k], strict=True))
-                if gain.sign() > 0:
+                if self.sign(gain) > 0:
                     return k
         return None
 
     def _leaving(self, entering: int) -> int:
         best: int | None = None
         for r, entry in enumerate(self.body[entering]):
-            if entry.sign() > 0:
+            if self.sign(entry) > 0:
                 if best is None:
                     best = r
                     continue
-                order = (self.levels[r] * self.body[entering][best] - self.levels[best] * entry).sign()
+                order = self.sign(self.levels[r] * self.body[entering][best] - self.levels[best] * entry)
                 if order < 0 or (order == 0 and self.basis[r] < self.basis[best]):
                     best = r
         if best is None:
@@ -213,7 +234,7 @@ class _Tableau:
         return best
 
     def _pivot(self, row: int, entering: int) -> None:
-        inverse = self.body[entering][row].inverse()
+        inverse = 1 / self.body[entering][row]
         factors = [entry * inverse for entry in self.body[entering]]
         for column in [*self.body, self.levels]:
             if column[row]:
@@ -222,19 +243,19 @@ class _Tableau:
                     column[r] = head * inverse if r == row else column[r] - factors[r] * head
         self.basis[row] = entering
 
-    def expel_artificials(self, real: int) -> None:
+    def expel_artificials(self) -> None:
         """Pivot zero-level artificials out where a real column can replace them."""
         for row, basic in enumerate(self.basis):
-            if basic >= real:
-                entering = next((k for k in range(real) if k not in self.basis and self.body[k][row]), None)
+            if basic >= self.start:
+                others = (k for k in range(self.start) if k not in self.basis and self.sign(self.body[k][row]))
+                entering = next(others, None)
                 if entering is not None:
                     self._pivot(row, entering)
 
-    def multipliers(self, prices: Sequence[Number]) -> list[Number]:
-        """``y = prices_B B^-1``; the artificial columns hold ``B^-1``."""
-        return [
-            _sum(prices[b] * e for b, e in zip(self.basis, column, strict=True)) for column in self.body[self.start :]
-        ]
+    def multipliers(self, prices: Sequence[Any]) -> tuple[Any, ...]:
+        """``y = prices_B B^-1`` of the rows as they were given."""
+        values = (_product([prices[b] for b in self.basis], column) for column in self.body[self.start :])
+        return tuple(self._flipped(values))
 
 
 def _product(left: Column, right: Column) -> Number:

@@ -77,10 +77,14 @@ class Number(ExactReal):
         other = value if type(value) is Number and value.field is self.field else self._operand(value)
         if other is None:
             return NotImplemented
-        if not other.terms:
+        own, others = self.terms, other.terms
+        if len(own) == 1 == len(others) and 0 in own and 0 in others:  # by far the most
+            total = own[0] + others[0]
+            return Number(self.field, {0: total} if total else {})
+        if not others:
             return self
-        terms = self.terms.copy()
-        for mask, c in other.terms.items():
+        terms = own.copy()
+        for mask, c in others.items():
             total = terms[mask] + c if mask in terms else c
             if total:
                 terms[mask] = total
@@ -92,10 +96,14 @@ class Number(ExactReal):
         other = value if type(value) is Number and value.field is self.field else self._operand(value)
         if other is None:
             return NotImplemented
-        if not other.terms:
+        own, others = self.terms, other.terms
+        if len(own) == 1 == len(others) and 0 in own and 0 in others:  # by far the most
+            total = own[0] - others[0]
+            return Number(self.field, {0: total} if total else {})
+        if not others:
             return self
-        terms = self.terms.copy()
-        for mask, c in other.terms.items():
+        terms = own.copy()
+        for mask, c in others.items():
             total = terms[mask] - c if mask in terms else -c
             if total:
                 terms[mask] = total
@@ -123,6 +131,10 @@ class Number(ExactReal):
             return field.zero
         modulus = field.modulus
         if modulus is None and len(own) == 1 == len(others):
+            if 0 in own and 0 in others:  # by far the most
+                if field.meter is not None:
+                    field.meter.spend(1 + (own[0].height_bits() + others[0].height_bits()) // UNIT_BITS)
+                return Number(field, {0: own[0] * others[0]})
             (s,), (t,) = own, others
             common = field.rational_radicand(s & t) if s & t else 1
             if common is not None:  # a rational number times different roots: nothing to collect
