@@ -8,6 +8,7 @@ missed; the page is written all the same, and says so.
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import platform
@@ -34,6 +35,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model, contacts_unde
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.output.files import output_path, write_whole
+from nonsmooth.reports.output.processes import GARBAGE_THRESHOLD
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
@@ -376,6 +378,7 @@ def main(arguments: Sequence[str]) -> Any:
     if arguments[0] == "--grow":
         print(grow(int(arguments[1])))
         return 0
+    gc.set_threshold(GARBAGE_THRESHOLD)  # as every command does
     missed = write_page(Path(arguments[0]))
     return f"missed: {'; '.join(missed)}" if missed else 0
 

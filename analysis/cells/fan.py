@@ -201,13 +201,12 @@ def sliding(first: RaySpeeds, second: RaySpeeds) -> tuple[Any, Any, Any, Any]:
     return n1 * rho2 - n2 * rho1, b1 * rho2 - b2 * rho1, n1 - n2, b1 - b2
 
 
-def slide_speed(ray: Point, first: Twist, second: Twist) -> Any | None:
+def slide_speed(before: RaySpeeds, behind: RaySpeeds) -> Any | None:
     """Leading nonzero coefficient (a positive multiple of it) of the radial speed of a slide at small distances.
 
-    ``first`` pushes counterclockwise or not at all, ``second`` clockwise or not at all; None where they do not, so
+    ``before`` pushes counterclockwise or not at all, ``behind`` clockwise or not at all; None where they do not, so
     that the pair is met in the other order or cannot slide.  Zero means exactly zero for all small s.
     """
-    before, behind = ray_speeds(ray, first), ray_speeds(ray, second)
     pushes = before.push(), behind.push()
     if pushes[0] < 0 or pushes[1] > 0:
         return None

@@ -10,10 +10,11 @@ from typing import TypeAlias
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.cells.fan import Cone, build_fan, slide_speed
+from nonsmooth.analysis.cells.fan import Cone, build_fan, ray_speeds, slide_speed
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence, decide_cones
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds
@@ -80,19 +81,24 @@ def test_an_escaping_slide_is_unstable() -> None:
 
 def test_a_repelling_ray_with_outward_slide_is_unstable_though_both_sides_lead_home() -> None:
     """One solution is enough: on the positive x axis the hull of (1, 1) and (1, -1) holds an outward vector."""
-    assert slide_speed((FIELD(1), FIELD(0)), twist(1, 1), twist(1, -1)) == 2
-    assert slide_speed((FIELD(1), FIELD(0)), twist(1, -1), twist(1, 1)) is None
+    assert speed_along((FIELD(1), FIELD(0)), twist(1, 1), twist(1, -1)) == 2
+    assert speed_along((FIELD(1), FIELD(0)), twist(1, -1), twist(1, 1)) is None
 
 
 def test_slide_speed_falls_back_on_the_linear_term() -> None:
     """Opposed tangential velocities: the constant term vanishes and the rotation decides."""
     ray = (FIELD(1), FIELD(0))
-    assert slide_speed(ray, twist(0, 1), twist(0, -1)) == 0  # equilibria
-    inward = slide_speed(ray, twist(0, 1, 0), twist(-1, -1, 0))
+    assert speed_along(ray, twist(0, 1), twist(0, -1)) == 0  # equilibria
+    inward = speed_along(ray, twist(0, 1, 0), twist(-1, -1, 0))
     assert inward is not None
     assert inward < 0
     # n = +-1, rho_1 = 0, rho_2 = 0 but omega differs: numerator (omega_1 rho_2 - omega_2 rho_1) = 0 as well
-    assert slide_speed(ray, twist(0, 1, 1), twist(0, -1, 1)) == 0
+    assert speed_along(ray, twist(0, 1, 1), twist(0, -1, 1)) == 0
+
+
+def speed_along(ray: tuple[Number, Number], first: Twist, second: Twist) -> Number | None:
+    speed: Number | None = slide_speed(ray_speeds(ray, first), ray_speeds(ray, second))
+    return speed
 
 
 def twist(x: int, y: int, omega: int = 0) -> Twist:

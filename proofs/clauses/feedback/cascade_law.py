@@ -52,7 +52,7 @@ from itertools import pairwise
 import numpy as np
 from flint import arb
 
-from nonsmooth.analysis.cells.fan import CellCone, Cone, slide_speed
+from nonsmooth.analysis.cells.fan import CellCone, Cone, ray_speeds, slide_speed
 from nonsmooth.proofs.clauses.feedback.control_fields import SQUARES, RowInputs
 from nonsmooth.proofs.clauses.feedback.gradient_law import are_above, segments
 from nonsmooth.proofs.clauses.feedback.rational_bounds import BELOW, DIGITS, ball_of
@@ -181,8 +181,8 @@ class _Rays:
         zero, after = self.rays[k][0] * 0, (k + 1) % self.count
         signs = self.inward.get(k, -self.last[k]), self.inward.get(after, self.first[after])
         pushes = zip((self.rims[k], self.rims[after]), signs, strict=True)
-        before, behind = (Twist(d[0] * s, d[1] * s, zero) for d, s in pushes)
-        speed = slide_speed(self.rays[k], before, behind)
+        before, behind = (ray_speeds(self.rays[k], Twist(d[0] * s, d[1] * s, zero)) for d, s in pushes)
+        speed = slide_speed(before, behind)
         return 0 if speed is None else sign(speed)
 
     def towards(self, target: int, start: int, stop: int) -> dict[int, int]:

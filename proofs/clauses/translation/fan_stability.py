@@ -31,8 +31,8 @@ terms are the pose's own.)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -48,6 +48,7 @@ from nonsmooth.analysis.cells.fan import (
     full_turns,
     is_plane,
     most_growth,
+    ray_speeds,
     rays_of,
     slide_speed,
 )
@@ -153,7 +154,8 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
     """Decide stability from the fan."""
     fan = tuple(cones)
     turns = full_turns(fan)
-    unstable = [*_escapes(fan), *_slides(fan, outward=True)]
+    slides = _slides(fan)
+    unstable = [*_escapes(fan), *_outward(slides)]
     unstable += [_turn_evidence(fan, turn) for turn in turns if turn.growth is Growth.DIVERGES]
     if unstable:
         return FanResult(Translation.UNSTABLE, fan, tuple(unstable), turns, None)
@@ -161,7 +163,7 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
     ties += [_turn_tie(fan, turn) for turn in turns if turn.growth is Growth.TIE]
     if ties:
         return FanResult(Translation.UNDECIDED, fan, tuple(ties), turns, None)
-    rest = [*_rests(fan), *_slides(fan, outward=False)]
+    rest = [*_rests(fan), *_equilibria(slides)]
     verdict = Translation.STABLE if rest else Translation.ASYMPTOTICALLY_STABLE
     return FanResult(verdict, fan, tuple(rest), turns, squared_overshoot(fan))
 
@@ -176,20 +178,29 @@ def _escapes(fan: Sequence[Cone]) -> Iterator[MoveEvidence]:
                 yield MoveEvidence(Move.ESCAPE, twist.velocity, (twist,), None)
 
 
-def _slides(fan: Sequence[Cone], *, outward: bool) -> Iterator[MoveEvidence]:
-    """Slides that lead outward, or the rays of equilibria."""
-    for ray, before, after in rays_of(fan):
-        twists = tuple(dict.fromkeys(before.twists + after.twists))
-        for first, second in product(twists, repeat=2):
-            speed = slide_speed(ray, first, second)
-            if speed is None:
-                continue
-            if outward and sign(speed) > 0:
-                yield MoveEvidence(Move.SLIDE, ray, (first, second), speed)
-                break
-            if not outward and not sign(speed):
-                yield MoveEvidence(Move.REST, ray, (first, second), speed)
-                break
+def _slides(fan: Sequence[Cone]) -> list[list[MoveEvidence]]:
+    """The slides along each ray, by its vector and their speed."""
+    return [list(_slides_along(ray, (*before.twists, *after.twists))) for ray, before, after in rays_of(fan)]
+
+
+def _slides_along(ray: Point, twists: Iterable[Twist]) -> Iterator[MoveEvidence]:
+    speeds = {twist: ray_speeds(ray, twist) for twist in twists}
+    for (first, before), (second, behind) in product(speeds.items(), repeat=2):
+        speed = slide_speed(before, behind)
+        if speed is not None:
+            yield MoveEvidence(Move.SLIDE, ray, (first, second), speed)
+
+
+def _outward(slides: Sequence[Sequence[MoveEvidence]]) -> list[MoveEvidence]:
+    """Of each ray the first slide that leads outward."""
+    first = (next((slide for slide in own if sign(slide.value) > 0), None) for own in slides)
+    return [slide for slide in first if slide is not None]
+
+
+def _equilibria(slides: Sequence[Sequence[MoveEvidence]]) -> list[MoveEvidence]:
+    """Of each ray of equilibria the first pair that rests there."""
+    first = (next((slide for slide in own if not sign(slide.value)), None) for own in slides)
+    return [replace(slide, move=Move.REST) for slide in first if slide is not None]
 
 
 def _ties(fan: Sequence[Cone]) -> Iterator[MoveEvidence]:
