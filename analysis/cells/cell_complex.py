@@ -8,9 +8,8 @@ inherits exact combinatorics.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, pairwise
@@ -19,9 +18,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
+from nonsmooth.symbolic.numbers import plane_arrays
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, minus
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 2.0**-29
@@ -229,10 +229,7 @@ def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], 
     places = float_points(points)
     with np.errstate(over="ignore", invalid="ignore"):
         return points, [
-            [
-                list(pairwise(_stops(points, places, first, last, side, size)))
-                for (first, last), side in zip(around(own), polygon.sides, strict=True)
-            ]
+            [list(pairwise(stops)) for stops in _stops(points, places, own, polygon.sides, size)]
             for polygon, own in zip(polygons, numbers, strict=True)
         ]
 
@@ -263,26 +260,29 @@ def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], lis
     return points, numbers
 
 
-def _stops(points: Sequence[Point], places: Any, first: int, last: int, side: HalfPlane, size: float) -> list[int]:
-    """Corners on a side, from its first vertex to its last.
+def _stops(
+    points: Sequence[Point], places: Floats, own: Sequence[int], sides: Sequence[HalfPlane], size: float
+) -> Iterator[list[int]]:
+    """For each side of a polygon with its own corners: the corners on it, from its first vertex to its last.
 
     Floats exclude what is certainly elsewhere: beyond their range (where they are not numbers) nothing is.
     """
-    a, b = (places[last] - places[first]).tolist()
-    offset = places - places[first]
-    doubt = SAME_CORNER_DOUBT * size * (math.hypot(a, b) + size)
-    beside = np.abs(a * offset[:, 1] - b * offset[:, 0]) > doubt
-    reach = a * offset[:, 0] + b * offset[:, 1]
-    candidates = np.flatnonzero(~(beside | (reach < -doubt) | (reach > a * a + b * b + doubt)))
-    start, end = points[first], points[last]
-    r = minus(end, start)
-    between = [
-        k
-        for k in candidates.tolist()
-        if k not in (first, last)
-        and not sign(side.slack(points[k]))
-        and sign(dot(r, minus(points[k], start))) > 0
-        and sign(dot(r, minus(end, points[k]))) > 0
-    ]
-    between.sort(key=lambda k: dot(r, points[k]))
-    return [first, *between, last]
+    begin, along = places[own], places[[*own[1:], *own[:1]]] - places[own]
+    offset = places - begin[:, None]
+    squared = plane_arrays.dot(along, along)[:, None]
+    doubt = SAME_CORNER_DOUBT * size * (np.sqrt(squared) + size)
+    beside, reach = plane_arrays.cross(along[:, None], offset), plane_arrays.dot(along[:, None], offset)
+    elsewhere = (np.abs(beside) > doubt) | (reach < -doubt) | (reach > squared + doubt)
+    for (first, last), side, on in zip(around(own), sides, ~elsewhere, strict=True):
+        start, end = points[first], points[last]
+        r = minus(end, start)
+        between = [
+            k
+            for k in np.flatnonzero(on).tolist()
+            if k not in (first, last)
+            and not sign(side.slack(points[k]))
+            and sign(dot(r, minus(points[k], start))) > 0
+            and sign(dot(r, minus(end, points[k]))) > 0
+        ]
+        between.sort(key=lambda k, r=r: dot(r, points[k]))  # type: ignore[misc]
+        yield [first, *between, last]

@@ -16,6 +16,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 from nonsmooth.symbolic.messages.scene_error import shown
@@ -89,13 +90,20 @@ def parse(value: object, variables: Collection[str] = ()) -> Expression:
     Raises:
         ExpressionError: for anything outside the whitelist.
     """
+    return (_parsed_once if isinstance(value, int | str) else _parsed)(value, frozenset(variables))
+
+
+def _parsed(value: object, variables: frozenset[str]) -> Expression:
     text, tree = parse_tree(value, MAX_LENGTH, 'a number or a formula such as "sqrt(2)/2"')
-    _check(tree, text, frozenset(variables))
-    names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & set(variables)
+    _check(tree, text, variables)
+    names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & variables
     expression = Expression(text, tree, frozenset(names))
     if base_order(expression.turns()) > MAX_FIELD_ORDER:
         raise ExpressionError(f"required angles of few different denominators, received {shown(text)}")
     return expression
+
+
+_parsed_once = lru_cache(maxsize=4096, typed=True)(_parsed)  # scenes of a sweep repeat most of their texts
 
 
 def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.expr]:
