@@ -37,8 +37,7 @@ from nonsmooth.proofs.boxes.enclosures import UNIT, Jet, parameters, turned_by
 from nonsmooth.proofs.robust.box import half_widths
 from nonsmooth.proofs.robust.rings import BoundedCell, root_above, squared_radius
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.plane import around
 
 PRECISION = 64  # bits of the balls
@@ -337,7 +336,8 @@ def _among_the_nearest(wheels: Sequence[Wheel], radius: fmpq, step: arb) -> list
 
 def lower_end(ball: arb) -> fmpq:
     """Of a ball, exactly."""
-    return as_fmpq(rational_below(ball))
+    exact: fmpq = ball.lower().fmpq()
+    return exact
 
 
 def upper_end(ball: arb) -> fmpq:

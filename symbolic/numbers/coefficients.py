@@ -45,8 +45,7 @@ def fmpq_to_float(value: fmpq) -> float:
 
 def exactly(ball: arb) -> Fraction:
     """The number that an exact ball is, such as an end or the middle of another."""
-    mantissa, exponent = (int(part) for part in ball.man_exp())
-    return Fraction(mantissa) * Fraction(2) ** exponent
+    return as_fraction(ball.fmpq())
 
 
 def bits(mask: int) -> list[int]:
