@@ -91,6 +91,16 @@ def test_starts_on_a_repelling_line_are_not_unique(starts: list[tuple[float, flo
     assert ends.unique.tolist() == [simulate(field, (*start, 0), 9).unique for start in starts]
 
 
+def test_slides_on_one_edge_end_at_two_points() -> None:
+    """Between turns about (-1, 1) and (1, -1), y' = y on the line x = 0, which ends at (0, 1) and at (0, -1)."""
+    left, right = HalfPlane((1, 0), 0), HalfPlane((-1, 0), 0)
+    domain = square((Fraction(0), Fraction(0)), Fraction(3))
+    field = piecewise_constant(domain, [((left,), (1, 1, 1)), ((right,), (-1, -1, 1))], Kinematics.EXACT)
+    ends = settle_map(field, np.array([(x, y) for x in (-0.2, 0.2) for y in (0.5, -0.5)]))
+    assert {ends.ends[k] for k in ends.basin} == {(EndReason.CIRCLES, "cell 1"), (EndReason.CIRCLES, "cell 2")}
+    assert (ends.theta == math.inf).all()
+
+
 def assert_same_as_one_by_one(field: ConstantField, ends: SettleMap) -> None:
     for k, start in enumerate(ends.starts.tolist()):
         path = follow_constant(field, (*start, 0.0), None, None)
