@@ -16,7 +16,7 @@ place.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
@@ -47,7 +47,7 @@ from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.files.system_document import with_parameters
 from nonsmooth.symbolic.formulas.expression import ExpressionError
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
+from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError, requirement
@@ -114,7 +114,7 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
     try:
         rates = [part.polynomial(stated, sign_of) for part in system.named_rhs]
         potential = lyapunov.polynomial(displacement, sign_of)
-        waves = _waves(system, stated, place)
+        waves = _waves(system, place, sign_of)
     except (_OnSurfaceError, ExpressionError):
         return arb(0, "inf")
     values = [*(c.ball() for c in place), *waves]
@@ -122,15 +122,11 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
     return sum((_ball(slope * rate, values) for slope, rate in zip(slopes, rates, strict=True)), arb(0))
 
 
-def _waves(system: SwitchedSystem, stated: Mapping[str, Polynomial], place: Sequence[Number]) -> list[arb]:
+def _waves(system: SwitchedSystem, place: Sequence[Number], sign_of: SignOf) -> list[arb]:
     """Balls around the sines and the like at a place."""
-    found = []
-    values = [*place, *(system.field.zero for _ in system.names)]  # no wave stands in the argument of another
-    for wave in system.names:
-        formula = parse_piecewise(wave.argument, system.states)
-        argument = system.field(formula.polynomial(stated, no_sign)(values)).ball()
-        found.append(getattr(argument, wave.kind)())
-    return found
+    states = system.displaced(system.states)
+    arguments = (system.argument_of(wave, states, sign_of)(place) for wave in system.names)
+    return [getattr(v.ball(), wave.kind)() for v, wave in zip(arguments, system.names, strict=True)]
 
 
 def _ball(polynomial: Polynomial, values: Sequence[arb]) -> arb:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, sign_on
-from nonsmooth.symbolic.formulas.piecewise import no_sign, parse_piecewise
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
@@ -91,8 +91,7 @@ def stated_fields(system: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[S
     states = [Polynomial.variable(field, variables, name) + c for name, c in zip(PLANE, centre, strict=True)]
     named = dict(zip(system.states, states, strict=True))
     named |= {wave.name: Polynomial.variable(field, variables, wave.name) for wave in system.names}
-    waves = _waves(system)
-    return tuple(StatedField(_rates(system, cell.region, named), waves) for cell in cells)
+    return tuple(StatedField(_rates(system, cell.region, named), _waves(system, cell.region)) for cell in cells)
 
 
 def _rates(system: SwitchedSystem, region: Region, named: dict[str, Polynomial]) -> PlaneField:
@@ -106,11 +105,9 @@ def _rates(system: SwitchedSystem, region: Region, named: dict[str, Polynomial])
     return first, second
 
 
-def _waves(system: SwitchedSystem) -> tuple[PlaneWave, ...]:
-    named = dict(zip(system.states, system.displaced(PLANE), strict=True))
-    arguments = (parse_piecewise(wave.argument, system.states) for wave in system.names)
-    found = [argument.polynomial(named, no_sign) for argument in arguments]
-    return tuple(PlaneWave(wave.kind, argument) for wave, argument in zip(system.names, found, strict=True))
+def _waves(system: SwitchedSystem, region: Region) -> tuple[PlaneWave, ...]:
+    states, sign_of = system.displaced(PLANE), partial(sign_on, region)
+    return tuple(PlaneWave(wave.kind, system.argument_of(wave, states, sign_of)) for wave in system.names)
 
 
 # ---- values at many places -----------------------------------------------------------------------

@@ -128,7 +128,7 @@ def _with_waves(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polyno
     values = dict(zip(system.states, map(extended, states), strict=True))
     values |= {wave.name: Polynomial.variable(system.field, variables, wave.name) for wave in system.names}
     rates = _Polynomials([side.polynomial(values, sign_of_states) for side in system.named_rhs]).at
-    inner = _Polynomials([system.argument_of(wave, states) for wave in system.names]).at
+    inner = _Polynomials([system.argument_of(wave, states, sign_of) for wave in system.names]).at
     functions = [getattr(math, wave.kind) for wave in system.names]
 
     def at(*x: float) -> Numbers:

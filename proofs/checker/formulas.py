@@ -13,9 +13,9 @@ real v, with an e between 0 and 1 that depends on v,
 and so between later sums, with further terms, whose number is the *order* of a system.  (Integrate ``cos <= 1`` and
 ``exp <= 1`` from 0 again and again, and ``1/(1 + t^2)`` between sums of its geometric series; ``tanh v`` is the sum
 over odd k of ``8 v/(k^2 pi^2 + 4 v^2)``, each between sums of its geometric series.)  What exp is of must be minus a
-sum of even powers as it is written.  In other files *sines and cosines* stand for all five, unless they speak of
-angles.  A wave stands in sums and products alone, and each has its own e, so that the formula is affine in every e: its
-value is in the hull of those with all e at 0 or 1.
+sum of even powers and absolute values as it is written.  In other files *sines and cosines* stand for all five, unless
+they speak of angles.  A wave stands in sums and products alone, and each has its own e, so that the formula is affine
+in every e: its value is in the hull of those with all e at 0 or 1.  Where v switches, that is so on every cell.
 """
 
 from __future__ import annotations
@@ -69,10 +69,10 @@ def coefficients(name: str, count: int) -> list[Fraction]:
 def sign_as_written(node: ast.expr) -> int:
     """1 where a formula is seen to have no negative value, -1 where it has no positive one; 0 where that is not seen.
 
-    It is a sum, product or quotient of even powers and numbers.
+    It is a sum, product or quotient of even powers, absolute values and numbers.
     """
     match node:
-        case ast.Constant():
+        case ast.Constant() | ast.Call(func=ast.Name(id="Abs")):
             return 1
         case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent % 2 == 0:
             return 1

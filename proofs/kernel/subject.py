@@ -123,7 +123,7 @@ def _with_waves(system: SwitchedSystem) -> list[list[str]]:
     """
     terms = [list(_terms(side, system)) for side in system.named_rhs]
     bounds = [own for side in terms for own, _ in side]
-    written = all(own.kind != "exp" or not NUMBERS.search(own.argument) for own in system.names)
+    written = not any(_stays(own, system) and NUMBERS.search(own.argument) for own in system.names)
     if not system.names or not written or not all(bounds) or sum(len(own) > 1 for own in bounds) > MOST_PLACES:
         return []
     found = []
@@ -158,8 +158,13 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
 
 
 def _argument_text(wave: Wave, system: SwitchedSystem) -> str:
-    """What a sine is of, multiplied out; that of exp stays as it is written, as its sign is seen there."""
-    return one_line(wave.argument) if wave.kind == "exp" else str(system.argument_of(wave))
+    """What a sine is of, multiplied out where it may be."""
+    return one_line(wave.argument) if _stays(wave, system) else str(system.argument_of(wave))
+
+
+def _stays(wave: Wave, system: SwitchedSystem) -> bool:
+    """Whether what a sine is of stays as it is written: that of exp, as its sign is seen there, and what switches."""
+    return wave.kind == "exp" or bool(parse_piecewise(wave.argument, system.states).switching_parts)
 
 
 def _sum(terms: Iterator[tuple[str, str]]) -> str:

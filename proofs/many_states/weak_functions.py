@@ -264,9 +264,13 @@ def find_energy_on_circles(system: SwitchedSystem) -> tuple[Record, str, str, bo
 
 def _angles(system: SwitchedSystem) -> tuple[str, ...]:
     """The states of which there are sines and cosines; none unless all of these are 0 at the point."""
+    try:
+        arguments = [system.argument_of(wave) for wave in system.names]
+    except ExpressionError:  # what switches
+        return ()
     found = set()
-    for wave in system.names:
-        for exponents in system.argument_of(wave).terms:
+    for argument in arguments:
+        for exponents in argument.terms:
             found |= {name for name, exponent in zip(system.states, exponents, strict=True) if exponent}
     at = dict(zip(system.states, system.check.equilibrium, strict=True))
     return () if any(at[name] for name in found) else tuple(name for name in system.states if name in found)

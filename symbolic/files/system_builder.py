@@ -339,16 +339,17 @@ def _require_zero_arguments(system: SwitchedSystem) -> None:
         SceneError: for such an argument.
     """
     for wave in system.waves:
+        states = system.displaced(system.states)
         try:
-            argument = system.argument_of(wave, system.displaced(system.states))
+            arguments = [system.argument_of(wave, states, lambda _, side=side: side) for side in (1, -1)]  # type: ignore[misc]
         except ExpressionError:
-            expected = f"{LISTED} of polynomials in the states"
+            expected = f"{LISTED} of polynomials in the states, and of what switches between them"
             raise SceneError(system.source, "system.rhs", expected, wave.argument) from None
-        if (0,) * len(system.states) in argument.terms:
+        if any((0,) * len(system.states) in argument.terms for argument in arguments):
             expected = f"{wave.kind} of what is zero at the checked point"
             if wave.kind in TURNING:
                 expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
-            raise SceneError(system.source, "system.rhs", expected, str(system.argument_of(wave)))
+            raise SceneError(system.source, "system.rhs", expected, str(system.argument_of(wave, sign_of=lambda _: 1)))
 
 
 def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:

@@ -12,7 +12,8 @@ further terms are taken, where the first ones cancel against others.  A formula 
 of them stands alone is affine in each e, so its value lies in the hull of its values with all e at 0 or 1.  Equal sines
 that are multiplied get an e each.  A system becomes one under arbitrary switching, whose solutions hold those of the
 system: what is proved of all of them is proved of these.  Multiples of pi may be added to the argument of a sine or
-cosine.
+cosine.  Where the argument switches, as in ``exp(-abs(v))``, all of this holds on every cell with the polynomial that
+it is there.
 
 In other files *sines* (or *waves*) stand for all five functions, unless turns or angles are spoken of.
 """
@@ -215,7 +216,7 @@ def _written(node: ast.expr, text: str, template: Template) -> str:
             if name in TURNING:
                 return _turned(name, argument, text, template)
             if name == "exp" and _sign(argument) != -1:
-                expected = "exp of minus a sum of even powers, such as exp(-x**2)"
+                expected = "exp of minus a sum of even powers and absolute values, such as exp(-x**2)"
                 raise ExpressionError(f"required {expected}, received {shown(text)}")
             return template.wave(name, f"({ast.get_source_segment(text, argument)})")
     raise ExpressionError(f"required {LISTED} of states in sums and products only, received {shown(text)}")
@@ -224,10 +225,10 @@ def _written(node: ast.expr, text: str, template: Template) -> str:
 def _sign(node: ast.expr) -> int:
     """1 where a formula is seen to have no negative value, -1 where it has no positive one; 0 where that is not seen.
 
-    It is a sum, product or quotient of even powers and numbers.
+    It is a sum, product or quotient of even powers, absolute values and numbers.
     """
     match node:
-        case ast.Constant():
+        case ast.Constant() | ast.Call(func=ast.Name(id="Abs")):
             return 1
         case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=int(exponent))) if exponent % 2 == 0:
             return 1

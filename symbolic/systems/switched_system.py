@@ -168,18 +168,21 @@ class SwitchedSystem(ShortRepr):
         """The states as polynomials in themselves."""
         return tuple(Polynomial.variable(self.field, self.states, name) for name in self.states)
 
-    def argument_of(self, wave: Wave, states: Sequence[Polynomial] | None = None) -> Polynomial:
+    def argument_of(
+        self, wave: Wave, states: Sequence[Polynomial] | None = None, sign_of: SignOf = no_sign
+    ) -> Polynomial:
         """What a sine or cosine is of, as a polynomial.
 
         Args:
             wave: one of the system's.
             states: the states as polynomials; :meth:`coordinates` unless given.
+            sign_of: signs of what its argument switches by; unless given it may not switch.
 
         Raises:
             ExpressionError: where it is none.
         """
         values = dict(zip(self.states, self.coordinates() if states is None else states, strict=True))
-        return parse_piecewise(wave.argument, self.states).polynomial(values, no_sign)
+        return parse_piecewise(wave.argument, self.states).polynomial(values, sign_of)
 
     def displaced(self, names: Sequence[str]) -> tuple[Polynomial, ...]:
         """The states as polynomials in the displacement from the checked point, whose entries have these names."""

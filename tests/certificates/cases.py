@@ -242,6 +242,9 @@ def nonlinear_systems() -> Iterator[Case]:
     yield Case("bent-away", subject(["x*y**2", "-y + x**2"]), "instability", away)
     squared = lyapunov(squares_of("xy"), cells(within="1/2"))
     yield Case("tanh", subject(["-tanh(x) + y/4", "-atan(y) - y*exp(-x**2 - (2*y)**4/3)"]), "lyapunov", squared)
+    folded = ["-tanh(Abs(x) + 2*relu(x))*sign(x) + y/4", "-y*exp(-Abs(y - x)/2) - sin(Max(y, -x))/8"]
+    on_cells = lyapunov(squares_of("xy"), cells("x", "x - y", "x + y", within="1/2"))
+    yield Case("waves-of-what-switches", subject(folded), "lyapunov", on_cells)
     rows = subject(["-x + relu(y - 1/8)/4", "-y + relu(x - 1/4)/4"])
     yield Case("rectifiers", rows, "lyapunov", lyapunov(squares_of("xy"), cells("y - 1/8", "x - 1/4")))
 

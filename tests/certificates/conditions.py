@@ -359,6 +359,8 @@ def of_formulas() -> Iterator[Forgery]:
         ("no sine or cosine inside another", "-x + 0*sin(sin(x))"),
         ("no powers of sines and cosines", "-x + 0*sin(x)**2"),
         ("exp of minus a sum of even powers", "-x + 0*exp(-x**2 + x**4)"),
+        ("exp of minus a sum of even powers", "-x + 0*exp(-x**2 + Abs(x))"),
+        ("exp of minus a sum of even powers", "-x + 0*exp(-x*Abs(x))"),
         ("switching expressions that are products of the surfaces", "x*sign(2 - x)"),
     ):
         yield of_one_state(words, rhs, [ATTRACTS], FALLS, {})

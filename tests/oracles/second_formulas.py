@@ -140,7 +140,7 @@ def taylor(kind: str) -> list[fmpq]:
 def sense(tree: Tree) -> int:
     """1 where a formula has no negative value as it is written, -1 where it has no positive one, else 0."""
     kind, *parts = tree
-    if kind == "number" or (kind == "**" and parts[1] % 2 == 0):
+    if kind in ("number", "Abs") or (kind == "**" and parts[1] % 2 == 0):
         return 1
     senses = [sense(own) for own in parts] if kind in ("+", "-", "*", "/") else [0]
     if kind in ("*", "/"):
@@ -182,7 +182,7 @@ class Reading:
             need(len(parts) == 1 and not waves_in(*parts), f"arguments of {kind}")
             need(kind != "exp" or sense(parts[0]) < 0, "exp of what is not positive")
             end = next(own for wave, own in ends if wave is tree)
-            return self.wave(kind, Reading(self.names).of_tree(parts[0], []), end)
+            return self.wave(kind, self.of_tree(parts[0], []), end)
         need(kind in "+-*/" or not waves_in(*parts), "sines and cosines in sums and products")
         if kind == "**":
             return self.of_tree(parts[0], []) ** parts[1]

@@ -352,6 +352,11 @@ VERDICTS = [
     (("y", "-atan(x) - atan(y)"), ATTRACTS),
     (("y", "-x - y*(2 - 3*exp(-y**2 - x**2))"), LEAVES),
     (("y", "-sin(x) - y*(1 + exp(-(3*y)**2))"), ATTRACTS),
+    (("y", "-x - y*exp(-Abs(y))"), ATTRACTS),
+    (("y", "-x + y*exp(-3*Abs(x) - Abs(y)/2)"), LEAVES),
+    (("y", "-x - tanh(Abs(y) + relu(y))*sign(y)"), ATTRACTS),
+    (("y", "-sin(Max(x, x/2)) - y"), ATTRACTS),
+    (("y", "-atan(Min(2*x, x)) + y*exp(-Abs(x*y))/3"), LEAVES),
 ]
 # Where every start comes to the point: y**2 + ln(1 + x**2) grows without bound, and falls but for y = 0.
 FROM_EVERYWHERE = {("y", "-x/(1 + x**2) - y")}
