@@ -53,7 +53,7 @@ class SideCrossing(NamedTuple):
 
 @dataclass(frozen=True)
 class Free:
-    """Motion inside a cell from ``point`` with heading ``theta``, of one start or of arrays of them (m,)."""
+    """Motion inside a cell from ``point`` with heading ``theta``."""
 
     point: Point
     theta: Any
@@ -65,8 +65,7 @@ class Free:
         theta = self.theta + self.flow.omega * time
         if not w:
             return self.point[0] + vx * time, self.point[1] + vy * time, theta
-        sine = np.sin if isinstance(time, np.ndarray) else math.sin
-        along, across = sine(w * time) / w, 2 * sine(w * time / 2) ** 2 / w
+        along, across = math.sin(w * time) / w, 2 * math.sin(w * time / 2) ** 2 / w
         return self.point[0] + along * vx - across * vy, self.point[1] + along * vy + across * vx, theta
 
     def first_crossing(self, sides: Iterable[HalfPlane], active: frozenset[int], slack: float) -> SideCrossing | None:
