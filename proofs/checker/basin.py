@@ -44,9 +44,9 @@ solution is in L there.
 
 What is asked of e follows from 1 where all of its cells meet the inside of one simplex that holds it.  Polynomials are
 negative on a simplex, or on a side, if all of their Bernstein coefficients there are.  In ``f = f_0 + sum_j w_j f_j``
-sines and cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the simplex, or at the
-corner; on a side by those of its simplex T.  Each is an affine function and a number times some e from -1 to 1, so a
-coefficient is largest where every e has the sign of what it is multiplied by.
+sines, cosines, tanh and atan w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the
+simplex, or at the corner; on a side by those of its simplex T.  Each is an affine function and a number times some e
+from -1 to 1, so a coefficient is largest where every e has the sign of what it is multiplied by.
 """
 
 from __future__ import annotations
@@ -62,11 +62,11 @@ from operator import add, mul, sub
 from typing import Any, Protocol, TypeAlias, TypeVar
 
 from .cells import Domain, Function, Pattern, Surfaces, System
-from .formulas import ANGULAR, Formula
+from .formulas import Formula
 from .polynomials import Exponents, Polynomial, constant
 from .positivity import Proofs
 from .theorems import Statement, show_stability
-from .waves import BITS, interpolation_error, wave_value
+from .waves import BITS, KINDS, interpolation_error, wave_value
 from .work import BUDGET, items, rational, require, take
 
 MAX_CORNERS, MAX_SIMPLICES = 500_000, 1_000_000
@@ -262,8 +262,8 @@ class Plane:
             found: list[tuple[str, Polynomial]] = []
             for count, text in zip(counts, side, strict=True):
                 found += Formula(text, self.domain.place, [0] * count).arguments()
-            affine = all(name in ANGULAR and v.degree <= 1 for name, v in found)
-            require(affine, "sines and cosines of affine functions")
+            affine = all(name in KINDS and v.degree <= 1 for name, v in found)
+            require(affine, "sines, cosines, tanh and atan of affine functions")
             self.waves.append(found)
             self._whole_arguments.append([whole_argument(v) for _, v in found])
 

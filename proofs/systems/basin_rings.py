@@ -37,6 +37,7 @@ from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
+FUNCTIONS = {"sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan}
 PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
@@ -225,7 +226,7 @@ class FloatField:
 
     def waves(self, number: int, x: Floats) -> list[Floats]:
         """The sines and cosines of one right-hand side at places."""
-        return [(np.sin if name == "sin" else np.cos)(at(x)[0]) for name, at in self._arguments[number]]
+        return [FUNCTIONS[name](at(x)[0]) for name, at in self._arguments[number]]
 
     @cached_property
     def _arguments(self) -> list[list[tuple[str, Callable[[Floats], Floats]]]]:

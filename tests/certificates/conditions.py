@@ -709,7 +709,7 @@ def of_polygons() -> Iterator[Forgery]:
     yield outside("two whole numbers in a text", ["x", "y"], ["+8 -8", *square[1:]], [])
     yield outside("a unit of lengths", ["x", "y"], square, [], unit=None)
     yield outside("sines and cosines of at most 64", ["x + 0*sin(x + 65)", "y"], square, [])
-    yield outside("sines and cosines of affine functions", ["x + 0*sin(x*y)", "y"], square, [])
+    yield outside("sines, cosines, tanh and atan of affine functions", ["x + 0*sin(x*y)", "y"], square, [])
     yield outside("sines and cosines that are not multiplied by each other", ["x + sin(x)*sin(y)/9", "y"], square, [])
     spring, line = ["y", "-x + x**3 - y"], ["6 -1", "5 1"]
     for corners, ends in ((line, ["1 0", "1 1"]), ([], ["1 0", "0 1"])):
