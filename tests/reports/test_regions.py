@@ -76,6 +76,10 @@ SYSTEMS: dict[str, tuple[list[str], str, Callable[[Floats, Floats], Any], float,
     "pendulum": (
         ["y", "-sin(x) - y/2"], "1/2", lambda x, y: (y, -np.sin(x) - y / 2), 0.02, 0.2, 0.3,
     ),
+    "pendulum with smooth relays": (
+        ["y", "-sin(x) - tanh(4*y)/2 - atan(x + y)/4"], "1/2",
+        lambda x, y: (y, -np.sin(x) - np.tanh(4 * y) / 2 - np.arctan(x + y) / 4), 0.02, 0.2, 0.3,
+    ),
     "two machines": (
         ["y", "-y/2 - (sin(x + pi/3) - sin(pi/3))"], "1/2",
         lambda x, y: (y, -y / 2 - (np.sin(x + np.pi / 3) - np.sin(np.pi / 3))), 0.02, 0.2, 0.3,
@@ -138,6 +142,7 @@ def coarse_basin_of(name: str) -> tuple[Any, CertifiedBasin]:
             "van der Pol 1",
             "van der Pol 3",
             "inside an ellipse",
+            "pendulum with smooth relays",
         ],
     ),
 )
