@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
+from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.falling_function import growth_hypotheses, stated_function
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Translation
@@ -492,7 +493,7 @@ def find_region_of_simplices(
             found = find_basin_in_space(system, local, surfaces, asked, REACH * radius, announce)
         if found is not None:
             search.entry(system, "basin", found.hypotheses)
-    except (NoCertificateError, NotShownError, BeyondReachError):
+    except (NoCertificateError, NotShownError, BeyondReachError, RejectedError):  # such as of sines of products
         return None
     return found
 
