@@ -31,6 +31,8 @@ from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
+from tests.conftest import Arrays
+from tests.four_wheel import CORNERS
 from tests.oracles.floats import Floats
 from tests.outlined import on, polygon_of
 from tests.thorough import few, keep, thorough
@@ -259,6 +261,22 @@ def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, Tou
     scene, disc, said = nearby
     assert (said.radius, said.start, said.within) == (disc.radius, disc.start, disc.time_to(disc.radius))
     assert_nearer_outside(scene, disc, NEAR)
+
+
+def test_the_disc_is_the_same_in_millimetres(nearby: tuple[Scene, TouchingRings, Robust], arrays: Arrays) -> None:
+    """Directions are compared by lengths that mean the same in every unit; the disc came out a quarter wider."""
+    wheels = arrays.inward([(1000 * x, 1000 * y) for x, y in CORNERS], speed=1000)
+    scene = standing(arrays.scene(wheels, radius=100).under("ellipse")).recentred()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(SmoothDisc, "depth", 0)
+        patch.setattr(SmoothDisc, "halvings", 0)
+        box = box_of(scene, NEAR)
+        box = replace(box, position=box.position * 1000)
+        disc = SmoothDisc(scene).disc(box, Fraction(str(inner_radius(scene))))
+    assert disc is not None
+    _, metres, _ = nearby
+    assert (disc.start, disc.radius) == (1000 * metres.start, 1000 * metres.radius)
+    assert [float(rate) for rate in disc.rates] == pytest.approx([1000 * float(rate) for rate in metres.rates])
 
 
 def test_bodies_are_there_in_the_sum_of_the_times_of_the_rings(nearby: tuple[Scene, TouchingRings, Robust]) -> None:
