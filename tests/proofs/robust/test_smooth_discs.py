@@ -17,6 +17,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
+from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.array_forces import ellipse_force, roller_force
@@ -277,6 +278,21 @@ def test_the_disc_is_the_same_in_millimetres(nearby: tuple[Scene, TouchingRings,
     _, metres, _ = nearby
     assert (disc.start, disc.radius) == (1000 * metres.start, 1000 * metres.radius)
     assert [float(rate) for rate in disc.rates] == pytest.approx([1000 * float(rate) for rate in metres.rates])
+
+
+def test_loads_are_enclosed_as_tightly_in_millimetres(arrays: Arrays) -> None:
+    """In millimetres elimination took rows in another order, and what it lost made loads a hundred times as wide."""
+
+    def widths(unit: int) -> list[float]:
+        places = [(Fraction(x * unit, 10), Fraction(y * unit, 10)) for x, y in ((-3, 7), (-6, -9), (8, 3))]
+        found = load_box(arrays.scene(arrays.inward(places)), arb(unit) / 1000)
+        assert found is not None
+        return [
+            float(part.rad()) * size for form in found.forms for part, size in zip(form, (1, unit, unit), strict=True)
+        ]
+
+    assert widths(1000) == pytest.approx(widths(1), rel=1e-3)
+    assert 0 < max(widths(1)) < 0.02
 
 
 def test_bodies_are_there_in_the_sum_of_the_times_of_the_rings(nearby: tuple[Scene, TouchingRings, Robust]) -> None:
