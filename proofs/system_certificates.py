@@ -493,7 +493,7 @@ def find_region_of_simplices(
             found = find_basin_in_space(system, local, surfaces, asked, REACH * radius, announce)
         if found is not None:
             search.entry(system, "basin", found.hypotheses)
-    except (NoCertificateError, NotShownError, BeyondReachError, RejectedError):  # sines of what is not affine, too
+    except (NoCertificateError, NotShownError, BeyondReachError, RejectedError):  # such as of sines of products
         return None
     return found
 

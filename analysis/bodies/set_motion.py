@@ -34,6 +34,7 @@ Wheels = frozenset[int]  # places in the scene's list of wheels
 # Evaluations that take as long as a minimizer that is found from nothing, and one beside drag that Newton's method
 # leaves to multipliers.
 COLD, BESIDE_DRAG = 100, 8
+NEAR_BORDER = 1e-7  # of the size of the set: so near to the border of its support two wheels carry all the weight
 
 
 class SetMotion:
@@ -57,6 +58,8 @@ class SetMotion:
         self._regime = NOBODY
         self._resisted: dict[bytes, bool] = {}
         self._beside_drag = 0  # minimizers that multipliers found with drag
+        self._near_border = NEAR_BORDER * float(np.ptp(model.positions, axis=0).max())
+        self._proved: Floats | None = None  # the last twist
 
     @property
     def work(self) -> int:
@@ -75,11 +78,19 @@ class SetMotion:
     def rate(self, pose: Floats) -> Floats:
         """``(c', theta')`` with exact kinematics; a little beyond the support polygon it is continued.
 
+        On the border of the polygon, where the path ends, minimizers may have no limit: steps that look there and
+        beyond go on with the last twist that is proved.
+
         Raises:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
         loads = self._loads.at(pose[:2])[0]
-        return with_kinematics(self._proved_twist(loads, pose), pose)
+        try:
+            self._proved = self._proved_twist(loads, pose)
+        except TrajectoryError:
+            if self._proved is None or self.margins(pose[None])[0] > self._near_border:
+                raise
+        return with_kinematics(self._proved, pose)
 
     def _proved_twist(self, loads: Floats, pose: Floats) -> Floats:
         """The minimizer of D: by Newton steps from the last one, else by multipliers.

@@ -410,9 +410,15 @@ def load_box(scene: Scene, step: arb, carrying: Sequence[int] | None = None) -> 
 
 
 def _inverse(*rows: tuple[arb, arb, arb]) -> list[tuple[arb, arb, arb]] | None:
-    """By elimination, which loses less than cofactors where balls are wide."""
+    """Of a symmetric matrix, by elimination, which loses less than cofactors where balls are wide.
+
+    Powers of two make its diagonal about one: so elimination takes its rows in the same order, and loses as little, in
+    every unit of length.
+    """
+    sizes = [arb(2) ** -(math.frexp(float(row[k].mid()))[1] // 2) for k, row in enumerate(rows)]
+    scale = arb_mat([[size if k == c else arb(0) for c in range(3)] for k, size in enumerate(sizes)])
     try:
-        inverse = arb_mat([list(row) for row in rows]).inv()
+        inverse = scale * (scale * arb_mat([list(row) for row in rows]) * scale).inv() * scale
     except ZeroDivisionError:
         return None
     return [(inverse[0, c], inverse[1, c], inverse[2, c]) for c in range(3)]

@@ -287,7 +287,8 @@ def _are_positive(plan: Floats, forces: PieceForces, size: Floats, middles: tupl
 def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals, Intervals]:
     """For each part the direction along which the least power is largest; (pieces, 1) each."""
     zeta = _candidates(2 * forces.turn[1].high[:, 0], forces.length)
-    value = forces.least_power(pulls, zeta) / np.linalg.norm(zeta, axis=-1)
+    sizes = np.linalg.norm(zeta * (1.0, 1.0, forces.length), axis=-1)  # the same in every unit of length
+    value = forces.least_power(pulls, zeta) / sizes
     best = np.take_along_axis(zeta, value.argmax(axis=1)[:, None, None], axis=1)
     first, second, third = (Intervals.of(best[..., k]) for k in range(3))
     return first, second, third

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.bodies import path as body_path
 from nonsmooth.analysis.bodies.path import BodyPath, smooth_path
-from nonsmooth.analysis.bodies.set_motion import ContactSets
+from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, turning
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.cells.loads import at_least_zero
 from nonsmooth.analysis.cells.outline import Filtered, Outline, OutlineSide, between, known_sign, meet
@@ -24,7 +24,7 @@ from nonsmooth.analysis.minimizers import ellipse_minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import without
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Disc
@@ -34,7 +34,7 @@ from nonsmooth.symbolic.numbers.coefficients import whole_multiples
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.body_engine import inward_grid, with_random_body
-from tests.conftest import Arrays, WheelData
+from tests.conftest import HALF, Arrays, WheelData
 from tests.oracles.floats import Floats
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, under
 from tests.thorough import keep, thorough
@@ -414,6 +414,23 @@ def test_a_centre_of_mass_that_comes_ever_nearer_to_the_border_of_its_support_ti
     x, y, _ = path.end.state
     assert 0 < x + y < 4e-9
     assert x == pytest.approx(y, abs=1e-12)
+
+
+def test_a_step_that_looks_beyond_a_corner_of_the_support_ends_no_path(arrays: Arrays) -> None:
+    """One wheel alone fixes no motion: the step goes on with the last twist that is proved, and the path tips.
+
+    Such paths ended with a minimum without proof.
+    """
+    corners = [(Fraction(7, 10), -HALF), (Fraction(1, 10), HALF), (Fraction(-4, 5), Fraction(-3, 10))]
+    rims = [(-3, -2), (-1, -1), (0, 1)]
+    scene = arrays.scene(list(map(WheelData, corners, rims)), friction=(HALF, Fraction(4, 5)))
+    inside, beyond = np.array([-0.3, 0.05, 0.0]), np.array([-0.85, -0.33, 0.0])
+    motion = SetMotion(contacts_under(smooth("roller"), scene), inside)
+    with pytest.raises(TrajectoryError, match="a minimum without proof"):
+        motion.rate(beyond)
+    twists = [motion.rate(pose) - motion.rate(pose)[2] * turning(pose) for pose in (inside, beyond)]
+    assert twists[1] == pytest.approx(twists[0], abs=1e-15)
+    assert np.abs(twists[0]).max() > 1e-2
 
 
 def test_a_start_over_the_line_through_two_wheels_is_refused() -> None:

@@ -27,7 +27,7 @@ from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
-from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, find_region_of_simplices
+from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.proofs.systems.findings import Method
@@ -399,14 +399,6 @@ def test_what_only_encloses_claims_rays_of_all_of_it_alone() -> None:
     assert result.check()
     moves = built(["y", "sin(x) - x + x**3/6 - x**5/240 - y"])  # x**5/240 + ..., and +-x**5/240 encloses
     assert PlanePoint(moves).rays == ()
-
-
-@pytest.mark.parametrize("friction", ["atan(x*y)/2", "y*exp(-y**2)", "sin(Abs(y))*sign(y)"])
-def test_triangles_need_functions_of_affine_ones(friction: str) -> None:
-    """Others have a level set of V in the square, and no larger region."""
-    result = decide_system(built(["y", f"-sin(x) - y - {friction}"]))
-    assert result.reach.region is not None
-    assert find_region_of_simplices(result, "fast", lambda *_: None) is None
 
 
 def test_interval_parameters_hold_for_all_values() -> None:

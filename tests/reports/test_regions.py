@@ -192,6 +192,19 @@ def test_no_triangles_where_all_is_known(monkeypatch: pytest.MonkeyPatch) -> Non
         assert find_region_of_simplices(result.evidence, "fast", lambda what, done, total: None) is None
 
 
+@pytest.mark.parametrize("pushed", ["sin(x)*cos(y)", "tanh(x*y)", "exp(-y**2)", "sin(Abs(y))"])
+def test_no_triangles_where_fields_are_not_enclosed_on_them(pushed: str, invoke: Invoke, tmp_path: Path) -> None:
+    """Sines that are multiplied or not of affine functions, and exp; the check ended with a traceback."""
+    system = f'[system]\nstates = ["x", "y"]\nrhs = ["-sign(x) - 2*x + x*{pushed}", "-2*y"]\n'
+    (tmp_path / "s.toml").write_text(system, encoding="utf-8")
+    status, out, error = invoke("check", "s.toml", "--json")
+    assert (status, error) == (0, "")
+    found = json.loads(out)
+    assert found["translation"]["everywhere"] is False
+    assert found["lyapunov"]["region"]["level"] > 0
+    assert "basin" not in found
+
+
 def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The words, the file that verify accepts, and what is refused."""
     monkeypatch.setitem(EFFORTS, "fast", COARSER)

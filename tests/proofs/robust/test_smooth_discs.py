@@ -17,6 +17,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
+from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.array_forces import ellipse_force, roller_force
@@ -31,6 +32,8 @@ from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
+from tests.conftest import Arrays
+from tests.four_wheel import CORNERS
 from tests.oracles.floats import Floats
 from tests.outlined import on, polygon_of
 from tests.thorough import few, keep, thorough
@@ -259,6 +262,37 @@ def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, Tou
     scene, disc, said = nearby
     assert (said.radius, said.start, said.within) == (disc.radius, disc.start, disc.time_to(disc.radius))
     assert_nearer_outside(scene, disc, NEAR)
+
+
+def test_the_disc_is_the_same_in_millimetres(nearby: tuple[Scene, TouchingRings, Robust], arrays: Arrays) -> None:
+    """Directions are compared by lengths that mean the same in every unit; the disc came out a quarter wider."""
+    wheels = arrays.inward([(1000 * x, 1000 * y) for x, y in CORNERS], speed=1000)
+    scene = standing(arrays.scene(wheels, radius=100).under("ellipse")).recentred()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(SmoothDisc, "depth", 0)
+        patch.setattr(SmoothDisc, "halvings", 0)
+        box = box_of(scene, NEAR)
+        box = replace(box, position=box.position * 1000)
+        disc = SmoothDisc(scene).disc(box, Fraction(str(inner_radius(scene))))
+    assert disc is not None
+    _, metres, _ = nearby
+    assert (disc.start, disc.radius) == (1000 * metres.start, 1000 * metres.radius)
+    assert [float(rate) for rate in disc.rates] == pytest.approx([1000 * float(rate) for rate in metres.rates])
+
+
+def test_loads_are_enclosed_as_tightly_in_millimetres(arrays: Arrays) -> None:
+    """In millimetres elimination took rows in another order, and what it lost made loads a hundred times as wide."""
+
+    def widths(unit: int) -> list[float]:
+        places = [(Fraction(x * unit, 10), Fraction(y * unit, 10)) for x, y in ((-3, 7), (-6, -9), (8, 3))]
+        found = load_box(arrays.scene(arrays.inward(places)), arb(unit) / 1000)
+        assert found is not None
+        return [
+            float(part.rad()) * size for form in found.forms for part, size in zip(form, (1, unit, unit), strict=True)
+        ]
+
+    assert widths(1000) == pytest.approx(widths(1), rel=1e-3)
+    assert 0 < max(widths(1)) < 0.02
 
 
 def test_bodies_are_there_in_the_sum_of_the_times_of_the_rings(nearby: tuple[Scene, TouchingRings, Robust]) -> None:
