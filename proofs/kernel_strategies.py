@@ -68,23 +68,22 @@ def decide_beside_stable_subspace(point: CheckedPoint, known: Known) -> Finding 
 
 
 def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) -> Finding | None:
-    if not known.attraction_is_open:
-        return None
     from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 
     shown = show_by_center_manifold(with_known_numbers(point.system), attracts=attracts)
     if shown is None:
         return None
-    proposal = shown.proposal
-    if shown.function is not None:
-        reason, function = f"{proposal.words}; {shown.function.reason}", _of_point(point, shown.function)
+    proposal, found = shown
+    if not isinstance(found, dict):
+        reason, function = f"{proposal.words}; {found.reason}", _of_point(point, found)
         return Finding(Method.CENTER, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=proposal)
-    facts, verdict = shown.facts(point.system.states), Translation.UNSTABLE
+    verdict = Translation.UNSTABLE
     reason = f"{proposal.words}; where V is negative, at points at all distances, it falls"
     if proposal.attracts:
         verdict = Translation.ASYMPTOTICALLY_STABLE
         reason = f"{proposal.words}; V is positive and decreases everywhere but at the equilibrium"
-    return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=shown.entry, facts=facts)
+    facts = entry_facts(point.system, found)
+    return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=found, facts=facts)
 
 
 @shared_effort(EFFORT)
@@ -96,7 +95,7 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
     from nonsmooth.proofs.systems.system_stability import attraction_by, conclude_function
 
     given, radius = known.function, point.system.check.radius
-    if not known.attraction_is_open or (given is not None and point.rays):
+    if given is not None and point.rays:
         return None
     if given is not None:
         shown = attraction_by(point, given)
@@ -157,8 +156,6 @@ def _proposed_energies(system: SwitchedSystem, radius: Number, power: int) -> It
 
 def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
     """The V of the scene and one that is searched, in two states, where sums of squares show that it falls."""
-    if not known.attraction_is_open:
-        return None
     from nonsmooth.proofs.many_states.decision import SpacePoint
     from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
 
@@ -173,7 +170,7 @@ def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
 
 def decide_by_quotient(point: CheckedPoint, known: Known) -> Finding | None:
     """A quotient of forms."""
-    return _by_quotient(point, stated=False) if known.attraction_is_open else None
+    return _by_quotient(point, stated=False)
 
 
 def decide_by_stated_quotient(point: CheckedPoint, known: Known) -> Finding | None:
@@ -188,16 +185,13 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
 
 def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
-    found = find_weighted_function(with_known_numbers(point.system)) if known.attraction_is_open else None
+    found = find_weighted_function(with_known_numbers(point.system))
     return None if found is None else _of_entry(point, found[0])
 
 
 def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
     """What a V shows with its evidence: that the point attracts, or is unstable."""
-    hypotheses, states = entry["hypotheses"], point.system.states
-    within = hypotheses["cells"]["within"]
-    where = "the whole space" if within is None else cube_text(point.system.field(Fraction(within)), states)
-    facts = function_facts(quotient_text(hypotheses), where)
+    facts = entry_facts(point.system, entry)
     if entry["theorem"] == "instability":
         reason = "V falls along every solution, from negative values at all distances"
         return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
@@ -210,7 +204,7 @@ def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 
-    found = find_weak_lyapunov(point.system) if known.standing is None else None
+    found = find_weak_lyapunov(point.system)
     return None if found is None else conclude_function(known, found)
 
 
@@ -233,7 +227,7 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
     A positive V that does not increase is found with it, unless one is known.
     """
     system, standing = with_known_numbers(point.system), known.standing
-    if system.only_encloses or not known.attraction_is_open:
+    if system.only_encloses:
         return None
     from nonsmooth.proofs.many_states.rest_beside import beside_curve_of_rest
 
@@ -243,7 +237,7 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
     refutes = f"every point of the curve {curve.words} near the equilibrium is an equilibrium"
     if curve.entry is not None:
         reason = f"V is positive and does not increase; {NOT_ATTRACTING}{refutes}"
-        entry, facts = curve.entry, curve.facts
+        entry, facts = curve.entry, entry_facts(system, curve.entry)
         return Finding(Method.LYAPUNOV, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
     function = _of_point(point, curve.function) if curve.function is not None else known.function
     return weak_finding(function, refutes)
@@ -254,21 +248,39 @@ def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 
-    found = find_kept_function(with_known_numbers(point.system)) if known.standing is None else None
+    found = find_kept_function(with_known_numbers(point.system))
     return None if found is None else conclude_function(known, found)
 
 
 def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
-    """A V that falls and is negative near the point, in two states."""
-    from nonsmooth.proofs.many_states.decision import SpacePoint, search_growth
+    """A V that falls, or falls where it is negative, and is negative near the point."""
+    from nonsmooth.proofs.many_states.lyapunov_search import find_growing_product, find_growth
 
-    return search_growth(SpacePoint(point.system), known) if known.standing is None else None
+    system = with_known_numbers(point.system)
+    return _by_growth(point, find_growth(system) or find_growing_product(system))
+
+
+def decide_by_large_growth(point: CheckedPoint, known: Known) -> Finding | None:
+    """The same in large programs, after all that takes less time."""
+    from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growth
+
+    return _by_growth(point, find_growth(point.system, LARGE))
+
+
+def _by_growth(point: CheckedPoint, entry: Record | None) -> Finding | None:
+    if entry is None:
+        return None
+    reason = "V falls along every solution, from negative values at all distances"
+    if "speed" in entry["hypotheses"]:
+        reason = "where V is negative, at points at all distances, it falls along every solution"
+    facts = entry_facts(point.system, entry, directed=True)
+    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
 def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
     """One solution that leaves, of a mixture of right-hand sides inside a cell or along a face."""
     system = with_known_numbers(point.system)
-    if known.standing is not None or system.only_encloses:  # a solution of an enclosure may be none of the system
+    if system.only_encloses:  # a solution of an enclosure may be none of the system
         return None
     from nonsmooth.proofs.kernel.escapes import show_escape_of
 
@@ -284,7 +296,7 @@ def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
 def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     """A switching law among several right-hand sides under which the point is unstable."""
     system = with_known_numbers(point.system)
-    if known.standing is not None or system.only_encloses or not system.others:
+    if system.only_encloses or not system.others:
         return None
     from nonsmooth.proofs.theorem_searches import choice_words, show_choice_of
 
@@ -301,7 +313,7 @@ def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
     """A reflection that reverses time, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import reflection_text, show_reversible_of
 
-    entry = _centre(point, known, show_reversible_of)
+    entry = _centre(point, show_reversible_of)
     if entry is None:
         return None
     image = reflection_text(entry["hypotheses"]["mirror"], point.system.states)
@@ -321,17 +333,15 @@ def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
     """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import factor_text, show_integral_of
 
-    entry = _centre(point, known, show_integral_of)
+    entry = _centre(point, show_integral_of)
     if entry is None:
         return None
     factor = row_fact("integrating factor", factor_text(entry["hypotheses"]))
     return _closed_orbits(point, Method.INTEGRAL, entry, "an integral of motion is kept", factor)
 
 
-def _centre(point: CheckedPoint, known: Known, show: Callable[[SwitchedSystem], Entry]) -> Record | None:
-    """The entry of a theorem on centres; None where it is not shown, or something is known already."""
-    if known.standing is not None:
-        return None
+def _centre(point: CheckedPoint, show: Callable[[SwitchedSystem], Entry]) -> Record | None:
+    """The entry of a theorem on centres; None where it is not shown."""
     try:
         return show(point.system)[0]
     except NotShownError:
@@ -351,14 +361,12 @@ def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None
     """A V that does not rise and is negative near the point, with further functions."""
     from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 
-    found = find_weak_growth(with_known_numbers(point.system)) if known.standing is None else None
+    found = find_weak_growth(with_known_numbers(point.system))
     if found is None:
         return None
-    (entry, _), text, radius = found
+    entry, _ = found
     reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
-    direction = ", ".join(entry["hypotheses"]["direction"])
-    where = f"{cube_text(radius, point.system.states)}; V < 0 in the direction ({direction})"
-    facts = function_facts(text, where)
+    facts = entry_facts(point.system, entry, directed=True)
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
@@ -366,7 +374,7 @@ def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
     """An energy with sines and cosines that does not rise, which enclosures of these cannot show."""
     from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
 
-    found = find_energy_on_circles(point.system) if known.standing is None else None
+    found = find_energy_on_circles(point.system)
     if found is None:
         return None
     entry, function, domain, is_kept = found
@@ -375,6 +383,25 @@ def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
     reason += f"; {NOT_ATTRACTING}{refutes}" if refutes else ""
     facts = (row_fact("on", domain),)
     return Finding(Method.CIRCLES, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
+
+
+def entry_facts(system: SwitchedSystem, entry: Record, *, directed: bool = False) -> tuple[Fact, Fact]:
+    """V of a theorem, and where its claims hold.
+
+    Args:
+        system: for the names of its states.
+        entry: of a certificate.
+        directed: whether it is also said in which direction V is negative.
+    """
+    from nonsmooth.proofs.many_states.center_manifold import coordinates_in
+
+    hypotheses, where = entry["hypotheses"], "the whole space"
+    cells = hypotheses["cells"]
+    if cells["within"] is not None:
+        where = cube_text(system.field(Fraction(cells["within"])), coordinates_in(cells, system.states))
+    if directed:
+        where += f"; V < 0 in the direction ({', '.join(hypotheses['direction'])})"
+    return function_facts(quotient_text(hypotheses), where)
 
 
 def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFunction:

@@ -187,8 +187,6 @@ def _walk(point: CheckedPoint) -> Known:
     """What the strategies find, one after the other, until one says that none says more."""
     known = Known()
     for strategy in STRATEGIES:
-        if len(point.system.states) not in strategy.states:
-            continue
         try:
             found = strategy.decide(point, known)
         except BeyondReachError:
@@ -234,8 +232,6 @@ def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
     """
     from nonsmooth.proofs.parts import Parts, cascade
 
-    if known.standing is not None:
-        return None
     try:
         blocks = list(cascade(point.system))
     except (SceneError, ExpressionError):
@@ -286,7 +282,7 @@ def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
     from nonsmooth.proofs.parts import Parts, slides
 
     system = point.system
-    if known.standing is not None or system.by_roots is not None:
+    if system.by_roots is not None:
         return None
     with suppress(SceneError, ExpressionError):
         for slide in slides(system):
@@ -304,7 +300,7 @@ def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
     A sine is enclosed, so the right-hand sides with one show by themselves that solutions stay, not that one leaves.
     """
     system = point.system
-    if known.standing is not None or system.order or not (system.waves and len(system.written) > 1):
+    if system.order or not (system.waves and len(system.written) > 1):
         return None
     with suppress(SceneError):
         exact = without_waves(system)
@@ -450,8 +446,8 @@ def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number)
 # A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
 # :data:`STRATEGIES`, which says for how many states it speaks and where the function is: a module is imported when the
 # first of its strategies is asked.  What a strategy finds it has confirmed exactly, or in balls.  The last finding
-# decides, as a strategy is asked only for more than is known; a V that does not increase decides only where there is
-# no other.
+# decides, as a strategy is asked only for more than is known: some while nothing is, some while whether the point
+# attracts is open.  A V that does not increase decides only where there is no other.
 
 
 ONE, TWO, MORE, SEVERAL = range(1, 2), range(2, 3), range(3, 9), range(2, 9)  # states
@@ -459,13 +455,14 @@ KERNEL = "nonsmooth.proofs.kernel_strategies"
 LINE = "nonsmooth.proofs.systems.scalar_stability"
 IN_PLANE = "nonsmooth.proofs.systems.system_stability"
 IN_SPACE = "nonsmooth.proofs.many_states.decision"
+SILENT, OPEN = Known.is_silent, Known.leaves_attraction_open
 
 STRATEGIES = [
-    Strategy("right-hand sides without sines", ONE, __name__, "decide_by_exact_sides"),
+    Strategy("right-hand sides without sines", ONE, __name__, "decide_by_exact_sides", SILENT),
     Strategy("signs on either side", ONE, LINE, "decide_by_signs"),
     Strategy("no equilibrium", TWO, IN_PLANE, "decide_no_equilibrium"),
     Strategy("no equilibrium", MORE, IN_SPACE, "decide_no_equilibrium"),
-    Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade"),
+    Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade", SILENT),
     Strategy("uncovered axes of roots", SEVERAL, __name__, "leave_uncovered"),
     Strategy("relative degree of a relay", MORE, IN_SPACE, "decide_by_relay"),
     Strategy("linearization", MORE, IN_SPACE, "decide_by_linearization"),
@@ -476,35 +473,35 @@ STRATEGIES = [
     Strategy("invariance principle, beside curves", TWO, IN_PLANE, "decide_by_stated_invariance"),
     Strategy("fan of cones", TWO, IN_PLANE, "decide_by_fan"),
     Strategy("leading terms", TWO, IN_PLANE, "decide_by_leading_terms"),
-    Strategy("centre manifold", TWO, KERNEL, "decide_beside_stable_subspace"),
-    Strategy("curve of equilibria", TWO, KERNEL, "decide_beside_curve_of_rest"),
-    Strategy("reversing symmetry, with sines", TWO, KERNEL, "decide_enclosed_centre"),
-    Strategy("ray along which solutions leave", MORE, IN_SPACE, "decide_by_escape"),
-    Strategy("solution that leaves", SEVERAL, KERNEL, "decide_by_solution"),
+    Strategy("centre manifold", TWO, KERNEL, "decide_beside_stable_subspace", OPEN),
+    Strategy("curve of equilibria", TWO, KERNEL, "decide_beside_curve_of_rest", OPEN),
+    Strategy("reversing symmetry, with sines", TWO, KERNEL, "decide_enclosed_centre", SILENT),
+    Strategy("ray along which solutions leave", MORE, IN_SPACE, "decide_by_escape", SILENT),
+    Strategy("solution that leaves", SEVERAL, KERNEL, "decide_by_solution", SILENT),
     Strategy("searched V", TWO, IN_PLANE, "search_function"),
     Strategy("searched V", MORE, IN_SPACE, "search_function"),
     Strategy("sum of squares of the states", MORE, IN_SPACE, "decide_by_sum_of_squares"),
-    Strategy("energy", MORE, KERNEL, "decide_by_energy"),
-    Strategy("curve of equilibria", MORE, KERNEL, "decide_beside_curve_of_rest"),
-    Strategy("first integrals", MORE, KERNEL, "decide_by_first_integrals"),
+    Strategy("energy", MORE, KERNEL, "decide_by_energy", SILENT),
+    Strategy("curve of equilibria", MORE, KERNEL, "decide_beside_curve_of_rest", OPEN),
+    Strategy("first integrals", MORE, KERNEL, "decide_by_first_integrals", SILENT),
     Strategy("rest beside the point", MORE, KERNEL, "decide_rest_beside"),
-    Strategy("surface on which solutions slide", MORE, __name__, "decide_by_sliding"),
-    Strategy("function that shows instability", MORE, IN_SPACE, "search_growth"),
-    Strategy("invariance principle", TWO, KERNEL, "search_attraction"),
-    Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance"),
-    Strategy("integral of motion", TWO, KERNEL, "decide_by_integral"),
-    Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold"),
-    Strategy("cascade", SEVERAL, __name__, "decide_by_cascade"),
-    Strategy("right-hand sides without sines", SEVERAL, __name__, "decide_by_exact_sides"),
-    Strategy("surface on which solutions slide", TWO, __name__, "decide_by_sliding"),
-    Strategy("choice among right-hand sides", SEVERAL, KERNEL, "decide_by_choice"),
-    Strategy("V by sums of squares", TWO, KERNEL, "decide_by_squares"),
-    Strategy("function that shows instability", TWO, KERNEL, "decide_by_growth"),
-    Strategy("quotient of forms", SEVERAL, KERNEL, "decide_by_quotient"),
-    Strategy("terms of higher weight", TWO, KERNEL, "decide_by_weights"),
-    Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy"),
-    Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles"),
-    Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry"),
+    Strategy("surface on which solutions slide", MORE, __name__, "decide_by_sliding", SILENT),
+    Strategy("function that shows instability", MORE, KERNEL, "decide_by_growth", SILENT),
+    Strategy("invariance principle", TWO, KERNEL, "search_attraction", OPEN),
+    Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance", OPEN),
+    Strategy("integral of motion", TWO, KERNEL, "decide_by_integral", SILENT),
+    Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold", OPEN),
+    Strategy("cascade", SEVERAL, __name__, "decide_by_cascade", SILENT),
+    Strategy("right-hand sides without sines", SEVERAL, __name__, "decide_by_exact_sides", SILENT),
+    Strategy("surface on which solutions slide", TWO, __name__, "decide_by_sliding", SILENT),
+    Strategy("choice among right-hand sides", SEVERAL, KERNEL, "decide_by_choice", SILENT),
+    Strategy("V by sums of squares", TWO, KERNEL, "decide_by_squares", OPEN),
+    Strategy("function that shows instability", TWO, KERNEL, "decide_by_growth", SILENT),
+    Strategy("quotient of forms", SEVERAL, KERNEL, "decide_by_quotient", OPEN),
+    Strategy("terms of higher weight", TWO, KERNEL, "decide_by_weights", OPEN),
+    Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy", SILENT),
+    Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles", SILENT),
+    Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry", SILENT),
     Strategy("searched V, in large programs", MORE, IN_SPACE, "search_large_function"),
-    Strategy("function that shows instability, in large programs", MORE, IN_SPACE, "search_large_growth"),
+    Strategy("function that shows instability, in large programs", MORE, KERNEL, "decide_by_large_growth", SILENT),
 ]

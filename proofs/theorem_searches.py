@@ -91,11 +91,11 @@ def show_growth_of(system: SwitchedSystem, verdict: str) -> Entry:
     if len(system.states) != len(PLANE):
         growth = find_growth(system) or find_growing_product(system) or find_growth(system, LARGE)
     if growth is not None:
-        return Search(known=growth.entry["proofs"]).entry(subject, "instability", growth.entry["hypotheses"])
+        return Search(known=growth["proofs"]).entry(subject, "instability", growth["hypotheses"])
     found = find_weak_growth(system)
     if found is None:
         raise NotShownError("no function was found that shows instability")
-    return found[0]
+    return found
 
 
 def show_energy_of(system: SwitchedSystem, verdict: str) -> Entry:

@@ -47,9 +47,6 @@ from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import (
     LARGE,
     SCALES,
-    GrowthEvidence,
-    find_growing_product,
-    find_growth,
     find_lyapunov,
     high_degree_relay,
 )
@@ -439,7 +436,7 @@ def decide_no_equilibrium(point: SpacePoint, known: Known) -> Finding | None:
 
 def decide_by_escape(point: SpacePoint, known: Known) -> Finding | None:
     """A ray along which solutions leave."""
-    rate = escaping_rate(point.system, point.cells) if known.standing is None else None
+    rate = escaping_rate(point.system, point.cells)
     if rate is None:
         return None
     reason = "solutions leave along a ray inside a cone with a linear field"
@@ -534,29 +531,10 @@ def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | Non
     return weak_finding(function, KEPT if function.is_kept else "")
 
 
-def search_growth(point: SpacePoint, known: Known) -> Finding | None:
-    """A V that shows instability, unless the point is known to be stable."""
-    if known.standing is not None:
-        return None
-    return _by_growth(point, find_growth(point.system) or find_growing_product(point.system))
-
-
-def search_large_growth(point: SpacePoint, known: Known) -> Finding | None:
-    """The same in large programs, after all that takes less time."""
-    return _by_growth(point, find_growth(point.system, LARGE)) if known.standing is None else None
-
-
-def _by_growth(point: SpacePoint, growth: GrowthEvidence | None) -> Finding | None:
-    if growth is None:
-        return None
-    facts, entry = growth.facts(point.system.states), growth.entry
-    return Finding(Method.INSTABILITY, Translation.UNSTABLE, growth.reason, proofs=growth, entry=entry, facts=facts)
-
-
 def decide_by_invariance(point: SpacePoint, known: Known) -> Finding | None:
     """Whether solutions leave where the V that shows stability does not fall."""
     function = known.function
-    entry = function.attraction(point.system) if known.attraction_is_open and function is not None else None
+    entry = None if function is None else function.attraction(point.system)
     if entry is None:
         return None
     reason = f"{function.reason}, and {Staying.NONE}"

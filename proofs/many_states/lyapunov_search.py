@@ -32,14 +32,12 @@ from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import constant, lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on
 from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     RationalTerms,
     SignCells,
-    StatedCells,
     adjoining,
     build_cells,
     rational_terms,
@@ -62,10 +60,8 @@ from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gra
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -212,49 +208,8 @@ DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
 FINE = 1 << 10  # denominator of a direction
 
 
-@dataclass(frozen=True)
-class GrowthEvidence:
-    """A function that shows instability.
-
-    Attributes:
-        formula: V, in the displacement under the states' names.
-        radius: half the side of the cube on which V falls.
-        direction: V is negative at all points near the equilibrium in this direction.
-        stated: the cells of the cube.
-        proofs: the evidence that V falls, by the names of claims.
-        speed: with which ``V' <= -speed V^2`` is shown where V is negative, instead.
-    """
-
-    formula: PiecewiseExpression
-    radius: Number
-    direction: tuple[fmpq, ...]
-    stated: StatedCells
-    proofs: Record
-    speed: Fraction | None = None
-
-    @property
-    def reason(self) -> str:
-        """What V shows, as a sentence."""
-        if self.speed is not None:
-            return "where V is negative, at points at all distances, it falls along every solution"
-        return "V falls along every solution, from negative values at all distances"
-
-    def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
-        """V, and where it falls."""
-        direction = ", ".join(map(str, self.direction))
-        where = f"{cube_text(self.radius, states)}; V < 0 in the direction ({direction})"
-        return function_facts(one_line(self.formula.text), where)
-
-    @property
-    def entry(self) -> Record:
-        """As a certificate holds it."""
-        hypotheses = instability_hypotheses(self.stated.record, self.formula.text, self.direction)
-        hypotheses |= {} if self.speed is None else {"speed": str(self.speed)}
-        return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**self.stated.proofs, **self.proofs}}
-
-
-def find_growth(system: SwitchedSystem, entries: range = SMALL) -> GrowthEvidence | None:
-    """A V that shows instability; None where none is found.
+def find_growth(system: SwitchedSystem, entries: range = SMALL) -> Record | None:
+    """The entry of a certificate that shows instability by a V; None where none is found.
 
     Args:
         system: in two states or more.
@@ -268,8 +223,8 @@ def find_growth(system: SwitchedSystem, entries: range = SMALL) -> GrowthEvidenc
     return next(filter(None, falling), None)
 
 
-def find_growing_product(system: SwitchedSystem) -> GrowthEvidence | None:
-    """A product of states or of their powers, or a difference of squares, that shows instability; None where none does.
+def find_growing_product(system: SwitchedSystem) -> Record | None:
+    """The same by a product of states or of their powers, or a difference of squares; None where none shows it.
 
     Raises:
         BeyondReachError: for a system that is not decided here.
@@ -284,15 +239,19 @@ def find_growing_product(system: SwitchedSystem) -> GrowthEvidence | None:
 
 def _shown(
     system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, effort: Effort, speed: Fraction | None = None
-) -> GrowthEvidence | None:
-    """A V that falls along every solution, or with a speed where it is negative; None where that is not shown."""
+) -> Record | None:
+    """The entry by a V that falls, or with a speed where it is negative; None where that is not shown."""
     stated, conditions = conditions_on(system, formula, radius)
     falls = conditions.claims(positive=False) if speed is None else conditions.claims_by_square(speed)
     direction = negative_direction(conditions)
     if direction is None or find_failure(stated.cells, falls) is not None:
         return None
     proofs = _proofs(falls, effort)
-    return None if proofs is None else GrowthEvidence(formula, radius, direction, stated, proofs, speed)
+    if proofs is None:
+        return None
+    hypotheses = instability_hypotheses(stated.record, formula.text, direction)
+    hypotheses |= {} if speed is None else {"speed": str(speed)}
+    return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**stated.proofs, **proofs}}
 
 
 def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:

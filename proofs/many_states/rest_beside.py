@@ -22,8 +22,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import STABLE
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, function_facts
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational, rational_terms, started
 from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
@@ -32,7 +31,6 @@ from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
     Split,
-    place_text,
     smooth_fields,
     split_at,
     sum_text,
@@ -41,11 +39,11 @@ from nonsmooth.proofs.many_states.center_manifold import (
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_SURFACES = 8  # through the point, whose subsets are tried
-WEIGHT_DENOMINATOR = 1 << 12  # of weights
 
 Ray = tuple[fmpq, ...]
 Along = dict[int, list[fmpq]]  # a field along a ray: a vector for each power of the distance
@@ -129,23 +127,14 @@ def _rests(fields: Sequence[Along]) -> bool:
 
 
 def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
-    """Whether 0 is a sum of all vectors with positive weights: floats propose them, and fractions confirm."""
-    kept = null_basis(fmpq_mat(list(vectors)).transpose())
-    if not kept.ncols():
-        return False
-    basis = np.array([[float(value) for value in row] for row in kept.tolist()])
-    columns = basis.shape[1]
-    solved = solve_program(
-        np.r_[np.zeros(columns), -1.0],
-        A_ub=np.hstack([-basis, np.ones((len(basis), 1))]),
-        b_ub=np.zeros(len(basis)),
-        bounds=[(-1, 1)] * columns + [(0, 1)],
-    )
-    if solved.status != 0 or solved.x[-1] <= 0:
-        return False
-    rounded = [Fraction(float(value)).limit_denominator(WEIGHT_DENOMINATOR) for value in solved.x[:columns]]
-    weights = kept * fmpq_mat([[as_fmpq(value)] for value in rounded])
-    return all(value > 0 for (value,) in weights.tolist())
+    """Whether 0 is a sum of all vectors with positive weights: each has a part in a mixture to 0, and in their mean."""
+    field = NumberField()
+    columns, target = mixtures_to_zero([list(map(field, vector)) for vector in vectors])
+    for k in range(len(columns)):
+        found = best_mixture(columns, target, [field(int(i == k)) for i in range(len(columns))])
+        if found is None or not found.value:
+            return False
+    return True
 
 
 # ---- curves of equilibria ------------------------------------------------------------------------
@@ -186,13 +175,11 @@ class RestingCurve:
         words: the curve.
         function: V with its conditions, which shows that; None where it was not asked for, or is shown by evidence.
         entry: the theorem with its evidence in coordinates that follow the curve, as a certificate holds it.
-        facts: of such evidence, V and where it does not increase.
     """
 
     words: str
     function: ExaminedLyapunov | None = None
     entry: Record | None = None
-    facts: tuple[Fact, ...] = ()
 
 
 def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> RestingCurve | None:
@@ -221,8 +208,7 @@ def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> Rest
                     return RestingCurve(words, examined)
                 entry = _shown_along(curve, subject, search, text, stated.record)
                 if entry is not None:
-                    facts = function_facts(text, place_text(entry, radius, system.states))
-                    return RestingCurve(words, None, entry, facts)
+                    return RestingCurve(words, None, entry)
     except NotShownError:
         return None
     return None

@@ -190,8 +190,8 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     return None
 
 
-def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None:
-    """The theorem on instability by a V that does not rise, V as a formula, and half the side of its cube.
+def find_weak_growth(system: SwitchedSystem) -> Entry | None:
+    """The theorem on instability by a V that does not rise; None where none is found.
 
     Args:
         system: in two states or more, with rational numbers.
@@ -214,7 +214,7 @@ def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None
                 continue
             hypotheses = instability_hypotheses(cells, text, direction, second)
             with suppress(NotShownError):
-                return search.entry(subject, "instability", hypotheses), text, radius
+                return search.entry(subject, "instability", hypotheses)
     return None
 
 

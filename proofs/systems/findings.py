@@ -226,8 +226,11 @@ class Known:
         """Whether the point is known not to attract."""
         return any(own.refutes for own in self.findings)
 
-    @property
-    def attraction_is_open(self) -> bool:
+    def is_silent(self) -> bool:
+        """Whether nothing says something."""
+        return self.standing is None
+
+    def leaves_attraction_open(self) -> bool:
         """Whether nothing but a V that does not increase says something, or nothing at all."""
         return self.standing is None or self.standing.is_weak
 
@@ -373,15 +376,19 @@ class Strategy:
         states: how many they have.
         module: that holds the function.
         function: its name; from a checked point and what is known to a finding.
+        asked: whether it is asked beside what is known; always unless given.
     """
 
     name: str
     states: range
     module: str
     function: str
+    asked: Callable[[Known], bool] | None = None
 
     def decide(self, point: CheckedPoint, known: Known) -> Finding | None:
         """What it finds at a point, beside what is known; None where that is nothing, or nothing more."""
+        if len(point.system.states) not in self.states or (self.asked is not None and not self.asked(known)):
+            return None
         decide: Callable[[CheckedPoint, Known], Finding | None] = getattr(import_module(self.module), self.function)
         return decide(point, known)
 

@@ -143,7 +143,7 @@ def by_factors() -> dict[str, Any]:
     found = find_growing_product(system)
     assert found is not None
     statement = {"subject": about(system), "claims": [{"stability": "unstable"}]}
-    certificate = {"version": VERSION, "statement": statement, "evidence": [found.entry]}
+    certificate = {"version": VERSION, "statement": statement, "evidence": [found]}
     assert not refusal(certificate, SIZE)
     return certificate
 
