@@ -24,7 +24,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, attracts, examine, resting_place
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
 from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.proofs.systems.findings import (
@@ -103,7 +103,7 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
             shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
         if shown is not None:
             return shown
-    found = find_weak_function(point.system, may_attract=not point.rays)
+    found = find_weak_function(point, may_attract=not point.rays)
     if found is None:
         return None
     shown = None if point.rays else attraction_by(point, found)
@@ -114,16 +114,16 @@ WEAK_SCALES = (Fraction(1), Fraction(1, 8))  # of the checked square
 MOST_AUDITS = 16  # of proposals in one search
 
 
-def find_weak_function(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
+def find_weak_function(point: PlanePoint, *, may_attract: bool = True) -> PlaneFunction | None:
     """A V that does not increase: one that shows attraction by LaSalle's principle, else the first; None without one.
 
     Args:
-        system: in two states.
+        point: of a system in two states.
         may_attract: whether the equilibrium may attract; otherwise the first V serves.
     """
     from nonsmooth.proofs.systems.lyapunov_search import MAX_CELLS, audited_weakly, square_cells
 
-    left, first = MOST_AUDITS, None
+    system, left, first = point.system, MOST_AUDITS, None
     for scale in WEAK_SCALES:
         left = max(left, 1)  # on each square: the first proposal may be exact
         radius = system.check.radius * scale
@@ -137,7 +137,7 @@ def find_weak_function(system: SwitchedSystem, *, may_attract: bool = True) -> P
             if result is None:
                 continue
             found = PlaneFunction(result, Domain(radius), formula, system.states)
-            if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
+            if not may_attract or point.attraction(found) is not None:
                 return found
             first = first or found
         if first is not None:

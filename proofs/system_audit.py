@@ -27,7 +27,7 @@ from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells, system_cells
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
 from nonsmooth.proofs.many_states import examination as many
@@ -42,7 +42,7 @@ from nonsmooth.proofs.systems.derivatives import (
     examine,
     refutations,
 )
-from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
+from nonsmooth.proofs.systems.domain import Domain, domains, plane_cells
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.files.system_document import with_parameters
@@ -264,7 +264,7 @@ def audited_cells(
         require_stated(scene)
         require_denominators(scene)
         domain = domains(scene, formula, plane_cells(scene))[0]
-        cells = system_cells(scene, domain_regions(scene, domain.radius))
+        cells = plane_cells(scene, domain.radius)
     elif isinstance(rule_of(scene), CellRule):
         domain, cells = Domain(scene.check.radius), partition_cells(build_partition(scene.recentred()))
     else:

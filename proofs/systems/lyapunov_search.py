@@ -25,13 +25,7 @@ from itertools import product
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.switched_cells import (
-    FieldCell,
-    LyapunovCell,
-    lyapunov_cells,
-    square_regions,
-    system_cells,
-)
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
 from nonsmooth.proofs.checker.cells import Face
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.inequalities.forms import Sense
@@ -54,7 +48,7 @@ from nonsmooth.proofs.kernel.search import Functions
 from nonsmooth.proofs.kernel.second_function import gradient, with_projected
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import Domain, plane_cells
 from nonsmooth.proofs.systems.energies import falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.symbolic.formulas.expression import ExpressionError
@@ -104,7 +98,7 @@ def in_time(cells: Sequence[FieldCell], *, grows: bool) -> tuple[FieldCell, ...]
 
 def square_cells(system: SwitchedSystem, radius: Number, *, grows: bool = False) -> tuple[FieldCell, ...]:
     """The cells of a square."""
-    return in_time(system_cells(system, square_regions(radius)), grows=grows)
+    return in_time(plane_cells(system, radius), grows=grows)
 
 
 def searched_cells(

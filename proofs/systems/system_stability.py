@@ -20,7 +20,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -30,7 +29,7 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel.cells import require_denominators
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, Staying, attraction, examine
 from nonsmooth.proofs.systems.domain import Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import (
     KEPT,
@@ -55,7 +54,6 @@ from nonsmooth.proofs.systems.ray_moves import (
 )
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, signs_by_factors
 
 if TYPE_CHECKING:
@@ -137,7 +135,7 @@ class PlanePoint(CheckedPoint):
     def given_on(self, domain: Domain) -> PlaneFunction:
         """The scene's V on a domain."""
         check = self.system.check
-        result = examine(given_cells(self.system, domain))
+        result = examine(given_cells(self.system, domain.radius))
         return PlaneFunction(result, domain, check.lyapunov, self.system.states, is_given=True)
 
     def all_given(self) -> Iterator[PlaneFunction]:
@@ -147,26 +145,14 @@ class PlanePoint(CheckedPoint):
             yield self.given_on(domain)
 
     def attraction(self, function: PlaneFunction) -> Record | None:
-        """LaSalle's principle with its evidence, as a certificate holds it, of a V that does not increase."""
+        """LaSalle's principle with its evidence, of a V that does not increase; searched once for each."""
         for asked, entry in self._attractions:
             if asked is function:
                 return entry
-        self._attractions.append((function, self._searched_attraction(function)))
-        return self._attractions[-1][1]
-
-    def _searched_attraction(self, function: PlaneFunction) -> Record | None:
-        from nonsmooth.proofs.kernel.second_function import find_attraction
-        from nonsmooth.proofs.systems.derivatives import resting_place
-
-        if function.formula is None or resting_place(function.result.cells) is not None:
-            return None
-        with suppress(NoEnclosureError):
-            return find_attraction(enclose_numbers(self.system), function.formula, self.radius_of(function))
-        return None
-
-    def radius_of(self, function: PlaneFunction) -> Number:
-        """Half the side of the square on which a V is asked: the checked one, where it is proved on the plane."""
-        return function.domain.radius or self.system.check.radius
+        radius = function.domain.radius or self.system.check.radius
+        entry = attraction(self.system, function.formula, radius, function.result.cells)
+        self._attractions.append((function, entry))
+        return entry
 
     @property
     def open_reason(self) -> str:
@@ -294,8 +280,6 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
     if entry is None:
         return None
-    from nonsmooth.proofs.systems.derivatives import Staying
-
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)
 
