@@ -32,6 +32,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError
+from nonsmooth.proofs.orbits.ball_steps import in_balls
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import (
     RISES,
@@ -118,8 +119,10 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
     except (_OnSurfaceError, ExpressionError):
         return arb(0, "inf")
     values = [*(c.ball() for c in place), *waves]
-    slopes = [potential.derivative(name) for name in system.states]
-    return sum((_ball(slope * rate, values) for slope, rate in zip(slopes, rates, strict=True)), arb(0))
+    total = potential * 0
+    for name, rate in zip(system.states, rates, strict=True):
+        total += potential.derivative(name) * rate
+    return in_balls(total)(values)
 
 
 def _waves(system: SwitchedSystem, stated: Mapping[str, Polynomial], place: Sequence[Number]) -> list[arb]:
@@ -131,16 +134,6 @@ def _waves(system: SwitchedSystem, stated: Mapping[str, Polynomial], place: Sequ
         argument = system.field(formula.polynomial(stated, no_sign)(values)).ball()
         found.append(getattr(argument, wave.kind)())
     return found
-
-
-def _ball(polynomial: Polynomial, values: Sequence[arb]) -> arb:
-    total = arb(0)
-    for exponents, c in polynomial.terms.items():
-        term = c.ball()
-        for value, exponent in zip(values, exponents, strict=True):
-            term = term * value**exponent
-        total += term
-    return total
 
 
 KEY = "lyapunov"
