@@ -176,6 +176,15 @@ def _all_terms(polynomial: Polynomial) -> RationalTerms:
     return dict(polynomial.terms)
 
 
+def without_signs(surface: Polynomial) -> int:
+    """Signs for what must not switch.
+
+    Raises:
+        BeyondReachError: always.
+    """
+    raise BeyondReachError("formulas that switch")
+
+
 def scaled(terms: Mapping[Exponents, fmpq], factor: fmpq) -> RationalTerms:
     """A polynomial in the variables divided by a factor."""
     return {e: c * factor ** sum(e) for e, c in terms.items()}

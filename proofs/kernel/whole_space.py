@@ -25,6 +25,7 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
     surfaces_of,
+    without_signs,
 )
 from nonsmooth.proofs.kernel.first_terms import first_terms_attract
 from nonsmooth.proofs.kernel.quotients import find_quotient
@@ -117,11 +118,7 @@ def _fields(system: SwitchedSystem) -> list[list[Terms]]:
         SceneError: for a piece that is no polynomial.
     """
     places = system.displaced(system.states)
-    return [[rational_terms(own) for own in member.velocity(_no_sign, places)] for member in system.members]
-
-
-def _no_sign(surface: object) -> int:
-    raise BeyondReachError("a field that switches")
+    return [[rational_terms(own) for own in member.velocity(without_signs, places)] for member in system.members]
 
 
 def _bases(count: int) -> Iterator[list[Exponents]]:

@@ -175,16 +175,23 @@ def _problems(
     parameters, asked = len(basis), list[Condition]()
     for claims in zip(*by_function, strict=True):
         shapes = mu_shapes(claims)
-        asked += _about_sum(claims, sizes, shapes, parameters)
+        asked += about_sum(claims, sizes, shapes, parameters)
         parameters += len(shapes)
     own = [normalized(condition) for condition in asked]
     return [(condition, build_blocks(condition)) for condition in own if condition.slopes], parameters
 
 
-def _about_sum(
-    claims: Sequence[Claim], sizes: Sequence[fmpq], shapes: Sequence[Shape], start: int
+def about_sum(
+    claims: Sequence[Claim], sizes: Sequence[fmpq], shapes: Sequence[Shape] = (), start: int = 0
 ) -> Iterator[Condition]:
-    """The inequalities of one claim: parameters are the coefficients of the functions, and from a number on of mu."""
+    """The inequalities of a claim about a sum of functions, affine in its coefficients.
+
+    Args:
+        claims: the same about each function, on the unit cube.
+        sizes: what each function is divided by.
+        shapes: the monomials of functions mu.
+        start: the number of the first coefficient of these.
+    """
     for number, inequality in enumerate(claims[0].inequalities):
         condition = condition_of(claims[0], inequality, shapes)
         slopes = {start + k: slope for k, slope in condition.slopes.items() if slope}

@@ -97,7 +97,7 @@ class LeadingTerms:
     frame: Frame
     weights: Weights
     motions: tuple[RadialMotion, ...]
-    growth: TurnGrowth | FusedFocus | WorstTurn | None
+    growth: TurnGrowth | FusedFocus | None
 
     def reason(self, states: Sequence[str]) -> str:
         """One sentence for people, in the names of the states."""
@@ -233,7 +233,7 @@ def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:
     return None if growth is None or not growth.sign else _by_turn(fan.frame, fan.weights, growth)
 
 
-def _by_turn(frame: Frame, weights: Weights, growth: TurnGrowth | FusedFocus | WorstTurn) -> LeadingTerms:
+def _by_turn(frame: Frame, weights: Weights, growth: TurnGrowth | FusedFocus) -> LeadingTerms:
     """What a full turn with a known sign of its growth says."""
     verdict = Translation.UNSTABLE if growth.sign > 0 else Translation.ASYMPTOTICALLY_STABLE
     return LeadingTerms(verdict, frame, weights, (), growth)
@@ -378,22 +378,19 @@ class TurnGrowth:
         low: a lower bound of the factor.
         high: an upper bound of it.
         sign: of the factor's logarithm; 0 where it is not known.
+        is_worst: whether it is the turn with the most growth under arbitrary switching.
     """
 
     sense: int
     low: str
     high: str
     sign: int
+    is_worst: bool = False
 
     def __str__(self) -> str:
-        return f"a full turn multiplies small distances by {self.factor}"
-
-    @property
-    def factor(self) -> str:
-        """The factor in words: its bounds, or the digits that they share."""
-        if self.low == self.high:
-            return f"a factor of {self.low}, rounded"
-        return f"a factor between {self.low} and {self.high}"
+        turn = "a full turn under the worst switching" if self.is_worst else "a full turn"
+        factor = f"of {self.low}, rounded" if self.low == self.high else f"between {self.low} and {self.high}"
+        return f"{turn} multiplies small distances by a factor {factor}"
 
 
 def turn_growth(fan: TangentFan) -> TurnGrowth | None:
@@ -451,26 +448,7 @@ EVALUATIONS = 10**6  # of an integrand: forms of high degree take a tenth of the
 WIDTH = Fraction(1, 2**40)  # of the pieces around roots
 
 
-@dataclass(frozen=True)
-class WorstTurn:
-    """The full turn with the most growth.
-
-    Attributes:
-        turn: encloses the factor.
-    """
-
-    turn: TurnGrowth
-
-    @property
-    def sign(self) -> int:
-        """Of the factor's logarithm; 0 where it is not known."""
-        return self.turn.sign
-
-    def __str__(self) -> str:
-        return f"a full turn under the worst switching multiplies small distances by {self.turn.factor}"
-
-
-def worst_turn(system: SwitchedSystem) -> WorstTurn | None:
+def worst_turn(system: SwitchedSystem) -> TurnGrowth | None:
     """The worst turn about the checked point; None where not all fields turn in one sense without radial directions."""
     fans = [build_tangent_fan(member) for member in system.members]
     known = [fan for fan in fans if fan is not None]
@@ -483,7 +461,7 @@ def worst_turn(system: SwitchedSystem) -> WorstTurn | None:
     sense = senses.pop()
     with ctx.workprec(PRECISION):
         total = sum((_largest_growth(members, sense) for members in cones), arb(0))
-        return WorstTurn(growth_of_logarithm(total, sense))
+        return replace(growth_of_logarithm(total, sense), is_worst=True)
 
 
 def _is_touched(fan: TangentFan) -> bool:
