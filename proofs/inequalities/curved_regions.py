@@ -38,7 +38,7 @@ from flint import Ordering, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.forms import directions, simplest
-from nonsmooth.proofs.inequalities.real_roots import Sturm, along_ray, germ_sign, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import Sturm, along_ray, complex_roots, germ_sign, trimmed, value
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -123,16 +123,11 @@ def _separated_roots(polynomials: Sequence[fmpq_poly]) -> list[Bounds]:
     precision = FIRST_PRECISION
     while True:
         with ctx.workprec(precision):
-            found: Any = [root.real for part in irreducible.values() for root, _ in _roots(part) if root.imag == 0]
+            found: Any = [root.real for part in irreducible.values() for root in complex_roots(part) if root.imag == 0]
             enclosures = sorted((root.lower().fmpq(), root.upper().fmpq()) for root in found)
         if all(before[1] < after[0] for before, after in pairwise(enclosures)):
             return enclosures
         precision *= 2
-
-
-def _roots(polynomial: fmpq_poly) -> Any:
-    """Complex roots with multiplicities; real ones have the imaginary part zero exactly."""
-    return polynomial.complex_roots()
 
 
 def _short_between(low: fmpq, high: fmpq) -> fmpq:

@@ -349,6 +349,12 @@ def _in_radicals(factor: list[Number], low: Fraction, high: Fraction) -> Number 
     return next((r for r in roots if low < r < high), None)
 
 
+def complex_roots(polynomial: fmpq_poly) -> list[Any]:
+    """Disjoint balls around all roots; those of real ones have the imaginary part zero exactly."""
+    found: Any = polynomial.complex_roots() if polynomial.degree() > 0 else []
+    return [root for root, _ in found]
+
+
 # ---- tangents of curves at the origin of the plane -----------------------------------------------
 #
 # Tangents of curves at the origin of the plane: the real lines on which their forms of lowest degree vanish.

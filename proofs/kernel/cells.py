@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
@@ -32,7 +33,7 @@ from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.kernel.search import NotShownError, Search, sample_points
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomial_in_names
-from nonsmooth.proofs.kernel.written import written_number
+from nonsmooth.proofs.kernel.written import as_checked, written_number
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive
 from nonsmooth.symbolic.formulas.expression import ExpressionError
@@ -73,7 +74,7 @@ class SignCell:
     """
 
     signs: Pattern
-    velocities: tuple[tuple[RationalTerms, ...], ...]
+    velocities: tuple[Field, ...]
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,15 @@ class SignCells:
     radius: fmpq
     beyond: bool
     asked: frozenset[Polynomial]
+
+    @cached_property
+    def forms(self) -> Field:
+        """The surfaces, written as the fields are.
+
+        Raises:
+            BeyondReachError: for irrational numbers.
+        """
+        return tuple(map(checked, self.surfaces))
 
     @property
     def are_cones(self) -> bool:
@@ -121,7 +131,7 @@ def build_cells(
     surfaces = tuple(dict.fromkeys(s for s in (*system.surfaces(states), *more) if s.degree))
     if len(surfaces) > MAX_SURFACES:
         raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
-    read = _all_terms if irrational else rational_terms
+    read = _unread if irrational else checked
     found: list[SignCell] = []
     asked: set[Polynomial] = set()
     for signs in patterns(surfaces, radius):
@@ -172,8 +182,18 @@ def rational_terms(polynomial: Polynomial) -> RationalTerms:
     return {exponents: rational(value) for exponents, value in polynomial.terms.items()}
 
 
-def _all_terms(polynomial: Polynomial) -> RationalTerms:
-    return dict(polynomial.terms)
+def checked(polynomial: Polynomial) -> polynomials.Polynomial:
+    """A polynomial as the checker has it.
+
+    Raises:
+        BeyondReachError: for irrational coefficients.
+    """
+    return as_checked(rational_terms(polynomial), len(polynomial.variables))
+
+
+def _unread(polynomial: Polynomial) -> polynomials.Polynomial:
+    """The same with coefficients that nobody reads."""
+    return polynomials.Polynomial(len(polynomial.variables), polynomial.terms)
 
 
 def without_signs(surface: Polynomial) -> int:

@@ -103,5 +103,5 @@ def _rows(system: SwitchedSystem, orders: Sequence[int]) -> Iterator[Row]:
     for cell in cells.cells:
         for velocity in cell.velocities:
             for k, part in enumerate(velocity):
-                for exponents in part:
+                for exponents in part.terms:
                     yield (*(e - orders[k] * (k == j) for j, e in enumerate(exponents)), -1)

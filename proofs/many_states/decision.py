@@ -19,7 +19,6 @@ Rays, fans and leading terms are used for two states only.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
@@ -27,22 +26,21 @@ from functools import cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import ctx, fmpq, fmpq_mat, fmpq_poly
 
-from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, complex_roots, positive_roots
 from nonsmooth.proofs.kernel.bases import formula_text, monomials
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
-    RationalTerms,
+    Field,
     SignCells,
     adjoining,
     build_cells,
-    rational_terms,
     require_denominators,
 )
+from nonsmooth.proofs.kernel.first_terms import common_jacobian
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import (
     LARGE,
@@ -64,9 +62,9 @@ from nonsmooth.proofs.systems.findings import (
     weak_finding,
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- what shows itself near the point in many states ---------------------------------------------
@@ -80,43 +78,38 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 # nothing.
 #
 # *Linearization.* Where all fields at the point vanish there and have one Jacobian A, the field is ``A x`` up to higher
-# order, and Lyapunov's indirect method applies.  ``A^T P + P A = -I`` has one solution unless two eigenvalues of A add
-# up to zero; P is positive definite iff all eigenvalues have negative real parts, and otherwise some real part is
-# positive (Ostrowski and Schneider 1962).  In the exceptional case the same is asked of ``A - alpha I`` for small
-# ``alpha > 0``. A linear field is decided completely: eigenvalues on the imaginary axis belong to the greatest common
-# divisor h of ``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the
-# point is stable iff A is a zero of the polynomial in which these roots are taken once.
+# order, and Lyapunov's indirect method applies.  Eigenvalues on the imaginary axis are roots of the greatest common
+# divisor h of ``chi(s)`` and ``chi(-s)``, whose other roots come with their opposites; those of the other factor of chi
+# have real parts that are not zero, which balls show.  Of a linear field with imaginary and stable eigenvalues the
+# point is stable iff A is a zero of the polynomial in which the imaginary ones are taken once.
 
 
 def escaping_rate(system: SwitchedSystem, cells: SignCells) -> Fraction | None:
     """A lower bound of the rate at which solutions leave along a ray in an open cone; None where none is found."""
     if system.only_encloses:
         return None
-    zero = (0,) * len(cells.states)
-    near = [(j, s) for j, s in enumerate(cells.surfaces) if zero not in s.terms]
-    if any(surface.degree != 1 for _, surface in near):
+    near = [(j, form) for j, form in enumerate(cells.forms) if not form.at_origin]
+    if any(form.degree != 1 for _, form in near):
         return None
     for cell in adjoining(cells):
-        forms = [
-            [cell.signs[j] * rational_terms(surface).get(unit(len(zero), k), fmpq(0)) for k in range(len(zero))]
-            for j, surface in near
-        ]
+        forms = [[as_fmpq(cell.signs[j] * form.slope(k)) for k in range(form.count)] for j, form in near]
         for field in cell.velocities:
-            if all(sum(e) == 1 for part in field for e in part):
+            if _is_linear(field):
                 for root in _rays(system, field, forms):
                     return root.low
     return None
 
 
-def _rays(
-    system: SwitchedSystem, field: Sequence[RationalTerms], forms: Sequence[Sequence[fmpq]]
-) -> Iterator[RealRoot]:
+def _is_linear(field: Field) -> bool:
+    return all(sum(e) == 1 for part in field for e in part.terms)
+
+
+def _rays(system: SwitchedSystem, field: Field, forms: Sequence[Sequence[fmpq]]) -> Iterator[RealRoot]:
     """Positive eigenvalues of a linear field with an eigenvector at which all forms are positive."""
-    count = len(field)
-    matrix = fmpq_mat([[part.get(unit(count, k), fmpq(0)) for k in range(count)] for part in field])
+    matrix = fmpq_mat([[as_fmpq(part.slope(k)) for k in range(part.count)] for part in field])
     characteristic, adjugates = _resolvent(matrix)
     for root in positive_roots([system.field(c) for c in characteristic]):
-        for column in range(count):
+        for column in range(len(field)):
             heights = [_height(system, adjugates, form, column) for form in forms]
             signs = {root.sign_of(height) for height in heights}
             if len(signs) == 1 and 0 not in signs:
@@ -140,7 +133,7 @@ def _resolvent(matrix: fmpq_mat) -> tuple[list[fmpq], list[fmpq_mat]]:
     return coefficients, adjugates
 
 
-SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
+PRECISION = 64  # bits with which eigenvalues are enclosed; doubled until the signs of their real parts are seen
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 12, 1 << 24)  # of a quadratic V, tried in turn
 
 
@@ -153,7 +146,7 @@ class Spectrum(StrEnum):
         "the field is linear; no eigenvalue is right of the imaginary axis, those on it have full sets of eigenvectors"
     )
     GROWING = "the field is linear; a multiple eigenvalue on the imaginary axis has too few eigenvectors"
-    UNDECIDED = "the linearization has eigenvalues on the imaginary axis, or too near it"
+    UNDECIDED = "the linearization has eigenvalues on the imaginary axis"
 
 
 @dataclass(frozen=True)
@@ -176,37 +169,51 @@ class LinearPart:
 def linear_part(cells: SignCells) -> LinearPart | None:
     """The linearization; None where the field has none at the point."""
     fields = [field for cell in adjoining(cells) for field in cell.velocities]
-    matrix = _common_jacobian(fields)
-    if matrix is None:
+    jacobian = common_jacobian(fields)
+    if jacobian is None:
         return None
-    linear = len(cells.cells) == 1 and all(sum(e) == 1 for field in fields for p in field for e in p)
+    matrix = tuple(tuple(map(as_fmpq, row)) for row in jacobian)
+    linear = len(cells.cells) == 1 and all(map(_is_linear, fields))
     spectrum = spectrum_of(matrix, linear=linear)
     quadratic = _short_quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
     return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
 
 
-def _common_jacobian(fields: Sequence[Sequence[RationalTerms]]) -> RationalMatrix | None:
-    """The one Jacobian of fields that vanish at the point; None where there is none."""
-    count = len(fields[0])
-    zero = (0,) * count
-    matrices = {tuple(tuple(p.get(unit(count, k), fmpq(0)) for k in range(count)) for p in field) for field in fields}
-    if len(matrices) != 1 or any(p.get(zero) for field in fields for p in field):
-        return None
-    return matrices.pop()
-
-
 def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:
-    """What Lyapunov's equation tells of the eigenvalues."""
-    for shift in (fmpq(0), *SHIFTS):
-        shifted = [[c - shift * (i == j) for j, c in enumerate(row)] for i, row in enumerate(matrix)]
-        solution = solve_lyapunov(shifted)
-        if solution is None:
-            continue
-        if not is_definite(solution):
-            return Spectrum.UNSTABLE
-        if not shift:
-            return Spectrum.HURWITZ
-    return _on_the_axis(matrix) if linear else Spectrum.UNDECIDED
+    """On which sides of the imaginary axis the eigenvalues lie; of a linear field also what those on it do."""
+    a = fmpq_mat([list(row) for row in matrix])
+    characteristic = a.charpoly()
+    mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
+    axis = characteristic.gcd(mirrored)
+    rest, once = characteristic // axis, axis // axis.gcd(axis.derivative())
+    if 1 in _sides(rest) or not _has_imaginary_roots_only(once):
+        return Spectrum.UNSTABLE
+    if not axis.degree():
+        return Spectrum.HURWITZ
+    if not linear:
+        return Spectrum.UNDECIDED
+    return Spectrum.GROWING if (rest * once) % a.minpoly() else Spectrum.NEUTRAL
+
+
+def _sides(polynomial: fmpq_poly) -> set[int]:
+    """The signs of the real parts of all roots, of which none is zero."""
+    precision = PRECISION
+    while True:
+        with ctx.workprec(precision):
+            parts = [root.real for root in complex_roots(polynomial)]
+        if not any(part.contains(0) for part in parts):
+            return {1 if part > 0 else -1 for part in parts}
+        precision *= 2
+
+
+def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
+    """Whether an even or odd polynomial with simple roots has them all on the imaginary axis.
+
+    ``s^k g(s^2)``, with ``g(0)`` not zero, does iff all roots of g are real and negative.
+    """
+    values = polynomial.coeffs()
+    first = next(k for k, c in enumerate(values) if c)
+    return all(root.imag == 0 and root.real < 0 for root in complex_roots(fmpq_poly(values[first::2])))
 
 
 def solve_lyapunov(matrix: Sequence[Sequence[fmpq]]) -> RationalMatrix | None:
@@ -260,44 +267,6 @@ def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> Ratio
     return tuple(tuple(-total[i, j] for j in range(size)) for i in range(size))
 
 
-def _on_the_axis(matrix: RationalMatrix) -> Spectrum:
-    """Whether a linear field whose eigenvalues touch the imaginary axis is stable."""
-    a = fmpq_mat([list(row) for row in matrix])
-    characteristic = a.charpoly()
-    mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
-    axis = characteristic.gcd(mirrored)
-    rest = characteristic // axis
-    once = axis // axis.gcd(axis.derivative())
-    if not (_is_hurwitz(rest) and _has_imaginary_roots_only(once)):
-        return Spectrum.UNDECIDED
-    return Spectrum.GROWING if (rest * once) % a.minpoly() else Spectrum.NEUTRAL
-
-
-def _is_hurwitz(polynomial: fmpq_poly) -> bool:
-    """Whether all roots have negative real parts: by the companion matrix."""
-    size = polynomial.degree()
-    if size <= 0:
-        return True
-    top = polynomial.coeffs()
-    rows = [[fmpq(j == i + 1) for j in range(size)] for i in range(size - 1)]
-    rows.append([-top[k] / top[size] for k in range(size)])
-    solution = solve_lyapunov(rows)
-    return solution is not None and is_definite(solution)
-
-
-def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
-    """Whether an even or odd polynomial with simple roots has them all on the imaginary axis.
-
-    ``s^k g(s^2)``, with ``g(0)`` not zero, does iff all roots of g are real and negative.
-    """
-    values, field = polynomial.coeffs(), NumberField()
-    first = next(k for k, c in enumerate(values) if c)
-    if any(values[first + 1 :: 2]):
-        return False
-    half = Sturm([field(c * (-1) ** k) for k, c in enumerate(values[first::2])])
-    return half.count(Fraction(0), None) == len(half.coefficients) - 1
-
-
 # ---- the checked point and its strategies --------------------------------------------------------
 
 
@@ -325,9 +294,7 @@ class SpacePoint(CheckedPoint):
             SceneError: for these.
         """
         require_denominators(system)
-        with suppress(NoEnclosureError):
-            system = enclose_numbers(system)
-        self.system = system
+        self.system = with_known_numbers(system)
 
     @cached_property
     def cells(self) -> SignCells:
@@ -413,9 +380,8 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     Beside curved surfaces a pattern of signs may have no cell: then a mixture may be none of F, and nothing is claimed.
     Nor is it where numbers are enclosed, unless all velocities vanish.
     """
-    zero = (0,) * len(cells.states)
     near = adjoining(cells)
-    velocities = {tuple(scene.field(p.get(zero, 0)) for p in field) for cell in near for field in cell.velocities}
+    velocities = {tuple(scene.field(part.at_origin) for part in own) for cell in near for own in cell.velocities}
     columns, target = mixtures_to_zero(sorted(velocities, key=str))
     if best_mixture(columns, target, [scene.field.zero] * len(columns)) is None:
         return Equilibrium.FAILS

@@ -36,18 +36,17 @@ from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_t
 from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
-    RationalTerms,
+    Field,
     SignCells,
     adjoining,
     build_cells,
-    rational_terms,
     started,
     stated_cells,
 )
 from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, instability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
-from nonsmooth.proofs.kernel.written import as_checked, terms_of
+from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import (
     ExaminedLyapunov,
     answer,
@@ -133,7 +132,7 @@ def _cubes(system: SwitchedSystem) -> list[tuple[Number, SignCells]]:
 
 def _looks_alike(cells: SignCells) -> bool:
     """Whether the system is the same at every distance."""
-    degrees = {sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p}
+    degrees = {sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p.terms}
     return cells.are_cones and len(degrees) <= 1
 
 
@@ -294,7 +293,7 @@ def _may_fall(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpres
     for own, field in _fields_at(cells, points):
         rates = float(SPEED) * np.square(float_values(value.terms, own))
         for slope, part in zip(slopes, field, strict=True):
-            rates += float_values(slope, own) * float_values(part, own)
+            rates += float_values(slope, own) * float_values(part.terms, own)
         if (rates > 0).any():
             return False
     return len(points) > 0
@@ -312,7 +311,7 @@ def _where_not_zero(system: SwitchedSystem, formula: PiecewiseExpression) -> tup
     return formula.polynomial(states, sign_of), positive
 
 
-def _fields_at(cells: SignCells, points: Floats) -> Iterator[tuple[Floats, Sequence[RationalTerms]]]:
+def _fields_at(cells: SignCells, points: Floats) -> Iterator[tuple[Floats, Field]]:
     """The points (m, n) that lie in each cell, with each of its fields."""
     for cell in cells.cells:
         inside = np.ones(len(points), dtype=bool)
@@ -466,18 +465,16 @@ def _found(cells: SignCells) -> Iterator[RelayDegree]:
             yield RelayDegree(number, degree, _by_parts(ladder).times(sense), direction)
 
 
-def _fields(cells: SignCells, number: int) -> Iterator[tuple[int, tuple[CheckedPolynomial, ...]]]:
+def _fields(cells: SignCells, number: int) -> Iterator[tuple[int, Field]]:
     """The fields of all cells near the point, each with the sign of a surface there."""
-    count = len(cells.states)
     for cell in adjoining(cells):
-        for field in cell.velocities:
-            yield cell.signs[number], tuple(as_checked(part, count) for part in field)
+        yield from ((cell.signs[number], field) for field in cell.velocities)
 
 
 def _ladder(cells: SignCells, number: int) -> list[CheckedPolynomial]:
     """``h_0, ..., h_(r-1)``: as long as they vanish at the point and the next one is the same on all cells near it."""
     ladder: list[CheckedPolynomial] = []
-    following = as_checked(rational_terms(cells.surfaces[number]), len(cells.states))
+    following = cells.forms[number]
     while following and not following.at_origin and len(ladder) <= len(cells.states):
         ladder.append(following)
         first, *others = (lie_derivative(following, field) for _, field in _fields(cells, number))

@@ -19,11 +19,12 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import STABLE
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational, rational_terms, started
+from nonsmooth.proofs.kernel.cells import BeyondReachError, Field, SignCells, build_cells, rational, started
 from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import null_basis
@@ -39,17 +40,17 @@ from nonsmooth.proofs.many_states.center_manifold import (
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_SURFACES = 8  # through the point, whose subsets are tried
 
-Ray = tuple[fmpq, ...]
+Ray = tuple[Fraction, ...]
 Along = dict[int, list[fmpq]]  # a field along a ray: a vector for each power of the distance
 
 
-def ray_of_rest(system: SwitchedSystem) -> tuple[Fraction, ...] | None:
+def ray_of_rest(system: SwitchedSystem) -> Ray | None:
     """A direction from the checked point in which all near places are equilibria; None where none is found.
 
     Raises:
@@ -59,23 +60,23 @@ def ray_of_rest(system: SwitchedSystem) -> tuple[Fraction, ...] | None:
     for ray in _rays(cells):
         fields = _beside(cells, ray)
         if fields and _rests(fields):
-            return tuple(map(as_fraction, ray))
+            return ray
     return None
 
 
 def _rays(cells: SignCells) -> Iterator[Ray]:
     """Axes of the subspaces on which some linear surfaces through the point vanish, in both directions."""
-    forms = [rational_terms(own) for own in cells.surfaces if own.degree == 1 and own.is_homogeneous]
+    forms = [own for own in cells.forms if own.degree == 1 and own.is_form]
     count, seen = len(cells.states), set[Ray]()
     if len(forms) > MOST_SURFACES:
         raise BeyondReachError(f"over {MOST_SURFACES} surfaces through the point")
-    rows = [[form.get(tuple(int(j == k) for j in range(count)), fmpq(0)) for k in range(count)] for form in forms]
+    rows = [[as_fmpq(form.slope(k)) for k in range(count)] for form in forms]
     for size in range(min(len(rows), count - 1) + 1):
         for chosen in combinations(rows, size):
             basis = null_basis(fmpq_mat(list(chosen) or [[fmpq(0)] * count])).transpose().tolist()
             for axis in basis:
                 for side in (1, -1):
-                    ray = tuple(value * side for value in axis)
+                    ray = tuple(as_fraction(value * side) for value in axis)
                     if ray not in seen:
                         seen.add(ray)
                         yield ray
@@ -87,13 +88,9 @@ def _beside(cells: SignCells, ray: Ray) -> list[Along]:
     Of linear surfaces through the ray a cell has the signs of one of its places, and so of places near the ray in that
     direction.  Cells beside curved ones may have no points.
     """
-    signs = []
-    for surface in cells.surfaces:
-        values = _along(rational_terms(surface), ray)
-        first = min((power for power, value in values.items() if value), default=None)
-        if first is None and surface.degree > 1:
-            return []
-        signs.append(0 if first is None else (1 if values[first] > 0 else -1))
+    signs = [sign_along(form, ray) for form in cells.forms]
+    if any(not sign and form.degree > 1 for sign, form in zip(signs, cells.forms, strict=True)):
+        return []
     found = []
     for cell in cells.cells:
         if all(sign in (0, own) for sign, own in zip(signs, cell.signs, strict=True)):
@@ -101,21 +98,10 @@ def _beside(cells: SignCells, ray: Ray) -> list[Along]:
     return found
 
 
-def _along(terms: dict[tuple[int, ...], fmpq], ray: Ray) -> dict[int, fmpq]:
-    """A polynomial along a ray: its coefficients by powers of the distance."""
-    found: dict[int, fmpq] = {}
-    for exponents, coefficient in terms.items():
-        value = coefficient
-        for part, power in zip(ray, exponents, strict=True):
-            value *= part**power
-        found[sum(exponents)] = found.get(sum(exponents), fmpq(0)) + value
-    return found
-
-
-def _field_along(field: Sequence[dict[tuple[int, ...], fmpq]], ray: Ray) -> Along:
-    parts = [_along(part, ray) for part in field]
+def _field_along(field: Field, ray: Ray) -> Along:
+    parts = [part.parts_at(ray) for part in field]
     powers = {0, *(power for part in parts for power in part)}
-    return {power: [part.get(power, fmpq(0)) for part in parts] for power in powers}
+    return {power: [as_fmpq(part.get(power, Fraction(0))) for part in parts] for power in powers}
 
 
 def _rests(fields: Sequence[Along]) -> bool:
