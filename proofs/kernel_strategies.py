@@ -44,7 +44,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers, with_known_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 if TYPE_CHECKING:
@@ -149,9 +149,8 @@ def _proposed_energies(system: SwitchedSystem, radius: Number, power: int) -> It
     """Sums of least coefficients that do not rise, and are at least a power of the distance, in floats."""
     from nonsmooth.proofs.many_states.weak_functions import weak_functions
 
-    with suppress(NoEnclosureError, BeyondReachError, ExpressionError):
-        for text in weak_functions(enclose_numbers(system), radius, positive=True, power=power):
-            yield parse_piecewise(text, system.states)
+    with suppress(BeyondReachError, ExpressionError):
+        yield from weak_functions(with_known_numbers(system), radius, positive=True, power=power)
 
 
 def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:

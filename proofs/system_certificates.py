@@ -355,16 +355,11 @@ def _of_entry(entry: Record) -> Candidate:
 def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate:
     """A V that falls, on its domain, with its region, its rate and its gain."""
     system, reach, verdict = result.scene, result.reach, str(result.verdict)
-    known = function.known_entry(reach)
-    if known is None:
-        stated, cells = stated_function(system, function.stated_on.radius, function)
-        hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), {}
-    else:
-        own, proofs = known["hypotheses"], known["proofs"]
-        hypotheses = stability_hypotheses(own["cells"], own["function"], verdict)
+    stated, cells = stated_function(system, function.stated_on.radius, function)
+    hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), function.known_proofs(reach)
     options = []
     forms = reach.everywhere and reach.global_entry is None and reach.homogeneous is None
-    if forms and (known is None or function.domain.radius is None):
+    if forms and (not proofs or function.domain.radius is None):
         options.append(Option({"everywhere": True}, f"all starts in {_whole(system)} reach the equilibrium"))
     options += _options_on(function.stated_on, reach, system)
     weak = result.deciding.theorem is Method.INVARIANCE

@@ -56,7 +56,7 @@ from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave, in_pla
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -71,8 +71,10 @@ BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its s
 MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
-def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2) -> Iterator[str]:
-    """Proposals of V as formulas in the displacement.
+def weak_functions(
+    system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2
+) -> Iterator[PiecewiseExpression]:
+    """Proposals of V in the displacement.
 
     Args:
         system: in two states or more.
@@ -82,6 +84,7 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, po
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        ExpressionError: for sums that are too long.
     """
     stated, seen = stated_cells(system, radius), {"0"}
     for basis in families(stated.cells, all_lines=True):
@@ -94,10 +97,10 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, po
         kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
         for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
             for chosen in asked.combined(columns).solutions(power, positive=positive) if columns.ncols() else ():
-                text = formula_text(basis, list(map(as_fmpq, coefficients_of(columns, chosen))))
+                text = formula_text(basis, coefficients_of(columns, chosen))
                 if text not in seen:
                     seen.add(text)
-                    yield text
+                    yield parse_piecewise(text, system.states)
 
 
 def near_planes(place: Face) -> Floats:
@@ -181,8 +184,7 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius)
-        texts = weak_functions(system, radius, positive=True, power=power)
-        found = (parse_piecewise(text, system.states) for text in texts)
+        found = weak_functions(system, radius, positive=True, power=power)
         for formula in chain([energy] if energy is not None and power == 2 else [], found):
             examined = examine(system, formula, radius)
             if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
@@ -201,18 +203,18 @@ def find_weak_growth(system: SwitchedSystem) -> Entry | None:
     """
     for share in SHARES:
         radius = system.check.radius * share
-        for text in weak_functions(system, radius, positive=False):
+        for formula in weak_functions(system, radius, positive=False):
             try:
                 subject, search = started(system)
-                cells = stated_cells(system, radius, surfaces_of(system, parse_piecewise(text, system.states))).record
-                second = find_second(subject, cells, text, search)
-                stated = Lyapunov(Inclusion(subject, cells, [text], search), search)
+                cells = stated_cells(system, radius, surfaces_of(system, formula)).record
+                second = find_second(subject, cells, formula.text, search)
+                stated = Lyapunov(Inclusion(subject, cells, [formula.text], search), search)
             except (NotShownError, RejectedError):
                 continue
             direction = _negative(stated) if second is not None else None
             if direction is None:
                 continue
-            hypotheses = instability_hypotheses(cells, text, direction, second)
+            hypotheses = instability_hypotheses(cells, formula.text, direction, second)
             with suppress(NotShownError):
                 return search.entry(subject, "instability", hypotheses)
     return None

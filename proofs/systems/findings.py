@@ -150,9 +150,9 @@ class ExaminedFunction(ABC):
         """V as a formula, or its pieces."""
         return "; ".join(map(str, self.pieces)) if self.formula is None else one_line(self.formula.text)
 
-    def known_entry(self, reach: Reach) -> Record | None:
-        """The theorem with its reach, as a certificate holds it; None where evidence is missing."""
-        return None
+    def known_proofs(self, reach: Reach) -> Record:
+        """The evidence that is known of its conditions and its reach, by the names of claims; empty where none is."""
+        return {}
 
 
 @dataclass(frozen=True)
