@@ -130,27 +130,12 @@ class Chains:
 # ---- what is left ----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Left:
-    """A place at which the functions that are known stay constant along some velocities.
-
-    Attributes:
-        cell: whose polynomials the functions are there.
-        points: of shape (m, n), in units of the cube.
-        velocities: of shape (m, n), one at each.
-    """
-
-    cell: Cell
-    points: Floats
-    velocities: Floats
-
-
 class Survey(Chain):
     """The places that some functions leave, with bounds of their rates, which are shown.
 
     Attributes:
         zeros: the bounds by the names of claims.
-        left: what is not yet shown to rise.
+        left: where the functions may stay constant: points with velocities, and a cell with their polynomials there.
 
     Raises:
         NotShownError: where a rate is negative at a point, or a bound is not shown.
@@ -168,13 +153,12 @@ class Survey(Chain):
         self.system, self.stated = system, cells
         super().__init__(Inclusion(system, dict(cells), [function, *others], search), search, {})
         self.below = below
-        self.left: list[Left] = []
+        self.left: list[tuple[Cell, Samples]] = []
         self.show_chain()
 
     def leave(self, name: str, place: Face, cells: Sequence[Cell]) -> None:
         """Note a place at which all functions may stay constant."""
-        samples = self.sampled(place, cells).still(cells[0].functions)
-        self.left.append(Left(cells[0], samples.points, samples.velocities))
+        self.left.append((cells[0], self.sampled(place, cells).still(cells[0].functions)))
 
     def sampled(self, place: Face, cells: Sequence[Cell]) -> Samples:
         """Points of a place where V is below the level."""
@@ -334,8 +318,8 @@ def next_functions(survey: Survey) -> Iterator[str]:
     Args:
         survey: of the functions before.
     """
-    left = [own for own in survey.left if len(own.points)]
-    if rests(left):
+    left = [(cell, own) for cell, own in survey.left if len(own.points)]
+    if rests([own for _, own in left]):
         return
     if not left:
         yield survey.system.coordinates[0]  # at no point that was looked at something is left
@@ -370,18 +354,19 @@ class Basis:
         """Whether there are absolute values."""
         return any(j is not None for _, j in self.functions)
 
-    def rows(self, left: Sequence[Left]) -> Floats:
+    def rows(self, left: Sequence[tuple[Cell, Samples]]) -> Floats:
         """The rates of all functions, of shape (m, k), each row in units of its largest entry, if that is not zero."""
-        total = np.vstack([np.stack([self._rates(own, k) for k in range(len(self.functions))], axis=1) for own in left])
+        numbers = range(len(self.functions))
+        total = np.vstack([np.stack([self._rates(*own, k) for k in numbers], axis=1) for own in left])
         largest = np.max(np.abs(total), axis=1, keepdims=True)
         return np.unique(np.round(total / np.where(largest > 0, largest, 1.0), 13), axis=0)
 
-    def _rates(self, left: Left, k: int) -> Floats:
+    def _rates(self, cell: Cell, samples: Samples, k: int) -> Floats:
         exponents, j = self.functions[k]
         own = Polynomial(len(exponents), {exponents: Fraction(1)})
         if j is not None:
-            own *= self.survey.inclusion.surfaces.signed(j, left.cell.signs[j])
-        return np.sum(gradient(own, left.points) * left.velocities, axis=1)
+            own *= self.survey.inclusion.surfaces.signed(j, cell.signs[j])
+        return np.sum(gradient(own, samples.points) * samples.velocities, axis=1)
 
     def text(self, coefficients: Sequence[Fraction]) -> str:
         """W as a formula in the displacement."""
@@ -398,7 +383,7 @@ class Basis:
         return " + ".join(parts)
 
 
-def rests(left: Sequence[Left]) -> bool:
+def rests(left: Sequence[Samples]) -> bool:
     """Whether at a point a mixture of the velocities that are left is zero, which no function changes."""
     from scipy.optimize import nnls
 

@@ -182,11 +182,7 @@ class Stratum:
 
 def cell_stratum(cell: LyapunovCell) -> Stratum:
     """``grad V . f`` on the closed cell, for each field."""
-    return stratum_of(cell, tuple(_rate_outcome(rate, cell.region) for rate in cell.rates))
-
-
-def stratum_of(cell: LyapunovCell, outcomes: tuple[Outcome, ...]) -> Stratum:
-    """What the outcomes of a cell's inequalities say of it."""
+    outcomes = tuple(_rate_outcome(rate, cell.region) for rate in cell.rates)
     trends = [trend_of(outcome) for outcome in outcomes]
     sample = cell.region.inner_point
     refuted = [o for o, trend in zip(outcomes, trends, strict=True) if trend is Trend.POSITIVE]

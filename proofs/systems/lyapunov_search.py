@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 
@@ -54,11 +54,11 @@ from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_values
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 ROUNDS = 5  # of proposals for one family on one square
@@ -80,13 +80,6 @@ CLEAR_MARGIN = 2.0**-9  # of a quadratic form: where it is less, as beside relay
 NEGLIGIBLE = (2.0**-2, 2.0**-4, 2.0**-6)  # of the largest coefficient: what is left out, at first more
 
 Coefficients = tuple[Fraction, ...]
-
-
-@dataclass
-class Budget:
-    """What a search may still spend, in inequalities."""
-
-    left: int
 
 
 def in_time(cells: Sequence[FieldCell], *, grows: bool) -> tuple[FieldCell, ...]:
@@ -132,7 +125,7 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
     curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
     work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
-        budget = Budget(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
+        budget = WorkMeter(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
         cells = square_cells(system, radius, grows=grows)
         for proposed in _proposed(system, cells, radius, budget, grows=grows) if len(cells) <= MAX_CELLS else ():
@@ -143,12 +136,12 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
                 def cells_on(radius: Number, formula: PiecewiseExpression = formula) -> tuple[LyapunovCell, ...]:
                     return searched_cells(system, formula, radius, grows=grows)
 
-                return enlarged(found, cells_on, system.check.radius, BISECTIONS, Budget(ENLARGING_WORK))
+                return enlarged(found, cells_on, system.check.radius, BISECTIONS, WorkMeter(ENLARGING_WORK))
     return None
 
 
 def _proposed(
-    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget, *, grows: bool
+    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: WorkMeter, *, grows: bool
 ) -> Iterator[tuple[PiecewiseExpression, LyapunovResult] | None]:
     """What each family proves, the simple ones first; energies before the richest."""
     program = _Program(system, cells, radius, budget, grows)
@@ -162,7 +155,7 @@ def _proposed(
 
 
 def _falls(
-    system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression, budget: Budget
+    system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression, budget: WorkMeter
 ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
     """A candidate that is proved to fall; None for another, and once the budget is spent."""
     try:
@@ -180,7 +173,7 @@ def enlarged(
     cells_on: Callable[[Number], Sequence[LyapunovCell]],
     high: Number,
     times: int,
-    budget: Budget,
+    budget: WorkMeter,
 ) -> PlaneFunction:
     """The same V on the largest square on which bisection proves that it falls.
 
@@ -189,7 +182,7 @@ def enlarged(
         cells_on: the cells with V on the square of a half-width.
         high: a half-width beyond which nothing is asked.
         times: how often the part between is halved.
-        budget: of all audits.
+        budget: of all audits, in inequalities.
     """
     for _ in range(times):
         low = found.domain.radius
@@ -209,12 +202,10 @@ class _Program:
     """The linear programs about one square: rows are conditions on the coefficients of a family."""
 
     def __init__(
-        self, system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget, grows: bool
+        self, system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: WorkMeter, grows: bool
     ) -> None:
         self.system, self.cells, self.radius, self.budget, self.grows = system, cells, radius, budget, grows
-        with suppress(NoEnclosureError):
-            system = enclose_numbers(system)
-        self.rational = system
+        self.rational = with_known_numbers(system)
 
     def families(self) -> list[tuple[PiecewiseFunction, ...]]:
         """Bases from simple to rich; none where the cells are not looked at.
@@ -255,7 +246,7 @@ class _Program:
                 return None
             points: list[Point] = []
             for coefficients in propose(rows, LEAST_MARGIN if len(basis) > len(quadratic) else CLEAR_MARGIN):
-                text = formula_text(basis, list(map(as_fmpq, coefficients)))
+                text = formula_text(basis, coefficients)
                 formula = parse_piecewise(text, self.system.states)
                 judged = _judged(self.system, self.cells, formula)
                 failures = first_failure(judged, self.budget)
@@ -312,7 +303,7 @@ def _moved_to(curve: CheckedPolynomial, points: Floats) -> Floats:
     return points
 
 
-def first_failure(cells: Sequence[LyapunovCell], budget: Budget) -> list[Point]:
+def first_failure(cells: Sequence[LyapunovCell], budget: WorkMeter) -> list[Point]:
     """Points of the first closed cell on which V is not positive or does not fall, or where that is left open."""
     for cell in cells:
         positive = (Sense.POSITIVE, cell.potential)
@@ -339,7 +330,7 @@ def propose(rows: Floats, least: float = LEAST_MARGIN) -> Iterator[Coefficients]
     seen: set[Coefficients] = set()
     for chosen in (*(_pruned(rows, widest, share) for share in NEGLIGIBLE), widest):
         scaled = [] if chosen is None else [chosen / np.abs(chosen).max()]
-        served = (own for c in scaled for own in _rounded(c) if np.all(rows @ _floats(own) > 0))
+        served = (own for c in scaled for own in _rounded(c) if np.all(rows @ np.array(own, dtype=float) > 0))
         rounded = next(served, None)
         if rounded is not None and rounded not in seen:
             seen.add(rounded)
@@ -394,10 +385,6 @@ def _rounded(scaled: Floats) -> Iterator[Coefficients]:
     """Coefficients with each denominator."""
     for denominator in DENOMINATORS:
         yield tuple(Fraction(float(c)).limit_denominator(denominator) for c in scaled)
-
-
-def _floats(coefficients: Coefficients) -> Floats:
-    return np.array([float(c) for c in coefficients])
 
 
 # ---- a V that does not increase --------------------------------------------------------------------

@@ -9,12 +9,12 @@ roots of polynomials in one variable, isolated exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import product
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -44,17 +44,13 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 FAR = 1 << 10  # half-widths of the interval, for rates on the whole line
 
-Slowest: TypeAlias = Callable[[Fraction, DecayKind, int], Fraction]
 
-
-def line_reach(scene: SwitchedSystem, half: Fraction, order: int, slowest: Slowest) -> Reach:
+def line_reach(scene: SwitchedSystem, half: Fraction) -> Reach:
     """Whether every start comes to the point, with a rate and a gain of the distance.
 
     Args:
         scene: in one state; of right-hand sides that were scaled, or in the root of the state, no rate is known.
         half: every start nearer than this comes to the point.
-        order: q, of the slowest solutions near the point.
-        slowest: the largest kappa that floats allow up to a distance, for a kind and a power of the distance.
     """
     (name,) = scene.states
     entry = find_global_attraction(scene, [parse_piecewise(f"{name}**2", scene.states)])
@@ -65,10 +61,10 @@ def line_reach(scene: SwitchedSystem, half: Fraction, order: int, slowest: Slowe
     if known is None:
         return everywhere
     (system, subject), search = known, Search()
-    on = [(Domain(None), FAR * half)] if entry is not None else []
+    on, order = [(Domain(None), FAR * half)] if entry is not None else [], _order(scene)
     for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
         power = max(order - 1, 1) if decay is DecayKind.ALGEBRAIC else 1
-        for kappa in rates_below(slowest(farthest, decay, power)):
+        for kappa in rates_below(slowest(scene, farthest, decay, power)):
             rate = DecayRate(decay, kappa, _distance_text(name, power))
             level = None if domain.radius is None else half
             gain = None
@@ -182,8 +178,7 @@ class LinePoint(CheckedPoint):
         right, left = self.sides.right.reach, self.sides.left.reach
         if right is None or left is None:
             return Reach()
-        near = min(within(right), within(left))
-        return line_reach(self.system, near, _order(self.system), partial(slowest, self.system))
+        return line_reach(self.system, min(within(right), within(left)))
 
 
 def decide_by_signs(point: LinePoint, known: Known) -> Finding:

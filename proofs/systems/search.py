@@ -33,7 +33,6 @@ from nonsmooth.proofs.systems.domain import SHRINKING, Domain
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
-    Budget,
     enlarged,
     find_lyapunov,
     in_time,
@@ -44,6 +43,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Proposal: TypeAlias = tuple[Floats, Floats]  # values on rays, and mixed ones
@@ -59,11 +59,6 @@ class LinearCone:
     start: int
     end: int
     velocity: PlaneField
-
-
-def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | None:
-    """A proved V for a system of cones with linear fields; None where the search or the proof fails."""
-    return next((result for _, result in _proved_on_cones(cells)), None)
 
 
 def find_near(
@@ -99,7 +94,7 @@ def restricted(pieces: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> tu
 
 
 def _proved_on_cones(cells: Sequence[FieldCell]) -> Iterator[tuple[tuple[LyapunovCell, ...], LyapunovResult]]:
-    """Each V that is proved on the cones themselves, with the proof."""
+    """Each V that is proved on the cones themselves, with the proof; none of fields that are not linear."""
     if any(not p.is_homogeneous or (p and p.degree != 1) for cell in cells for v in cell.velocities for p in v):
         return
     for halvings in HALVINGS:
@@ -234,8 +229,7 @@ def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows
         grows: whether time is reversed.
     """
     if are_cones(cells) and not system.others:
-        found = find_piecewise_quadratic(in_time(cells, grows=grows))
-        if found is not None:
+        for _, found in _proved_on_cones(in_time(cells, grows=grows)):
             return PlaneFunction(found, Domain(None), None, system.states, grows)
     proposed = find_lyapunov(system, grows=grows)
     if proposed is not None:
@@ -261,4 +255,4 @@ def enlarged_pieces(
     def cells_on(radius: Number) -> tuple[LyapunovCell, ...]:
         return restricted(pieces, square_cells(system, radius, grows=found.grows))
 
-    return enlarged(found, cells_on, refused, BISECTIONS, Budget(BISECTIONS * ENLARGING_WORK))
+    return enlarged(found, cells_on, refused, BISECTIONS, WorkMeter(BISECTIONS * ENLARGING_WORK))
