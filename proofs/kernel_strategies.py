@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from itertools import chain, combinations_with_replacement
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, Translation, function_facts, row_fact
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
+from nonsmooth.proofs.kernel.bases import quadratic_text
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
@@ -43,7 +44,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, 
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_slopes
 from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
@@ -55,22 +56,9 @@ if TYPE_CHECKING:
 
 def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | None:
     """A V that the reduced field on the centre manifold suggests."""
-    return _by_center_manifold(point, known, attracts=False) or _by_center_manifold(point, known, attracts=True)
-
-
-def decide_beside_stable_subspace(point: CheckedPoint, known: Known) -> Finding | None:
-    """The same in two states, before long searches.
-
-    A focus is left to these: a positive V that grows shows that all solutions leave, which says more.
-    """
-    found = decide_by_center_manifold(point, known)
-    return None if found is None or found.proofs.is_whole else found
-
-
-def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) -> Finding | None:
     from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 
-    shown = show_by_center_manifold(with_known_numbers(point.system), attracts=attracts)
+    shown = show_by_center_manifold(with_known_numbers(point.system))
     if shown is None:
         return None
     proposal, found = shown
@@ -84,6 +72,15 @@ def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) ->
         reason = f"{proposal.words}; V is positive and decreases everywhere but at the equilibrium"
     facts = entry_facts(point.system, found)
     return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=found, facts=facts)
+
+
+def decide_beside_stable_subspace(point: CheckedPoint, known: Known) -> Finding | None:
+    """The same in two states, before long searches.
+
+    A focus is left to these: a positive V that grows shows that all solutions leave, which says more.
+    """
+    found = decide_by_center_manifold(point, known)
+    return None if found is None or found.proofs.is_whole else found
 
 
 @shared_effort(EFFORT)
@@ -440,7 +437,7 @@ def decide_linear(point: CheckedPoint, known: Known) -> Finding | None:
     system = point.system
     matrix = linear_matrix(system) if system.check.is_default else None
     for own in () if matrix is None else short_forms(matrix):
-        function = _examined(point, parse_piecewise(_text(system, own), system.states))
+        function = _examined(point, parse_piecewise(quadratic_text(own.tolist(), system.states), system.states))
         if function is not None and function.decrease is Decrease.STRICT:
             return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     return None
@@ -501,14 +498,6 @@ def rate_of(form: NDArray[Any], matrix: Floats) -> float:
         return 0.0
     falls = -(matrix.T @ form + form @ matrix)
     return float(np.linalg.eigvalsh(units.T @ falls @ units).min())
-
-
-def _text(system: SwitchedSystem, form: NDArray[np.int64]) -> str:
-    """``x^T P x`` as a formula of the states."""
-    own, total = system.coordinates(), Polynomial.constant(system.field, system.states, 0)
-    for i, j in combinations_with_replacement(range(len(own)), 2):
-        total += own[i] * own[j] * int(form[i, j] // (2 if i == j else 1))
-    return str(total)
 
 
 def _examined(point: Any, formula: PiecewiseExpression) -> ExaminedFunction | None:

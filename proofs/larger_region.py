@@ -109,7 +109,7 @@ def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRe
 
 def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -> float:
     """How much of the square is below the level, as points on rays show it."""
-    potential = found.formula.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), no_sign)
+    potential = found.formula.polynomial(system.named(), no_sign)
     places = _Outline(outline.units, outline.border, outline.border).inside
     below = float_values(potential.terms, places) < float(found.region.level)
     return float((below * (places**2).sum(axis=1) ** 0.5).sum())

@@ -102,7 +102,7 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
     """A ball around ``grad V . f`` at a place; the whole line where a formula switches there, or is no polynomial."""
     names = (*system.states, *(wave.name for wave in system.names))
     displacement = {name: Polynomial.variable(system.field, names, name) for name in names}
-    centre = dict(zip(system.states, system.check.equilibrium, strict=True))
+    centre = system.named(system.check.equilibrium)
     stated = {name: part + centre[name] if name in centre else part for name, part in displacement.items()}
 
     def sign_of(expression: Polynomial) -> int:  # what switches holds no sines

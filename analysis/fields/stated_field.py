@@ -89,7 +89,7 @@ def stated_fields(system: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[S
     variables = (*PLANE, *(wave.name for wave in system.names))
     field, centre = system.field, system.check.equilibrium
     states = [Polynomial.variable(field, variables, name) + c for name, c in zip(PLANE, centre, strict=True)]
-    named = dict(zip(system.states, states, strict=True))
+    named = system.named(states)
     named |= {wave.name: Polynomial.variable(field, variables, wave.name) for wave in system.names}
     waves = _waves(system)
     return tuple(StatedField(_rates(system, cell.region, named), waves) for cell in cells)
@@ -107,7 +107,7 @@ def _rates(system: SwitchedSystem, region: Region, named: dict[str, Polynomial])
 
 
 def _waves(system: SwitchedSystem) -> tuple[PlaneWave, ...]:
-    named = dict(zip(system.states, system.displaced(PLANE), strict=True))
+    named = system.named(system.displaced(PLANE))
     arguments = (parse_piecewise(wave.argument, system.states) for wave in system.names)
     found = [argument.polynomial(named, no_sign) for argument in arguments]
     return tuple(PlaneWave(wave.kind, argument) for wave, argument in zip(system.names, found, strict=True))

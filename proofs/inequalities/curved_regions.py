@@ -259,7 +259,7 @@ def extent(guards: Sequence[Polynomial], start: Point, end: Point) -> Extent:
 
 def _in_chart(guard: Polynomial, start: Point, end: Point) -> Polynomial:
     """``G(s, t)``: the guard at ``s (start + t (end - start))`` without its power of s."""
-    s, t = (Polynomial.variable(guard.field, CHART_NAMES, name) for name in CHART_NAMES)
+    s, t = Polynomial.coordinates(guard.field, CHART_NAMES)
     x, y = (s * (t * (b - a) + a) for a, b in zip(start, end, strict=True))
     inner = guard.composed([x, y])
     lowest = min((e[0] for e in inner.terms), default=0)

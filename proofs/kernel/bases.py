@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
-from typing import TypeAlias
+from itertools import combinations, combinations_with_replacement
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import fmpq
@@ -26,8 +26,8 @@ from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells
-from nonsmooth.proofs.kernel.search import Functions
-from nonsmooth.proofs.kernel.second_function import Samples, gradient, points_of, sampled
+from nonsmooth.proofs.kernel.search import Functions, gradient
+from nonsmooth.proofs.kernel.second_function import Samples, points_of, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -89,6 +89,12 @@ def _term_text(coefficient: fmpq | Fraction, function: str) -> str:
     top, slash, bottom = str(coefficient).partition("/")
     factor = {"1": "", "-1": "-"}.get(top, f"{top}*")
     return f"{factor}{function}{slash}{bottom}"
+
+
+def quadratic_text(doubled: Sequence[Sequence[Any]], states: Sequence[str]) -> str:
+    """``x^T P x`` as a formula, by the entries of 2 P: numbers of flint, or whole ones."""
+    pairs = combinations_with_replacement(range(len(states)), 2)
+    return formula_text(monomials(states, 2), [fmpq(doubled[i][j]) / (2 if i == j else 1) for i, j in pairs])
 
 
 def monomial(states: Sequence[str], exponents: Exponents) -> PiecewiseFunction:

@@ -217,7 +217,7 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
         ExpressionError: for a formula that is no polynomial on some piece.
         BeyondReachError: for too many surfaces.
     """
-    values = dict(zip(system.states, system.coordinates(), strict=True))
+    values = system.named()
     found: dict[Polynomial, None] = {}
     waiting: list[dict[Polynomial, int]] = [{}]
     while waiting:
@@ -522,7 +522,7 @@ def are_positive_everywhere(system: SwitchedSystem) -> bool:
 
 
 def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
-    values = dict(zip(system.states, system.displaced(PLANE), strict=True))
+    values = system.named(system.displaced(PLANE))
 
     def evaluate(sign_of: SignOf) -> Polynomial:
         return formula.polynomial(values, sign_of)

@@ -294,8 +294,7 @@ def _is_refuted(claim: Claim, inequality: Inequality, points: Floats) -> bool:
         return False
     guards = list(inequality.guards.values())
     zero = [guard for guard in guards if -guard in guards]
-    for _ in range(STEPS if zero else 0):
-        points = _nearer(zero[0], points)
+    points = moved_to(zero[0], points) if zero else points
     inside = (np.abs(points) <= 1).all(axis=1) if claim.bounded else np.ones(len(points), dtype=bool)
     for guard in guards:
         value, size = float_values_and_sizes(guard.terms, points)
@@ -304,11 +303,18 @@ def _is_refuted(claim: Claim, inequality: Inequality, points: Floats) -> bool:
     return bool((value < -SLACK * size).any()) or (claim.strict and bool(((size > 0) & (value < SLACK * size)).any()))
 
 
-def _nearer(surface: Polynomial, points: Floats) -> Floats:
-    """Points nearer to where a polynomial is zero: one step of Newton's method along its gradient."""
-    slopes = np.stack([float_values(surface.derivative(k).terms, points) for k in range(surface.count)], axis=1)
-    steps = float_values(surface.terms, points) / np.maximum((slopes**2).sum(axis=1), TINY)
-    return np.asarray(points - steps[:, None] * slopes)
+def moved_to(surface: Polynomial, points: Floats) -> Floats:
+    """Points near these where a polynomial is zero, by Newton's method along its gradient."""
+    for _ in range(STEPS):
+        slopes = gradient(surface, points)
+        steps = float_values(surface.terms, points) / np.maximum((slopes**2).sum(axis=1), TINY)
+        points = points - steps[:, None] * slopes
+    return points
+
+
+def gradient(function: Polynomial, points: Floats) -> Floats:
+    """Of shape (m, n)."""
+    return np.stack([float_values(function.derivative(k).terms, points) for k in range(function.count)], axis=1)
 
 
 # ---- the claims about a function V of a plain system ---------------------------------------------

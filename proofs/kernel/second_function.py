@@ -29,7 +29,7 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program, with_margin
 from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import NotShownError, Search, gradient, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
@@ -73,7 +73,25 @@ def find_second(
     Returns:
         The hypothesis; None where V rises somewhere, and where nothing was found or shown.
     """
-    return Chains(system, cells, function, Search() if search is None else search, below).extended([*others])
+    search, tries = search or Search(), 0
+
+    def extended(known: list[Any]) -> Record | None:
+        """The hypothesis with some functions, and further ones where places are left."""
+        nonlocal tries
+        tries += 1
+        try:
+            survey = Survey(system, cells, function, known, search, below)
+        except (NotShownError, RejectedError):
+            return None
+        if not survey.left:
+            return {"functions": known, "zeros": survey.zeros}
+        for candidate in next_functions(survey) if len(known) < MAX_OTHERS else ():
+            found = extended([*known, candidate])
+            if found is not None or tries >= MOST_TRIES:
+                return found
+        return None
+
+    return extended([*others])
 
 
 def find_attraction(
@@ -99,31 +117,6 @@ def find_attraction(
                 return search.entry(subject, "lyapunov", {**hypotheses, "everywhere": True})[0]
         return search.entry(subject, "lyapunov", hypotheses)[0]
     except (NotShownError, BeyondReachError, NoCertificateError):
-        return None
-
-
-class Chains:
-    """The lists of functions W that are tried, from the first to the last one."""
-
-    def __init__(
-        self, system: System, cells: Mapping[str, Any], function: Any, search: Search, below: Fraction | None
-    ) -> None:
-        self.system, self.cells, self.function, self.search, self.below = system, cells, function, search, below
-        self.tries = 0
-
-    def extended(self, others: list[Any]) -> Record | None:
-        """The hypothesis with some functions, and further ones where places are left."""
-        self.tries += 1
-        try:
-            survey = Survey(self.system, self.cells, self.function, others, self.search, self.below)
-        except (NotShownError, RejectedError):
-            return None
-        if not survey.left:
-            return {"functions": others, "zeros": survey.zeros}
-        for candidate in next_functions(survey) if len(others) < MAX_OTHERS else ():
-            found = self.extended([*others, candidate])
-            if found is not None or self.tries >= MOST_TRIES:
-                return found
         return None
 
 
@@ -197,11 +190,6 @@ def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities
     sign = 1.0 if step else -1.0
     slopes = gradient(functions[step], points)
     return sign * np.sum(slopes * velocities, axis=1), np.sum(np.abs(slopes * velocities), axis=1) + 2.0**-1000
-
-
-def gradient(function: Polynomial, points: Floats) -> Floats:
-    """Of shape (m, n)."""
-    return np.stack([float_values(function.derivative(k).terms, points) for k in range(function.count)], axis=1)
 
 
 @dataclass(frozen=True)

@@ -493,9 +493,7 @@ def coordinates_in(cells: Record, states: Sequence[str]) -> list[str]:
     return cells["coordinates"][1] if "coordinates" in cells else list(states)
 
 
-def show_by_center_manifold(
-    system: SwitchedSystem, *, attracts: bool
-) -> tuple[SuggestedFunction, ExaminedLyapunov | Record] | None:
+def show_by_center_manifold(system: SwitchedSystem) -> tuple[SuggestedFunction, ExaminedLyapunov | Record] | None:
     """A V that the reduced field suggests and that is proved on a cube.
 
     With it come its conditions, where the point attracts; else, and in other coordinates, the entry of a certificate.
@@ -503,7 +501,6 @@ def show_by_center_manifold(
 
     Args:
         system: in two states or more.
-        attracts: whether asymptotic stability is asked, not instability.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -512,9 +509,7 @@ def show_by_center_manifold(
         subject, search = started(system)
         for number, stated, field in smooth_fields(system, subject, search, SHARES):
             proposals = list(center_functions(field))
-            if not proposals or proposals[0].attracts is not attracts:
-                return None
-            if number == WIDE and not proposals[0].is_whole:
+            if not proposals or (number == WIDE and not proposals[0].is_whole):
                 return None
             for proposal in proposals:
                 found = _shown(system, subject, stated, proposal, search)

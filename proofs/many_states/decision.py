@@ -23,7 +23,6 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
-from itertools import combinations_with_replacement
 
 import numpy as np
 from flint import ctx, fmpq, fmpq_mat, fmpq_poly
@@ -31,7 +30,7 @@ from flint import ctx, fmpq, fmpq_mat, fmpq_poly
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, complex_roots, positive_roots
-from nonsmooth.proofs.kernel.bases import formula_text, monomials
+from nonsmooth.proofs.kernel.bases import quadratic_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     Field,
@@ -48,7 +47,7 @@ from nonsmooth.proofs.many_states.lyapunov_search import (
     find_lyapunov,
     high_degree_relay,
 )
-from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, is_definite, simplest
+from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Staying
 from nonsmooth.proofs.systems.findings import (
@@ -154,15 +153,13 @@ class LinearPart:
     """The linearization at the point.
 
     Attributes:
-        matrix: A.
-        spectrum: what is known of it.
+        spectrum: what is known of the eigenvalues of A.
         quadratic: P of a V with ``A^T P + P A`` negative definite; None unless A is Hurwitz.
         is_whole: whether the field is ``A x`` in the whole space.
     """
 
-    matrix: RationalMatrix
     spectrum: Spectrum
-    quadratic: RationalMatrix | None
+    quadratic: fmpq_mat | None
     is_whole: bool
 
 
@@ -172,17 +169,16 @@ def linear_part(cells: SignCells) -> LinearPart | None:
     jacobian = common_jacobian(fields)
     if jacobian is None:
         return None
-    matrix = tuple(tuple(map(as_fmpq, row)) for row in jacobian)
+    matrix = fmpq_mat([list(map(as_fmpq, row)) for row in jacobian])
     linear = len(cells.cells) == 1 and all(map(_is_linear, fields))
     spectrum = spectrum_of(matrix, linear=linear)
     quadratic = _short_quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
-    return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
+    return LinearPart(spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
 
 
-def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:
+def spectrum_of(matrix: fmpq_mat, *, linear: bool) -> Spectrum:
     """On which sides of the imaginary axis the eigenvalues lie; of a linear field also what those on it do."""
-    a = fmpq_mat([list(row) for row in matrix])
-    characteristic = a.charpoly()
+    characteristic = matrix.charpoly()
     mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
     axis = characteristic.gcd(mirrored)
     rest, once = characteristic // axis, axis // axis.gcd(axis.derivative())
@@ -192,7 +188,7 @@ def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:
         return Spectrum.HURWITZ
     if not linear:
         return Spectrum.UNDECIDED
-    return Spectrum.GROWING if (rest * once) % a.minpoly() else Spectrum.NEUTRAL
+    return Spectrum.GROWING if (rest * once) % matrix.minpoly() else Spectrum.NEUTRAL
 
 
 def _sides(polynomial: fmpq_poly) -> set[int]:
@@ -216,55 +212,38 @@ def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
     return all(root.imag == 0 and root.real < 0 for root in complex_roots(fmpq_poly(values[first::2])))
 
 
-def solve_lyapunov(matrix: Sequence[Sequence[fmpq]]) -> RationalMatrix | None:
+def solve_lyapunov(matrix: fmpq_mat) -> fmpq_mat | None:
     """P with ``A^T P + P A = -I``; None where it is not unique."""
-    size = len(matrix)
+    size = matrix.nrows()
     pairs = [(i, j) for j in range(size) for i in range(j + 1)]
     place = {pair: k for k, pair in enumerate(pairs)}
     rows = []
     for i, j in pairs:
         row = [fmpq(0)] * len(pairs)
         for k in range(size):
-            row[place[min(k, j), max(k, j)]] += matrix[k][i]
-            row[place[min(i, k), max(i, k)]] += matrix[k][j]
+            row[place[min(k, j), max(k, j)]] += matrix[k, i]
+            row[place[min(i, k), max(i, k)]] += matrix[k, j]
         rows.append(row)
     right = fmpq_mat(len(pairs), 1, [fmpq(-1 if i == j else 0) for i, j in pairs])
     try:
         found = fmpq_mat(rows).solve(right)
     except ZeroDivisionError:
         return None
-    return tuple(tuple(found[place[min(i, j), max(i, j)], 0] for j in range(size)) for i in range(size))
+    return fmpq_mat([[found[place[min(i, j), max(i, j)], 0] for j in range(size)] for i in range(size)])
 
 
-def _short_quadratic(matrix: RationalMatrix) -> RationalMatrix | None:
+def _short_quadratic(matrix: fmpq_mat) -> fmpq_mat | None:
     """A solution of the inequality in short fractions, or the exact solution of the equation."""
     exact = solve_lyapunov(matrix)
     if exact is None:
         return None
-    floats = np.array([[float(value) for value in row] for row in exact])
+    floats = np.array(exact.tolist(), dtype=float)
     floats /= np.abs(floats).max()
     for denominator in DENOMINATORS:
-        found = tuple(
-            tuple(simplest(floats[min(i, j), max(i, j)], denominator) for j in range(len(exact)))
-            for i in range(len(exact))
-        )
-        if is_definite(found) and is_definite(lyapunov_product(matrix, found)):
+        found = fmpq_mat([[simplest(float(value), denominator) for value in row] for row in floats])
+        if all(is_definite(own.tolist()) for own in (found, -(matrix.transpose() * found + found * matrix))):
             return found
     return exact
-
-
-def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
-    """``x^T P x`` as a formula."""
-    pairs = combinations_with_replacement(range(len(states)), 2)
-    return formula_text(monomials(states, 2), [quadratic[i][j] * (1 if i == j else 2) for i, j in pairs])
-
-
-def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> RationalMatrix:
-    """``-(A^T P + P A)``."""
-    a, p = fmpq_mat([list(row) for row in matrix]), fmpq_mat([list(row) for row in quadratic])
-    total = a.transpose() * p + p * a
-    size = len(matrix)
-    return tuple(tuple(-total[i, j] for j in range(size)) for i in range(size))
 
 
 # ---- the checked point and its strategies --------------------------------------------------------
@@ -477,7 +456,8 @@ def _quadratic(point: SpacePoint) -> ExaminedLyapunov | None:
     quadratic = None if point.linear is None else point.linear.quadratic
     if quadratic is None:
         return None
-    formula = parse_piecewise(quadratic_text(quadratic, point.system.states), point.system.states)
+    doubled = (2 * quadratic).tolist()
+    formula = parse_piecewise(quadratic_text(doubled, point.system.states), point.system.states)
     for scale in SCALES:
         examined = point.examine(formula, point.system.check.radius * scale, Effort.STRICT)
         if examined is not None and examined.decrease is Decrease.STRICT:

@@ -307,7 +307,7 @@ def _where_not_zero(system: SwitchedSystem, formula: PiecewiseExpression) -> tup
         positive.append(inner)
         return 1
 
-    states = {name: Polynomial.variable(system.field, system.states, name) for name in system.states}
+    states = system.named()
     return formula.polynomial(states, sign_of), positive
 
 
@@ -331,12 +331,12 @@ def _proofs(claims: Sequence[Claim], effort: Effort) -> Record | None:
     return proofs
 
 
-def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
+def negative_direction(conditions: Functions) -> tuple[Fraction, ...] | None:
     """A direction in which V is negative near the point; None where none is found."""
     drawn = np.random.default_rng(0).normal(size=(DIRECTIONS, conditions.count))
     for candidate in (*_curved(conditions), *drawn):
         direction = _rounded_direction(candidate)
-        if any(direction) and conditions.is_negative_along(list(map(as_fraction, direction))):
+        if any(direction) and conditions.is_negative_along(direction):
             return direction
     return None
 
@@ -360,9 +360,9 @@ def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
     return matrix
 
 
-def _rounded_direction(values: Floats) -> tuple[fmpq, ...]:
+def _rounded_direction(values: Floats) -> tuple[Fraction, ...]:
     size = float(np.abs(values).max())
-    return tuple(fmpq(round(float(x) / size * FINE), FINE) for x in values)
+    return tuple(Fraction(round(float(x) / size * FINE), FINE) for x in values)
 
 
 # ---- a relay whose sign shows late in the derivatives of its switching function ------------------

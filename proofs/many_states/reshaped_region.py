@@ -177,7 +177,7 @@ class _Iteration:
 
     def __init__(self, system: SwitchedSystem, start: PiecewiseExpression, limit: Fraction | None) -> None:
         self.system, self.limit, self.count = system, limit, len(system.states)
-        values = dict(zip(system.states, system.coordinates(), strict=True))
+        values = system.named()
         own = start.polynomial(values, without_signs)
         self.start = rational_terms(own)
         self._falls: dict[int, list[Condition]] = {}

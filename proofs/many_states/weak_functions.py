@@ -270,7 +270,7 @@ def _angles(system: SwitchedSystem) -> tuple[str, ...]:
     for wave in system.names:
         for exponents in system.argument_of(wave).terms:
             found |= {name for name, exponent in zip(system.states, exponents, strict=True) if exponent}
-    at = dict(zip(system.states, system.check.equilibrium, strict=True))
+    at = system.named(system.check.equilibrium)
     return () if any(at[name] for name in found) else tuple(name for name in system.states if name in found)
 
 
@@ -295,7 +295,7 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
     rhs = []
     for name, text in zip(system.states, stated, strict=True):
         rhs += [f"(1 + cos_{name})*({text})", f"-sin_{name}*({text})"] if name in angles else [text]
-    at = dict(zip(system.states, system.check.equilibrium, strict=True))
+    at = system.named(system.check.equilibrium)
     squares = parse_piecewise(" + ".join(f"{name}**2" for name in coordinates), coordinates)
     zero = system.field.zero
     check = replace(

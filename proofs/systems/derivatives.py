@@ -119,7 +119,7 @@ class CurvedKink:
 
 def _linear(side: tuple[object, object, object], like: Polynomial) -> Polynomial:
     """``a x + b y + c``."""
-    x, y = (Polynomial.variable(like.field, like.variables, name) for name in like.variables)
+    x, y = Polynomial.coordinates(like.field, like.variables)
     a, b, c = side
     return x * a + y * b + Polynomial.constant(like.field, like.variables, 1) * c
 

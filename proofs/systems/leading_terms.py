@@ -425,8 +425,8 @@ def _sense(cone: TangentCone) -> int:
 def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
     """``d log|c| / dt`` along ``c = (1 - t) start + t end`` for solutions that turn in the given sense."""
     across, radial = (_on_chord(form, cone) for form in turning(cone.leading))
-    x, y = (Polynomial.variable(cone.leading[0].field, cone.leading[0].variables, name) for name in "xy")
-    square = _on_chord(dot((x, y), (x, y)), cone)
+    place = Polynomial.coordinates(cone.leading[0].field, PLANE)
+    square = _on_chord(dot(place, place), cone)
     area = acb(cross(cone.start, cone.end).ball()) * sense
     return lambda t: radial(t) * area / (across(t) * square(t))
 

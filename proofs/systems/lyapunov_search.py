@@ -18,8 +18,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -27,7 +28,6 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
 from nonsmooth.proofs.checker.cells import Face
-from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
@@ -44,8 +44,8 @@ from nonsmooth.proofs.kernel.bases import (
     values,
 )
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
-from nonsmooth.proofs.kernel.search import Functions
-from nonsmooth.proofs.kernel.second_function import gradient, with_projected
+from nonsmooth.proofs.kernel.search import Functions, moved_to
+from nonsmooth.proofs.kernel.second_function import with_projected
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.domain import Domain, plane_cells
@@ -56,7 +56,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_pie
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_values
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
@@ -73,7 +73,6 @@ MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
 DIVISIONS = 6  # of half a side of a square
 SHRINKING = 0.5  # from one distance of points to the next
 DISTANCES = 8
-NEWTON_STEPS = 8
 DENOMINATORS = (2, 8, 64, 4096)  # of the rounded coefficients, tried in turn
 LEAST_MARGIN = 2.0**-24  # below that nothing is proposed: floats could not tell it from zero
 CLEAR_MARGIN = 2.0**-9  # of a quadratic form: where it is less, as beside relays, a richer V falls faster
@@ -198,14 +197,20 @@ def enlarged(
     return found
 
 
+@dataclass
 class _Program:
     """The linear programs about one square: rows are conditions on the coefficients of a family."""
 
-    def __init__(
-        self, system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: WorkMeter, grows: bool
-    ) -> None:
-        self.system, self.cells, self.radius, self.budget, self.grows = system, cells, radius, budget, grows
-        self.rational = with_known_numbers(system)
+    system: SwitchedSystem
+    cells: Sequence[FieldCell]
+    radius: Number
+    budget: WorkMeter
+    grows: bool
+
+    @cached_property
+    def rational(self) -> SwitchedSystem:
+        """The system in rational numbers."""
+        return with_known_numbers(self.system)
 
     def families(self) -> list[tuple[PiecewiseFunction, ...]]:
         """Bases from simple to rich; none where the cells are not looked at.
@@ -290,17 +295,8 @@ def regular_points(place: Face) -> Floats:
     grid = np.array(list(product(np.linspace(-1.0, 1.0, 2 * DIVISIONS + 1), repeat=place.dimension)))
     around = grid if place.dimension == 1 else grid[np.abs(grid).max(axis=1, initial=0.0) == 1]
     points = np.vstack([around * SHRINKING**k for k in range(DISTANCES)])
-    beside = [_moved_to(place.restricted(own), points) for own in place.inclusion.surfaces.listed if own.degree > 1]
+    beside = [moved_to(place.restricted(own), points) for own in place.inclusion.surfaces.listed if own.degree > 1]
     return np.vstack([with_projected(place, points), *beside])
-
-
-def _moved_to(curve: CheckedPolynomial, points: Floats) -> Floats:
-    """Points on a curve near these."""
-    for _ in range(NEWTON_STEPS):
-        slopes = gradient(curve, points)
-        sizes = np.square(slopes).sum(axis=1)
-        points = points - slopes * (float_values(curve.terms, points) / np.where(sizes == 0, 1, sizes))[:, None]
-    return points
 
 
 def first_failure(cells: Sequence[LyapunovCell], budget: WorkMeter) -> list[Point]:

@@ -434,5 +434,5 @@ def rays_between(fan: TangentFan) -> Iterator[tuple[TangentCone, TangentCone, tu
 def turning(field: PlaneField) -> tuple[Polynomial, Polynomial]:
     """``c x f`` and ``c . f`` as polynomials in c."""
     f, g = field
-    x, y = (Polynomial.variable(f.field, PLANE, name) for name in PLANE)
+    x, y = Polynomial.coordinates(f.field, PLANE)
     return cross((x, y), (f, g)), dot((x, y), (f, g))

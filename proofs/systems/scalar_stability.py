@@ -10,6 +10,7 @@ roots of polynomials in one variable, isolated exactly.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -18,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells, surfaces_of
@@ -67,12 +68,15 @@ def line_reach(scene: SwitchedSystem, half: Fraction) -> Reach:
         for kappa in rates_below(slowest(scene, farthest, decay, power)):
             rate = DecayRate(decay, kappa, _distance_text(name, power))
             level = None if domain.radius is None else half
-            gain = None
+            reach = replace(everywhere, rate=rate, rate_domain=domain)
+            stated: Record = {"rate": rate.record, "level": None}
             if decay is not DecayKind.ALGEBRAIC:
-                gain = DisturbanceGain(Fraction(1), rate, level, everywhere=domain.radius is None)
-            if _is_shown(system, subject, search, domain, rate, gain):
-                gain_domain = None if gain is None else domain
-                return replace(everywhere, rate=rate, rate_domain=domain, gain=gain, gain_domain=gain_domain)
+                gain = DisturbanceGain(Fraction(1), rate, level, everywhere=level is None)
+                reach = replace(reach, gain=gain, gain_domain=domain)
+                stated |= {"gain": "1", "level": None if level is None else str(level)}
+            with suppress(BeyondReachError, NotShownError):
+                search.entry(subject, "lyapunov", distance_hypotheses(system, domain, rate) | stated)
+                return reach
     return everywhere
 
 
@@ -90,23 +94,6 @@ def distance_hypotheses(scene: SwitchedSystem, domain: Domain, rate: DecayRate) 
     """
     cells = stated_cells(scene, domain.radius, surfaces_of(scene, parse_piecewise(rate.function, scene.states)))
     return stability_hypotheses(cells.record, rate.function, ASYMPTOTICALLY_STABLE)
-
-
-def _is_shown(
-    scene: SwitchedSystem,
-    subject: System,
-    search: Search,
-    domain: Domain,
-    rate: DecayRate,
-    gain: DisturbanceGain | None,
-) -> bool:
-    level = None if gain is None or gain.level is None else str(gain.level)
-    more = {"rate": rate.record, "level": level} | ({} if gain is None else {"gain": str(gain.gamma)})
-    try:
-        search.entry(subject, "lyapunov", distance_hypotheses(scene, domain, rate) | more)
-    except (BeyondReachError, NotShownError):
-        return False
-    return True
 
 
 # ---- signs on either side ------------------------------------------------------------------------

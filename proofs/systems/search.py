@@ -207,7 +207,7 @@ def build_potential(
     for cone, m in zip(cones, mixed, strict=True):
         first, second = rays[cone.start], rays[cone.end]
         like = cone.velocity[0]
-        x, y = (Polynomial.variable(like.field, like.variables, name) for name in like.variables)
+        x, y = Polynomial.coordinates(like.field, like.variables)
         area: Any = cross(first, second)
         s = (x * second[1] - y * second[0]) * area.inverse()
         t = (y * first[0] - x * first[1]) * area.inverse()

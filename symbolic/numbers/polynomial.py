@@ -154,6 +154,11 @@ class Polynomial(ExactRing):
         """One of the variables."""
         return cls(field, tuple(variables), {tuple(int(v == name) for v in variables): field.one})
 
+    @classmethod
+    def coordinates(cls, field: NumberField, variables: Sequence[str]) -> tuple[Polynomial, ...]:
+        """All of the variables."""
+        return tuple(cls.variable(field, variables, name) for name in variables)
+
     def _operand(self, value: Any) -> Polynomial | None:
         if isinstance(value, Polynomial):
             if value.variables != self.variables:

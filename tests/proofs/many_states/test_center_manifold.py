@@ -228,13 +228,13 @@ def test_no_patterns_are_searched_where_fields_differ_near_the_point(monkeypatch
     """It took minutes beside four curves of degree 6, with nothing that could be found."""
     monkeypatch.setattr("nonsmooth.proofs.many_states.center_manifold.sharpened", None)
     system = ns.System(list("xy"), ["-x + sign(x**6 + y**5 - 2*x*y/7 + x**2*y)", "-2*y"]).system
-    assert show_by_center_manifold(system, attracts=True) is None
+    assert show_by_center_manifold(system) is None
 
 
 def test_fields_of_high_degree_are_cut_before_they_are_multiplied() -> None:
     """With the denominator the field has degree 7, and the manifold is asked up to that degree, too."""
     system = ns.System(["x", "y"], ["y", "-x**3 - 3*y/(1 + x**4)"]).system
-    assert show_by_center_manifold(system, attracts=True) is not None
+    assert show_by_center_manifold(system) is not None
 
 
 # ---- Points that are stable because a polynomial is kept: textbook systems, certificates, and points that are not.
