@@ -34,7 +34,6 @@ from nonsmooth.proofs.systems.findings import (
     CheckedPoint,
     ExaminedFunction,
     Finding,
-    Known,
     Method,
     PlaneFunction,
     weak_finding,
@@ -46,7 +45,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_slopes
 from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.many_states.decision import SpacePoint
@@ -54,7 +53,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.systems.system_stability import PlanePoint
 
 
-def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_center_manifold(point: CheckedPoint) -> Finding | None:
     """A V that the reduced field on the centre manifold suggests."""
     from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 
@@ -74,24 +73,24 @@ def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | No
     return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=found, facts=facts)
 
 
-def decide_beside_stable_subspace(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_beside_stable_subspace(point: CheckedPoint) -> Finding | None:
     """The same in two states, before long searches.
 
     A focus is left to these: a positive V that grows shows that all solutions leave, which says more.
     """
-    found = decide_by_center_manifold(point, known)
+    found = decide_by_center_manifold(point)
     return None if found is None or found.proofs.is_whole else found
 
 
 @shared_effort(EFFORT)
-def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
+def search_attraction(point: PlanePoint) -> Finding | None:
     """By a V that does not increase, where nothing else decides whether solutions attract.
 
     The scene's is asked on the checked square and on the smaller one, then one is searched.
     """
     from nonsmooth.proofs.systems.system_stability import attraction_by, conclude_function
 
-    given, radius = known.function, point.system.check.radius
+    given, radius = point.known.function, point.system.check.radius
     if given is not None and point.rays:
         return None
     if given is not None:
@@ -150,7 +149,7 @@ def _proposed_energies(system: SwitchedSystem, radius: Number, power: int) -> It
         yield from weak_functions(with_known_numbers(system), radius, positive=True, power=power)
 
 
-def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_squares(point: CheckedPoint) -> Finding | None:
     """The V of the scene and one that is searched, in two states, where sums of squares show that it falls."""
     from nonsmooth.proofs.many_states.decision import SpacePoint
     from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
@@ -164,12 +163,12 @@ def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
     return None
 
 
-def decide_by_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_quotient(point: CheckedPoint) -> Finding | None:
     """A quotient of forms."""
     return _by_quotient(point, stated=False)
 
 
-def decide_by_stated_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_stated_quotient(point: CheckedPoint) -> Finding | None:
     """The quotient of polynomials that the scene names."""
     return _by_quotient(point, stated=True)
 
@@ -179,7 +178,7 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
     return None if found is None else _of_entry(point, found[0])
 
 
-def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_weights(point: CheckedPoint) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
     found = find_weighted_function(with_known_numbers(point.system))
     return None if found is None else _of_entry(point, found[0])
@@ -195,20 +194,20 @@ def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
     return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_energy(point: SpacePoint) -> Finding | None:
     """A positive V that does not rise."""
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 
     found = find_weak_lyapunov(point.system)
-    return None if found is None else conclude_function(known, found)
+    return None if found is None else conclude_function(point, found)
 
 
-def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
+def decide_rest_beside(point: SpacePoint) -> Finding | None:
     """Of a stable point, that it does not attract, as others of rest lie at all distances."""
     from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 
-    standing = known.standing
+    standing = point.known.standing
     ray = ray_of_rest(point.system) if standing is not None and standing.is_weak else None
     if standing is None or ray is None:
         return None
@@ -217,12 +216,12 @@ def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
     return weak_finding(standing.function, refutes)
 
 
-def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_beside_curve_of_rest(point: CheckedPoint) -> Finding | None:
     """Whether a curve of equilibria passes through the point, to which everything beside it falls back.
 
     A positive V that does not increase is found with it, unless one is known.
     """
-    system, standing = with_known_numbers(point.system), known.standing
+    system, standing = with_known_numbers(point.system), point.known.standing
     if system.only_encloses:
         return None
     from nonsmooth.proofs.many_states.rest_beside import beside_curve_of_rest
@@ -235,20 +234,20 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
         reason = f"V is positive and does not increase; {NOT_ATTRACTING}{refutes}"
         entry, facts = curve.entry, entry_facts(system, curve.entry)
         return Finding(Method.LYAPUNOV, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
-    function = _of_point(point, curve.function) if curve.function is not None else known.function
+    function = _of_point(point, curve.function) if curve.function is not None else point.known.function
     return weak_finding(function, refutes)
 
 
-def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_first_integrals(point: SpacePoint) -> Finding | None:
     """A positive polynomial that solutions keep."""
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 
     found = find_kept_function(with_known_numbers(point.system))
-    return None if found is None else conclude_function(known, found)
+    return None if found is None else conclude_function(point, found)
 
 
-def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_growth(point: CheckedPoint) -> Finding | None:
     """A V that falls, or falls where it is negative, and is negative near the point."""
     from nonsmooth.proofs.many_states.lyapunov_search import find_growing_product, find_growth
 
@@ -256,7 +255,7 @@ def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
     return _by_growth(point, find_growth(system) or find_growing_product(system))
 
 
-def decide_by_large_growth(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_large_growth(point: CheckedPoint) -> Finding | None:
     """The same in large programs, after all that takes less time."""
     from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growth
 
@@ -273,7 +272,7 @@ def _by_growth(point: CheckedPoint, entry: Record | None) -> Finding | None:
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_solution(point: CheckedPoint) -> Finding | None:
     """One solution that leaves, of a mixture of right-hand sides inside a cell or along a face."""
     system = with_known_numbers(point.system)
     if system.only_encloses:  # a solution of an enclosure may be none of the system
@@ -289,7 +288,7 @@ def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, entry=entry)
 
 
-def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_choice(point: CheckedPoint) -> Finding | None:
     """A switching law among several right-hand sides under which the point is unstable."""
     system = with_known_numbers(point.system)
     if system.only_encloses or not system.others:
@@ -305,7 +304,7 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     return Finding(Method.CHOICE, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_symmetry(point: CheckedPoint) -> Finding | None:
     """A reflection that reverses time, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import reflection_text, show_reversible_of
 
@@ -316,16 +315,16 @@ def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
     return _closed_orbits(point, Method.SYMMETRY, entry, f"the reflection to {image} reverses them")
 
 
-def decide_enclosed_centre(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_enclosed_centre(point: CheckedPoint) -> Finding | None:
     """The same before long searches, of a system with sines, of which an energy on circles says more.
 
     Around closed orbits no V falls, and none of polynomials is kept by all fields between which sines lie.
     """
-    found = decide_by_symmetry(point, known) if point.system.waves else None
-    return None if found is None else decide_by_circles(point, known) or found
+    found = decide_by_symmetry(point) if point.system.waves else None
+    return None if found is None else decide_by_circles(point) or found
 
 
-def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_integral(point: CheckedPoint) -> Finding | None:
     """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import factor_text, show_integral_of
 
@@ -353,7 +352,7 @@ def _closed_orbits(point: CheckedPoint, method: Method, entry: Record, why: str,
     return Finding(method, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
 
 
-def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_turned_energy(point: CheckedPoint) -> Finding | None:
     """A V that does not rise and is negative near the point, with further functions."""
     from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 
@@ -366,7 +365,7 @@ def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_circles(point: CheckedPoint) -> Finding | None:
     """An energy with sines and cosines that does not rise, which enclosures of these cannot show."""
     from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
 
@@ -402,7 +401,7 @@ def entry_facts(system: SwitchedSystem, entry: Record, *, directed: bool = False
 
 def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFunction:
     """A V with its conditions as results in two states hold it: with its polynomials on the cells of the square."""
-    if len(point.system.states) != len(PLANE):
+    if not point.system.is_planar:
         return function
     from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 
@@ -432,7 +431,7 @@ KEPT_SHARES = ((SHORT, (0.9, 0.75, 0.5, 0.25)), (LONG, (0.9, 0.5, 0.0)))
 MOST_PROPOSALS = 3
 
 
-def decide_linear(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_linear(point: CheckedPoint) -> Finding | None:
     """A quadratic V of a linear system, where the scene names none."""
     system = point.system
     matrix = linear_matrix(system) if system.check.is_default else None
@@ -503,7 +502,7 @@ def rate_of(form: NDArray[Any], matrix: Floats) -> float:
 def _examined(point: Any, formula: PiecewiseExpression) -> ExaminedFunction | None:
     """V with its conditions: on the plane, or on the cube, where they are about forms."""
     system: SwitchedSystem = point.system
-    if len(system.states) == len(PLANE):
+    if system.is_planar:
         cells = lyapunov_cells(point.cells, formula, system.states, system.origin)
         return PlaneFunction(examine(cells), Domain(None), formula, system.states)
     found: ExaminedLyapunov | None = point.examine(formula, system.check.radius, Effort.STRICT)

@@ -32,7 +32,7 @@ from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock, Parts
@@ -156,8 +156,9 @@ def _stands_alone(term: Sequence[int], terms: Iterable[Sequence[int]]) -> bool:
 
 def _decided(system: SwitchedSystem) -> StabilityResult:
     point = checked_point(system)
-    findings = _walk(point).findings or (_open(point),)
-    deciding = Known(findings).standing or findings[-1]
+    _ask_strategies(point)
+    findings = point.known.findings or (_open(point),)
+    deciding = point.known.standing or findings[-1]
     equilibrium, given = _equilibrium(point, deciding.verdict), point.given
     if given is not None and given.decrease is Decrease.WEAK and not point.is_covered_within(given.domain.radius):
         given = None  # it may grow along solutions that stay where a root of a state is zero
@@ -174,7 +175,7 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
         from nonsmooth.proofs.systems.scalar_stability import LinePoint
 
         return LinePoint(system)
-    if len(system.states) == len(PLANE):
+    if system.is_planar:
         from nonsmooth.proofs.systems.system_stability import PlanePoint
 
         return PlanePoint(system)
@@ -183,19 +184,17 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
     return SpacePoint(system)
 
 
-def _walk(point: CheckedPoint) -> Known:
-    """What the strategies find, one after the other, until one says that none says more."""
-    known = Known()
+def _ask_strategies(point: CheckedPoint) -> None:
+    """Note what the strategies find, one after the other, until one says that none says more."""
     for strategy in STRATEGIES:
         try:
-            found = strategy.decide(point, known)
+            found = strategy.decide(point)
         except BeyondReachError:
             continue
         if found is not None:
-            known = Known((*known.findings, found))
+            point.known = Known((*point.known.findings, found))
             if found.is_final:
                 break
-    return known
 
 
 def _open(point: CheckedPoint) -> Finding:
@@ -212,19 +211,19 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
 UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
 
 
-def leave_uncovered(point: CheckedPoint, known: Known) -> Finding | None:
+def leave_uncovered(point: CheckedPoint) -> Finding | None:
     """What is proved of roots of states says nothing about the states."""
     return None if point.is_covered else Finding(Method.NONE, Translation.UNDECIDED, UNCOVERED)
 
 
-def decide_rooted_cascade(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_rooted_cascade(point: CheckedPoint) -> Finding | None:
     """The parts of a system with roots of states; in more than two states where these show nothing of the whole."""
-    in_plane = len(point.system.states) == len(PLANE)
+    in_plane = point.system.is_planar
     is_asked = point.system.by_roots is not None and (in_plane or not point.is_covered)
-    return decide_by_cascade(point, known) if is_asked else None
+    return decide_by_cascade(point) if is_asked else None
 
 
-def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_cascade(point: CheckedPoint) -> Finding | None:
     """Blocks of states one after the other, with those that drive them at the point.
 
     A block that none drives says that the whole is unstable where it is, and may rest; others have to attract, or to
@@ -277,7 +276,7 @@ def _said(block: CascadeBlock, result: StabilityResult) -> str:
     return f"{names_of(states)}{how}: {result.reason}"
 
 
-def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_sliding(point: CheckedPoint) -> Finding | None:
     """On a surface that all solutions near the point come to, the states that are left."""
     from nonsmooth.proofs.parts import Parts, slides
 
@@ -294,7 +293,7 @@ def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
     return None
 
 
-def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_exact_sides(point: CheckedPoint) -> Finding | None:
     """Those of several right-hand sides that hold no sine: where they alone leave, so does the system.
 
     A sine is enclosed, so the right-hand sides with one show by themselves that solutions stay, not that one leaves.
@@ -443,7 +442,7 @@ def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number)
 
 # ---- the registry --------------------------------------------------------------------------------
 #
-# A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
+# A strategy asks one theorem.  It is a function from the checked point, with what is known, to a finding, and a line of
 # :data:`STRATEGIES`, which says for how many states it speaks and where the function is: a module is imported when the
 # first of its strategies is asked.  What a strategy finds it has confirmed exactly, or in balls.  The last finding
 # decides, as a strategy is asked only for more than is known: some while nothing is, some while whether the point

@@ -247,7 +247,7 @@ def ray_adherence(region: Region, ray: Point) -> Adherence:
 
 def extent(guards: Sequence[Polynomial], start: Point, end: Point) -> Extent:
     """How much of the open cone near the origin has all guards positive."""
-    asked = [guard for guard in guards if not sign(guard.terms.get((0, 0), guard.field.zero)) > 0]
+    asked = [guard for guard in guards if not sign(guard.at_origin) > 0]
     if not asked:
         return Extent.WHOLE
     charts = [_in_chart(guard, start, end) for guard in asked]

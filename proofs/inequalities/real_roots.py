@@ -11,7 +11,7 @@ degrees up to about a dozen.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import dropwhile, pairwise
@@ -363,7 +363,7 @@ def complex_roots(polynomial: fmpq_poly) -> list[Any]:
 def lowest_form(polynomial: Polynomial) -> Polynomial:
     """The terms of lowest degree."""
     lowest = min((sum(e) for e in polynomial.terms), default=0)
-    return replace(polynomial, terms={e: c for e, c in polynomial.terms.items() if sum(e) == lowest})
+    return polynomial.part(lowest)
 
 
 def form_lines(form: Polynomial) -> list[Polynomial] | None:

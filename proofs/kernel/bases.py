@@ -114,8 +114,7 @@ def bent(surface: Polynomial) -> PiecewiseFunction:
 
 def _beyond(surface: Polynomial) -> PiecewiseFunction:
     """``relu(s)**2``, with the sign for which it vanishes near the point."""
-    at_point = surface.terms[(0,) * len(surface.variables)]
-    return PiecewiseFunction(f"relu({surface if at_point.sign() < 0 else -surface})**2", 2)
+    return PiecewiseFunction(f"relu({surface if surface.at_origin.sign() < 0 else -surface})**2", 2)
 
 
 def _degree(cells: SignCells) -> int:

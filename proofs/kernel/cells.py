@@ -154,8 +154,7 @@ def build_cells(
 
 def adjoining(cells: SignCells) -> list[SignCell]:
     """The cells whose closures may hold the point."""
-    zero = (0,) * len(cells.states)
-    at_point = [surface.terms[zero].sign() if zero in surface.terms else 0 for surface in cells.surfaces]
+    at_point = [surface.at_origin.sign() for surface in cells.surfaces]
     return [cell for cell in cells.cells if all(s * v >= 0 for s, v in zip(cell.signs, at_point, strict=True))]
 
 
@@ -274,10 +273,8 @@ def least_mixture(forms: Sequence[Polynomial], radius: Number | None) -> Mixture
     Its weights are of the forms first; its value is minus the constant.
     """
     field, count = forms[0].field, len(forms[0].variables)
-    units = [tuple(int(i == k) for i in range(count)) for k in range(count)]
-    zero = (0,) * count
-    columns = [(*(form.terms.get(unit, field.zero) for unit in units), field.one) for form in forms]
-    prices = [-form.terms.get(zero, field.zero) for form in forms]
+    columns = [(*map(form.slope, range(count)), field.one) for form in forms]
+    prices = [-form.at_origin for form in forms]
     if radius is not None:
         for k, side in product(range(count), (1, -1)):
             columns.append((*(field(side if i == k else 0) for i in range(count)), field.one))
@@ -508,7 +505,7 @@ def require_denominators(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for such a denominator.
     """
-    in_plane, radius = len(system.states) == len(PLANE), system.check.radius
+    in_plane, radius = system.is_planar, system.check.radius
     where = "square" if in_plane else "cube"
     for formula in system.denominators:
         if not (_is_positive_on_square(system, formula) if in_plane else _is_positive(system, formula, radius)):

@@ -24,7 +24,7 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
-from nonsmooth.proofs.kernel.written import formula_text, null_basis
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -417,18 +417,17 @@ def _lowest(field: Field) -> int:
 
 
 def _jacobian(field: Field) -> Floats:
-    return np.array([[float(part.slope(k)) for k in range(len(field))] for part in field])
+    return np.array(list(map(slopes, field)), dtype=float)
 
 
 def _planar_rays(field: Field, degree: int) -> Iterator[Floats]:
     """Directions in the plane in which the first terms of a field lead outward, those that attract first."""
-    first = [{e: c for e, c in part.terms.items() if sum(e) == degree} for part in field]
-    f, g = (Polynomial(2, terms) for terms in first)
+    f, g = (part_of(own, degree) for own in field)
     x, y = variable(2, 0), variable(2, 1)
     across = x * g - y * f
     along = [float(across.terms.get((degree + 1 - k, k), 0)) for k in range(degree, -2, -1)]
-    slopes = [root.real for root in np.roots(along) if abs(root.imag) < 2.0**-30] if any(along) else []
-    found = [np.array([1.0, slope]) for slope in slopes]
+    roots = [root.real for root in np.roots(along) if abs(root.imag) < 2.0**-30] if any(along) else []
+    found = [np.array([1.0, root]) for root in roots]
     if not along[0]:
         found.append(np.array([0.0, 1.0]))
     for ray in (side * own for own in found for side in (1, -1)):

@@ -31,7 +31,7 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
 )
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
-from nonsmooth.proofs.kernel.written import formula_text
+from nonsmooth.proofs.kernel.written import formula_text, slopes
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -142,7 +142,7 @@ def _written(
 
 def common_jacobian(fields: Sequence[Field]) -> tuple[tuple[Coefficient, ...], ...] | None:
     """The one Jacobian of fields that vanish at the point; None where there is none."""
-    found = {tuple(tuple(part.slope(k) for k in range(part.count)) for part in field) for field in fields}
+    found = {tuple(tuple(slopes(part)) for part in field) for field in fields}
     if len(found) != 1 or any(part.at_origin for field in fields for part in field):
         return None
     return found.pop()

@@ -31,6 +31,7 @@ from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, gradient, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.kernel.written import slopes
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
@@ -188,8 +189,8 @@ class Survey(Chain):
 def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities: Floats) -> tuple[Floats, Floats]:
     """The rate of a step at points along velocities, and the sizes of the numbers that it is a sum of."""
     sign = 1.0 if step else -1.0
-    slopes = gradient(functions[step], points)
-    return sign * np.sum(slopes * velocities, axis=1), np.sum(np.abs(slopes * velocities), axis=1) + 2.0**-1000
+    parts = gradient(functions[step], points) * velocities
+    return sign * np.sum(parts, axis=1), np.sum(np.abs(parts), axis=1) + 2.0**-1000
 
 
 @dataclass(frozen=True)
@@ -275,8 +276,8 @@ def with_projected(place: Face, points: Floats) -> Floats:
     for surface in place.inclusion.surfaces.listed:
         own = place.restricted(surface)
         if own.degree == 1:
-            slopes = np.array([float(own.slope(k)) for k in range(place.dimension)])
-            projected.append(points - np.outer(float_values(own.terms, points), slopes) / (slopes @ slopes))
+            normal = np.array(slopes(own), dtype=float)
+            projected.append(points - np.outer(float_values(own.terms, points), normal) / (normal @ normal))
     return np.unique(np.round(np.vstack(projected), 12), axis=0)
 
 

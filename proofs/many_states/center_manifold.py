@@ -44,7 +44,7 @@ from nonsmooth.proofs.kernel.search import (
     instability_hypotheses,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis
+from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis, part_of, slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -195,8 +195,8 @@ def split_at(field: Sequence[Polynomial]) -> Split | None:
     Of a pair ``+-i w`` the number ``w^2`` has to be rational.
     """
     count = len(field)
-    matrix = fmpq_mat([[as_fmpq(part.slope(k)) for k in range(count)] for part in field])
-    values = np.linalg.eigvals(np.array([[float(part.slope(k)) for k in range(count)] for part in field]))
+    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
+    values = np.linalg.eigvals(np.array(list(map(slopes, field)), dtype=float))
     size = max(float(np.abs(values).max()), np.finfo(float).tiny)
     still = [value for value in values if abs(value.real) <= STILL * size]
     if any(part.at_origin for part in field) or max(value.real for value in values) > STILL * size:
@@ -267,7 +267,7 @@ class Reduction:
             moved = self._along(found, degree)
             carried = [self._carried(own, moved, degree) for own in found]
             stable = times(_identity(split.count) - split.onto_center, moved)
-            missing = [_part(own - other, degree) for own, other in zip(stable, carried, strict=True)]
+            missing = [part_of(own - other, degree) for own, other in zip(stable, carried, strict=True)]
             found = [own + more for own, more in zip(found, self._homological(missing, degree), strict=True)]
         return found
 
@@ -328,11 +328,11 @@ class Reduction:
         moved = self._along(self.manifold, 2 * most - 1)
         found = kept = self._kept()
         for power in range(2, most + 1):
-            odd = self._averaged(_part(self._carried(found, moved, 2 * power - 1), 2 * power - 1), None)
+            odd = self._averaged(part_of(self._carried(found, moved, 2 * power - 1), 2 * power - 1), None)
             if odd is None:
                 return None
             found -= odd[0]
-            even = self._averaged(_part(self._carried(found, moved, 2 * power), 2 * power), kept.power(power))
+            even = self._averaged(part_of(self._carried(found, moved, 2 * power), 2 * power), kept.power(power))
             if even is None:
                 return None
             found, quantity = found - even[0], even[1]
@@ -442,7 +442,7 @@ class Reduction:
                     own += found[i] * (part - self.manifold[i].derivative(0) * center)
                 total[k] = own
             total = times(beside.transpose(), total)
-            total = [_part(own + found[k].derivative(0) * speed, degree) for k, own in enumerate(total)]
+            total = [part_of(own + found[k].derivative(0) * speed, degree) for k, own in enumerate(total)]
             solved = times(split.hurwitz.transpose().inv(), total)
             found = [own - more for own, more in zip(found, solved, strict=True)]
         return found
@@ -469,13 +469,8 @@ def _composed(value: Polynomial, places: Sequence[Polynomial], count: int, degre
     total = constant(count, 0)
     for power in range(degree + 1):
         needed = [_cut(own, degree + 1 - power) for own in places]
-        total += _part(value, power).on(needed, count)
+        total += part_of(value, power).on(needed, count)
     return _cut(total, degree)
-
-
-def _part(value: Polynomial, degree: int) -> Polynomial:
-    """The terms of a degree."""
-    return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) == degree})
 
 
 def _multiple(factor: Fraction, name: str, power: int) -> str:

@@ -40,6 +40,7 @@ from nonsmooth.proofs.kernel.cells import (
     require_denominators,
 )
 from nonsmooth.proofs.kernel.first_terms import common_jacobian
+from nonsmooth.proofs.kernel.written import slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import (
     LARGE,
@@ -55,7 +56,6 @@ from nonsmooth.proofs.systems.findings import (
     NOT_ATTRACTING,
     CheckedPoint,
     Finding,
-    Known,
     Method,
     Reach,
     weak_finding,
@@ -91,7 +91,7 @@ def escaping_rate(system: SwitchedSystem, cells: SignCells) -> Fraction | None:
     if any(form.degree != 1 for _, form in near):
         return None
     for cell in adjoining(cells):
-        forms = [[as_fmpq(cell.signs[j] * form.slope(k)) for k in range(form.count)] for j, form in near]
+        forms = [[as_fmpq(cell.signs[j] * slope) for slope in slopes(form)] for j, form in near]
         for field in cell.velocities:
             if _is_linear(field):
                 for root in _rays(system, field, forms):
@@ -105,7 +105,7 @@ def _is_linear(field: Field) -> bool:
 
 def _rays(system: SwitchedSystem, field: Field, forms: Sequence[Sequence[fmpq]]) -> Iterator[RealRoot]:
     """Positive eigenvalues of a linear field with an eigenvector at which all forms are positive."""
-    matrix = fmpq_mat([[as_fmpq(part.slope(k)) for k in range(part.count)] for part in field])
+    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
     characteristic, adjugates = _resolvent(matrix)
     for root in positive_roots([system.field(c) for c in characteristic]):
         for column in range(len(field)):
@@ -372,14 +372,14 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
 # ---- what shows itself near the point --------------------------------------------------------------
 
 
-def decide_no_equilibrium(point: SpacePoint, known: Known) -> Finding | None:
+def decide_no_equilibrium(point: SpacePoint) -> Finding | None:
     """No mixture of the velocities at the point is zero."""
     if point.equilibrium is not Equilibrium.FAILS:
         return None
     return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, "0 is not in F there, so every solution leaves it")
 
 
-def decide_by_escape(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_escape(point: SpacePoint) -> Finding | None:
     """A ray along which solutions leave."""
     rate = escaping_rate(point.system, point.cells)
     if rate is None:
@@ -388,7 +388,7 @@ def decide_by_escape(point: SpacePoint, known: Known) -> Finding | None:
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, proofs=rate)
 
 
-def decide_by_relay(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_relay(point: SpacePoint) -> Finding | None:
     """A switching surface that shows instability by its relative degree."""
     relay = high_degree_relay(point.system, point.cells)
     if relay is None:
@@ -398,7 +398,7 @@ def decide_by_relay(point: SpacePoint, known: Known) -> Finding | None:
     return Finding(Method.RELAY, Translation.UNSTABLE, reason, proofs=relay)
 
 
-def decide_by_linearization(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_linearization(point: SpacePoint) -> Finding | None:
     """The eigenvalues of the linearization; a V may show more of a point that is stable."""
     spectrum = point.spectrum
     verdict = None if spectrum is None else SHOWN_BY_SPECTRUM.get(spectrum)
@@ -413,42 +413,42 @@ def decide_by_linearization(point: SpacePoint, known: Known) -> Finding | None:
 # ---- functions -------------------------------------------------------------------------------------
 
 
-def decide_by_stated_function(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_stated_function(point: SpacePoint) -> Finding | None:
     """The V of the scene; the sum of squares that nobody named is asked with little work."""
-    return _by_stated_function(point, known, Effort.HASTY if point.system.check.is_default else Effort.FULL)
+    return _by_stated_function(point, Effort.HASTY if point.system.check.is_default else Effort.FULL)
 
 
-def search_function(point: SpacePoint, known: Known) -> Finding | None:
+def search_function(point: SpacePoint) -> Finding | None:
     """A V that falls, unless that is known to be impossible."""
-    if known.attraction_is_refuted:
+    if point.known.attraction_is_refuted:
         return None
     function = find_lyapunov(point.system) or _quadratic(point)
-    return None if function is None else conclude_function(known, function)
+    return None if function is None else conclude_function(point, function)
 
 
-def search_large_function(point: SpacePoint, known: Known) -> Finding | None:
+def search_large_function(point: SpacePoint) -> Finding | None:
     """The same in large programs, after all that takes less time."""
-    function = None if known.attraction_is_refuted else find_lyapunov(point.system, LARGE)
-    return None if function is None else conclude_function(known, function)
+    function = None if point.known.attraction_is_refuted else find_lyapunov(point.system, LARGE)
+    return None if function is None else conclude_function(point, function)
 
 
-def decide_by_sum_of_squares(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_sum_of_squares(point: SpacePoint) -> Finding | None:
     """The sum of squares that nobody named with all work, where nothing else is found."""
-    spectrum, shown = point.spectrum, known.function is not None
+    spectrum, shown = point.spectrum, point.known.function is not None
     if not point.system.check.is_default or spectrum is Spectrum.HURWITZ or (spectrum is Spectrum.NEUTRAL and shown):
         return None
     hasty = point.given
-    found = _by_stated_function(point, known, Effort.FULL)
-    if found is None or found.is_final or known.function is None:
+    found = _by_stated_function(point, Effort.FULL)
+    if found is None or found.is_final or point.known.function is None:
         return found
     point.given = hasty  # which shows the same
     return None
 
 
-def _by_stated_function(point: SpacePoint, known: Known, effort: Effort) -> Finding | None:
+def _by_stated_function(point: SpacePoint, effort: Effort) -> Finding | None:
     check = point.system.check
     point.given = point.examine(check.lyapunov, check.radius, effort) or point.given
-    return None if point.given is None else conclude_function(known, point.given)
+    return None if point.given is None else conclude_function(point, point.given)
 
 
 def _quadratic(point: SpacePoint) -> ExaminedLyapunov | None:
@@ -465,9 +465,9 @@ def _quadratic(point: SpacePoint) -> ExaminedLyapunov | None:
     return None
 
 
-def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | None:
+def conclude_function(point: SpacePoint, function: ExaminedLyapunov) -> Finding | None:
     """What a V shows beside what is known; None where its conditions are not shown."""
-    standing = known.standing
+    standing = point.known.standing
     if function.decrease is Decrease.STRICT:
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     if function.decrease is not Decrease.WEAK:
@@ -477,9 +477,9 @@ def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | Non
     return weak_finding(function, KEPT if function.is_kept else "")
 
 
-def decide_by_invariance(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_invariance(point: SpacePoint) -> Finding | None:
     """Whether solutions leave where the V that shows stability does not fall."""
-    function = known.function
+    function = point.known.function
     entry = None if function is None else function.attraction(point.system)
     if entry is None:
         return None

@@ -28,7 +28,7 @@ from nonsmooth.proofs.kernel.cells import (
 )
 from nonsmooth.proofs.kernel.search import SQUARES, Functions, decide_claim
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
-from nonsmooth.proofs.kernel.written import terms_of
+from nonsmooth.proofs.kernel.written import slopes, terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
@@ -185,7 +185,7 @@ def _value(polynomial: Polynomial, point: Sequence[fmpq]) -> fmpq:
 
 
 def _slopes(form: Polynomial) -> list[fmpq]:
-    return [as_fmpq(form.slope(k)) for k in range(form.count)]
+    return list(map(as_fmpq, slopes(form)))
 
 
 def _rank(rows: Sequence[Sequence[fmpq]]) -> int:

@@ -67,7 +67,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked cube
+SCALES = tuple(Fraction(1, 4**k) for k in range(4))  # of the checked cube
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried in turn
 # Entries of the Gram matrices of a program: small ones take up to two seconds each, large ones up to twenty.  Larger
 # ones are not solved.
@@ -385,7 +385,6 @@ def _rounded_direction(values: Floats) -> tuple[Fraction, ...]:
 
 
 SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
-RADII = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # half-widths of cubes, over that of the scene
 
 
 @dataclass(frozen=True)
@@ -436,7 +435,7 @@ def show_relay_of(system: SwitchedSystem, verdict: str) -> Entry:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     subject, search = started(system)
-    for share in RADII:
+    for share in SCALES:
         stated = stated_cells(system, system.check.radius * share)
         relay = high_degree_relay(system, stated.cells)
         if relay is None:

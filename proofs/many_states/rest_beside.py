@@ -27,7 +27,7 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_
 from nonsmooth.proofs.kernel.cells import BeyondReachError, Field, SignCells, build_cells, rational, started
 from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.written import null_basis
+from nonsmooth.proofs.kernel.written import null_basis, slopes
 from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
@@ -70,7 +70,7 @@ def _rays(cells: SignCells) -> Iterator[Ray]:
     count, seen = len(cells.states), set[Ray]()
     if len(forms) > MOST_SURFACES:
         raise BeyondReachError(f"over {MOST_SURFACES} surfaces through the point")
-    rows = [[as_fmpq(form.slope(k)) for k in range(count)] for form in forms]
+    rows = [list(map(as_fmpq, slopes(form))) for form in forms]
     for size in range(min(len(rows), count - 1) + 1):
         for chosen in combinations(rows, size):
             basis = null_basis(fmpq_mat(list(chosen) or [[fmpq(0)] * count])).transpose().tolist()

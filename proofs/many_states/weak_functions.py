@@ -41,6 +41,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
     combined,
     formula_in_states,
+    part_of,
     powers_between,
     terms_of,
     vanishing_combinations,
@@ -393,7 +394,7 @@ def _positive_integrals(field: Sequence[CheckedPolynomial]) -> list[CheckedPolyn
         monomials = powers_between(count, 2, degree)
         kept = list(vanishing_combinations([[lie_derivative(own, field)] for own in monomials]))
         integrals = [combined(monomials, own) for own in kept]
-        forms = [CheckedPolynomial(count, {e: c for e, c in own.terms.items() if sum(e) == 2}) for own in integrals]
+        forms = [part_of(own, 2) for own in integrals]
         for parts in (forms, integrals):
             found = _definite(integrals, parts, count)
             if found:

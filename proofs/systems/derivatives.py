@@ -463,7 +463,7 @@ def refutations(
     """Where V is not zero at the equilibrium, not positive, not continuous, or increases."""
     for cell, outcome in zip(cells, definite, strict=True):
         zero = cell.potential.field.zero
-        at_origin = cell.potential.terms.get((0, 0), zero)
+        at_origin = cell.potential.at_origin
         if at_origin and adherence(cell.region) is Adherence.YES:
             yield Refutation((zero, zero), at_origin, "V is not zero at the equilibrium")
         if isinstance(outcome, Counterexample):

@@ -334,9 +334,11 @@ class CheckedPoint(ABC):
 
     Attributes:
         system: the stated one, or the one that is looked at in its place.
+        known: what strategies have found.
     """
 
     system: SwitchedSystem
+    known = Known()
 
     @property
     @abstractmethod
@@ -375,7 +377,7 @@ class Strategy:
         name: for people.
         states: how many they have.
         module: that holds the function.
-        function: its name; from a checked point and what is known to a finding.
+        function: its name; from a checked point to a finding.
         asked: whether it is asked beside what is known; always unless given.
     """
 
@@ -385,12 +387,12 @@ class Strategy:
     function: str
     asked: Callable[[Known], bool] | None = None
 
-    def decide(self, point: CheckedPoint, known: Known) -> Finding | None:
+    def decide(self, point: CheckedPoint) -> Finding | None:
         """What it finds at a point, beside what is known; None where that is nothing, or nothing more."""
-        if len(point.system.states) not in self.states or (self.asked is not None and not self.asked(known)):
+        if len(point.system.states) not in self.states or (self.asked is not None and not self.asked(point.known)):
             return None
-        decide: Callable[[CheckedPoint, Known], Finding | None] = getattr(import_module(self.module), self.function)
-        return decide(point, known)
+        decide: Callable[[CheckedPoint], Finding | None] = getattr(import_module(self.module), self.function)
+        return decide(point)
 
 
 # ---- A V of a system in two states with its conditions, and as people and other programs read it -

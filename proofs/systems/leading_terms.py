@@ -207,14 +207,9 @@ def _coordinates(system: SwitchedSystem) -> Iterator[tuple[Frame, Weights]]:
 def _line_frames(system: SwitchedSystem) -> Iterator[Frame]:
     """Each switching line through the point with another form."""
     lines = (own for own in system.surfaces(system.displaced(PLANE)) if own.degree == 1 and own.is_homogeneous)
-    forms = list(map(_coefficients, lines))
+    forms = [(line.slope(0), line.slope(1)) for line in lines]
     for form in forms:
         yield form, next(f for f in (*forms, *axes_frame(system)) if cross(form, f))
-
-
-def _coefficients(line: Polynomial) -> Point:
-    zero = line.field.zero
-    return line.terms.get((1, 0), zero), line.terms.get((0, 1), zero)
 
 
 def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:

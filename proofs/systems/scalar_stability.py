@@ -27,7 +27,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells, surfac
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction, rational_subject
 from nonsmooth.proofs.systems.domain import DecayKind, DecayRate, DisturbanceGain, Domain, rates_below, slowest_ratio
-from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Method, Reach
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
@@ -168,7 +168,7 @@ class LinePoint(CheckedPoint):
         return line_reach(self.system, min(within(right), within(left)))
 
 
-def decide_by_signs(point: LinePoint, known: Known) -> Finding:
+def decide_by_signs(point: LinePoint) -> Finding:
     """The stability of a point in one state."""
     sides = point.sides
     verdict, reason = _conclude(point.system, point.equilibrium, sides.right, sides.left)
@@ -215,7 +215,7 @@ def _side(scene: SwitchedSystem, turn: int) -> Side:
     """The fields on one side, as polynomials in the distance from the point."""
     near = [_outward(member, turn, germ_sign) for member in scene.members]
     signs = tuple(map(germ_sign, near))
-    values = tuple(p.terms.get((0,), scene.field.zero) for p in near)
+    values = tuple(p.at_origin for p in near)
     if max(signs) >= 0:
         return Side(signs, values, None)
     first = _first_stop(scene, turn)

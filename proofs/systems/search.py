@@ -80,7 +80,7 @@ def find_near(
 
 def linear_parts(cones: Sequence[FieldCell]) -> tuple[FieldCell, ...] | None:
     """The cones with the linear parts of their fields; None where a field does not vanish at the origin."""
-    if any((0, 0) in part.terms for cell in cones for velocity in cell.velocities for part in velocity):
+    if any(part.at_origin for cell in cones for velocity in cell.velocities for part in velocity):
         return None
     return tuple(replace(cell, velocities=tuple((f.part(1), g.part(1)) for f, g in cell.velocities)) for cell in cones)
 

@@ -35,7 +35,6 @@ from nonsmooth.proofs.systems.findings import (
     KEPT,
     CheckedPoint,
     Finding,
-    Known,
     Method,
     PlaneFunction,
     Reach,
@@ -182,7 +181,7 @@ class PlanePoint(CheckedPoint):
 # ---- what shows itself near the point --------------------------------------------------------------
 
 
-def decide_no_equilibrium(point: PlanePoint, known: Known) -> Finding | None:
+def decide_no_equilibrium(point: PlanePoint) -> Finding | None:
     """No mixture of the velocities at the point is zero."""
     if point.equilibrium is not Equilibrium.FAILS:
         return None
@@ -192,7 +191,7 @@ def decide_no_equilibrium(point: PlanePoint, known: Known) -> Finding | None:
     return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, reason)
 
 
-def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_fan(point: PlanePoint) -> Finding | None:
     """The fan of constant fields; a V may show more of one that attracts."""
     fan = point.fan
     if fan is None or fan.verdict is Translation.UNDECIDED:
@@ -202,7 +201,7 @@ def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:
     return Finding(Method.FAN, fan.verdict, fan.reason, proofs=fan, refutes=refutes, is_final=final)
 
 
-def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_leading_terms(point: PlanePoint) -> Finding | None:
     """The leading terms; functions show more."""
     leading = point.leading
     if leading is None:
@@ -213,7 +212,7 @@ def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
 # ---- functions -------------------------------------------------------------------------------------
 
 
-def decide_by_stated_function(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_stated_function(point: PlanePoint) -> Finding | None:
     """The best of the scene's V on its domains: a strict one at once, the first weak one otherwise."""
     weak = None
     for function in point.all_given():
@@ -225,11 +224,11 @@ def decide_by_stated_function(point: PlanePoint, known: Known) -> Finding | None
 
 
 @shared_effort(SEARCH_EFFORT)
-def search_function(point: PlanePoint, known: Known) -> Finding | None:
+def search_function(point: PlanePoint) -> Finding | None:
     """A V that falls, unless that is known to be impossible; else one that grows, unless that is, or is not needed."""
-    fan, leading, may_grow = point.fan, point.leading, known.function is None
+    fan, leading, may_grow = point.fan, point.leading, point.known.function is None
     if (
-        known.attraction_is_refuted
+        point.known.attraction_is_refuted
         or point.rays
         or (fan is not None and fan.verdict is not Translation.ASYMPTOTICALLY_STABLE)
     ):
@@ -265,9 +264,9 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
 # ---- LaSalle's principle ---------------------------------------------------------------------------
 
 
-def decide_by_stated_invariance(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_stated_invariance(point: PlanePoint) -> Finding | None:
     """By the V that the scene names, where curves cut the cells: beside these a search takes long."""
-    system = point.system
+    system, known = point.system, point.known
     if known.function is None or system.check.is_default or known.attraction_is_refuted:
         return None
     from nonsmooth.proofs.systems.lyapunov_search import has_curves

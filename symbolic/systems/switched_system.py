@@ -164,6 +164,11 @@ class SwitchedSystem(ShortRepr):
         """Where the scene came from, for messages: its file or built-in name, else its own name."""
         return self.source or self.name
 
+    @property
+    def is_planar(self) -> bool:
+        """Whether it has two states."""
+        return len(self.states) == len(PLANE)
+
     def coordinates(self) -> tuple[Polynomial, ...]:
         """The states as polynomials in themselves."""
         return Polynomial.coordinates(self.field, self.states)
@@ -270,7 +275,7 @@ def require_plane(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for such a system.
     """
-    if len(system.states) != len(PLANE):
+    if not system.is_planar:
         raise SceneError(system.origin, "system.states", "two states", list(system.stated_states))
 
 

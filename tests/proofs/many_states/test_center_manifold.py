@@ -20,7 +20,7 @@ from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, sho
 from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
-from nonsmooth.proofs.systems.findings import Known, Method
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import contradiction
 from tests.thorough import but, few, keep
@@ -159,7 +159,7 @@ def test_points_that_repel(rhs: list[str]) -> None:
 def verdict_beside(rhs: Sequence[str]) -> Translation | None:
     """What the centre manifold alone says."""
     point = checked_point(ns.System(list(STATES[: len(rhs)]), list(rhs)).system)
-    found = decide_by_center_manifold(point, Known())
+    found = decide_by_center_manifold(point)
     return None if found is None else found.verdict
 
 
