@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from itertools import chain, combinations_with_replacement
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,11 +20,12 @@ from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Fact, Translation, function_facts, row_fact
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
+from nonsmooth.proofs.kernel.bases import quadratic_text
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, attracts, examine, resting_place
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
 from nonsmooth.proofs.systems.energies import energy_near
 from nonsmooth.proofs.systems.findings import (
@@ -33,7 +34,6 @@ from nonsmooth.proofs.systems.findings import (
     CheckedPoint,
     ExaminedFunction,
     Finding,
-    Known,
     Method,
     PlaneFunction,
     weak_finding,
@@ -43,9 +43,9 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, 
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers, with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_slopes
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.many_states.decision import SpacePoint
@@ -53,50 +53,45 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.systems.system_stability import PlanePoint
 
 
-def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_center_manifold(point: CheckedPoint) -> Finding | None:
     """A V that the reduced field on the centre manifold suggests."""
-    return _by_center_manifold(point, known, attracts=False) or _by_center_manifold(point, known, attracts=True)
-
-
-def decide_beside_stable_subspace(point: CheckedPoint, known: Known) -> Finding | None:
-    """The same in two states, before long searches.
-
-    A focus is left to these: a positive V that grows shows that all solutions leave, which says more.
-    """
-    found = decide_by_center_manifold(point, known)
-    return None if found is None or found.proofs.is_whole else found
-
-
-def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) -> Finding | None:
-    if not known.attraction_is_open:
-        return None
     from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 
-    shown = show_by_center_manifold(with_known_numbers(point.system), attracts=attracts)
+    shown = show_by_center_manifold(with_known_numbers(point.system))
     if shown is None:
         return None
-    proposal = shown.proposal
-    if shown.function is not None:
-        reason, function = f"{proposal.words}; {shown.function.reason}", _of_point(point, shown.function)
+    proposal, found = shown
+    if not isinstance(found, dict):
+        reason, function = f"{proposal.words}; {found.reason}", _of_point(point, found)
         return Finding(Method.CENTER, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=proposal)
-    facts, verdict = shown.facts(point.system.states), Translation.UNSTABLE
+    verdict = Translation.UNSTABLE
     reason = f"{proposal.words}; where V is negative, at points at all distances, it falls"
     if proposal.attracts:
         verdict = Translation.ASYMPTOTICALLY_STABLE
         reason = f"{proposal.words}; V is positive and decreases everywhere but at the equilibrium"
-    return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=shown.entry, facts=facts)
+    facts = entry_facts(point.system, found)
+    return Finding(Method.CENTER, verdict, reason, proofs=proposal, entry=found, facts=facts)
+
+
+def decide_beside_stable_subspace(point: CheckedPoint) -> Finding | None:
+    """The same in two states, before long searches.
+
+    A focus is left to these: a positive V that grows shows that all solutions leave, which says more.
+    """
+    found = decide_by_center_manifold(point)
+    return None if found is None or found.proofs.is_whole else found
 
 
 @shared_effort(EFFORT)
-def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
+def search_attraction(point: PlanePoint) -> Finding | None:
     """By a V that does not increase, where nothing else decides whether solutions attract.
 
     The scene's is asked on the checked square and on the smaller one, then one is searched.
     """
     from nonsmooth.proofs.systems.system_stability import attraction_by, conclude_function
 
-    given, radius = known.function, point.system.check.radius
-    if not known.attraction_is_open or (given is not None and point.rays):
+    given, radius = point.known.function, point.system.check.radius
+    if given is not None and point.rays:
         return None
     if given is not None:
         shown = attraction_by(point, given)
@@ -104,7 +99,7 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
             shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
         if shown is not None:
             return shown
-    found = find_weak_function(point.system, may_attract=not point.rays)
+    found = find_weak_function(point, may_attract=not point.rays)
     if found is None:
         return None
     shown = None if point.rays else attraction_by(point, found)
@@ -115,16 +110,16 @@ WEAK_SCALES = (Fraction(1), Fraction(1, 8))  # of the checked square
 MOST_AUDITS = 16  # of proposals in one search
 
 
-def find_weak_function(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
+def find_weak_function(point: PlanePoint, *, may_attract: bool = True) -> PlaneFunction | None:
     """A V that does not increase: one that shows attraction by LaSalle's principle, else the first; None without one.
 
     Args:
-        system: in two states.
+        point: of a system in two states.
         may_attract: whether the equilibrium may attract; otherwise the first V serves.
     """
     from nonsmooth.proofs.systems.lyapunov_search import MAX_CELLS, audited_weakly, square_cells
 
-    left, first = MOST_AUDITS, None
+    system, left, first = point.system, MOST_AUDITS, None
     for scale in WEAK_SCALES:
         left = max(left, 1)  # on each square: the first proposal may be exact
         radius = system.check.radius * scale
@@ -138,7 +133,7 @@ def find_weak_function(system: SwitchedSystem, *, may_attract: bool = True) -> P
             if result is None:
                 continue
             found = PlaneFunction(result, Domain(radius), formula, system.states)
-            if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
+            if not may_attract or point.attraction(found) is not None:
                 return found
             first = first or found
         if first is not None:
@@ -150,15 +145,12 @@ def _proposed_energies(system: SwitchedSystem, radius: Number, power: int) -> It
     """Sums of least coefficients that do not rise, and are at least a power of the distance, in floats."""
     from nonsmooth.proofs.many_states.weak_functions import weak_functions
 
-    with suppress(NoEnclosureError, BeyondReachError, ExpressionError):
-        for text in weak_functions(enclose_numbers(system), radius, positive=True, power=power):
-            yield parse_piecewise(text, system.states)
+    with suppress(BeyondReachError, ExpressionError):
+        yield from weak_functions(with_known_numbers(system), radius, positive=True, power=power)
 
 
-def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_squares(point: CheckedPoint) -> Finding | None:
     """The V of the scene and one that is searched, in two states, where sums of squares show that it falls."""
-    if not known.attraction_is_open:
-        return None
     from nonsmooth.proofs.many_states.decision import SpacePoint
     from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
 
@@ -171,12 +163,12 @@ def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
     return None
 
 
-def decide_by_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_quotient(point: CheckedPoint) -> Finding | None:
     """A quotient of forms."""
-    return _by_quotient(point, stated=False) if known.attraction_is_open else None
+    return _by_quotient(point, stated=False)
 
 
-def decide_by_stated_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_stated_quotient(point: CheckedPoint) -> Finding | None:
     """The quotient of polynomials that the scene names."""
     return _by_quotient(point, stated=True)
 
@@ -186,18 +178,15 @@ def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
     return None if found is None else _of_entry(point, found[0])
 
 
-def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_weights(point: CheckedPoint) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
-    found = find_weighted_function(with_known_numbers(point.system)) if known.attraction_is_open else None
+    found = find_weighted_function(with_known_numbers(point.system))
     return None if found is None else _of_entry(point, found[0])
 
 
 def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
     """What a V shows with its evidence: that the point attracts, or is unstable."""
-    hypotheses, states = entry["hypotheses"], point.system.states
-    within = hypotheses["cells"]["within"]
-    where = "the whole space" if within is None else cube_text(point.system.field(Fraction(within)), states)
-    facts = function_facts(quotient_text(hypotheses), where)
+    facts = entry_facts(point.system, entry)
     if entry["theorem"] == "instability":
         reason = "V falls along every solution, from negative values at all distances"
         return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
@@ -205,20 +194,20 @@ def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
     return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_energy(point: SpacePoint) -> Finding | None:
     """A positive V that does not rise."""
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
 
-    found = find_weak_lyapunov(point.system) if known.standing is None else None
-    return None if found is None else conclude_function(known, found)
+    found = find_weak_lyapunov(point.system)
+    return None if found is None else conclude_function(point, found)
 
 
-def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
+def decide_rest_beside(point: SpacePoint) -> Finding | None:
     """Of a stable point, that it does not attract, as others of rest lie at all distances."""
     from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 
-    standing = known.standing
+    standing = point.known.standing
     ray = ray_of_rest(point.system) if standing is not None and standing.is_weak else None
     if standing is None or ray is None:
         return None
@@ -227,13 +216,13 @@ def decide_rest_beside(point: SpacePoint, known: Known) -> Finding | None:
     return weak_finding(standing.function, refutes)
 
 
-def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_beside_curve_of_rest(point: CheckedPoint) -> Finding | None:
     """Whether a curve of equilibria passes through the point, to which everything beside it falls back.
 
     A positive V that does not increase is found with it, unless one is known.
     """
-    system, standing = with_known_numbers(point.system), known.standing
-    if system.only_encloses or not known.attraction_is_open:
+    system, standing = with_known_numbers(point.system), point.known.standing
+    if system.only_encloses:
         return None
     from nonsmooth.proofs.many_states.rest_beside import beside_curve_of_rest
 
@@ -243,32 +232,50 @@ def decide_beside_curve_of_rest(point: CheckedPoint, known: Known) -> Finding | 
     refutes = f"every point of the curve {curve.words} near the equilibrium is an equilibrium"
     if curve.entry is not None:
         reason = f"V is positive and does not increase; {NOT_ATTRACTING}{refutes}"
-        entry, facts = curve.entry, curve.facts
+        entry, facts = curve.entry, entry_facts(system, curve.entry)
         return Finding(Method.LYAPUNOV, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
-    function = _of_point(point, curve.function) if curve.function is not None else known.function
+    function = _of_point(point, curve.function) if curve.function is not None else point.known.function
     return weak_finding(function, refutes)
 
 
-def decide_by_first_integrals(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_first_integrals(point: SpacePoint) -> Finding | None:
     """A positive polynomial that solutions keep."""
     from nonsmooth.proofs.many_states.decision import conclude_function
     from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 
-    found = find_kept_function(with_known_numbers(point.system)) if known.standing is None else None
-    return None if found is None else conclude_function(known, found)
+    found = find_kept_function(with_known_numbers(point.system))
+    return None if found is None else conclude_function(point, found)
 
 
-def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
-    """A V that falls and is negative near the point, in two states."""
-    from nonsmooth.proofs.many_states.decision import SpacePoint, search_growth
+def decide_by_growth(point: CheckedPoint) -> Finding | None:
+    """A V that falls, or falls where it is negative, and is negative near the point."""
+    from nonsmooth.proofs.many_states.lyapunov_search import find_growing_product, find_growth
 
-    return search_growth(SpacePoint(point.system), known) if known.standing is None else None
+    system = with_known_numbers(point.system)
+    return _by_growth(point, find_growth(system) or find_growing_product(system))
 
 
-def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_large_growth(point: CheckedPoint) -> Finding | None:
+    """The same in large programs, after all that takes less time."""
+    from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growth
+
+    return _by_growth(point, find_growth(point.system, LARGE))
+
+
+def _by_growth(point: CheckedPoint, entry: Record | None) -> Finding | None:
+    if entry is None:
+        return None
+    reason = "V falls along every solution, from negative values at all distances"
+    if "speed" in entry["hypotheses"]:
+        reason = "where V is negative, at points at all distances, it falls along every solution"
+    facts = entry_facts(point.system, entry, directed=True)
+    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
+
+
+def decide_by_solution(point: CheckedPoint) -> Finding | None:
     """One solution that leaves, of a mixture of right-hand sides inside a cell or along a face."""
     system = with_known_numbers(point.system)
-    if known.standing is not None or system.only_encloses:  # a solution of an enclosure may be none of the system
+    if system.only_encloses:  # a solution of an enclosure may be none of the system
         return None
     from nonsmooth.proofs.kernel.escapes import show_escape_of
 
@@ -281,10 +288,10 @@ def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, entry=entry)
 
 
-def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_choice(point: CheckedPoint) -> Finding | None:
     """A switching law among several right-hand sides under which the point is unstable."""
     system = with_known_numbers(point.system)
-    if known.standing is not None or system.only_encloses or not system.others:
+    if system.only_encloses or not system.others:
         return None
     from nonsmooth.proofs.theorem_searches import choice_words, show_choice_of
 
@@ -297,41 +304,39 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     return Finding(Method.CHOICE, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_symmetry(point: CheckedPoint) -> Finding | None:
     """A reflection that reverses time, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import reflection_text, show_reversible_of
 
-    entry = _centre(point, known, show_reversible_of)
+    entry = _centre(point, show_reversible_of)
     if entry is None:
         return None
     image = reflection_text(entry["hypotheses"]["mirror"], point.system.states)
     return _closed_orbits(point, Method.SYMMETRY, entry, f"the reflection to {image} reverses them")
 
 
-def decide_enclosed_centre(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_enclosed_centre(point: CheckedPoint) -> Finding | None:
     """The same before long searches, of a system with sines, of which an energy on circles says more.
 
     Around closed orbits no V falls, and none of polynomials is kept by all fields between which sines lie.
     """
-    found = decide_by_symmetry(point, known) if point.system.waves else None
-    return None if found is None else decide_by_circles(point, known) or found
+    found = decide_by_symmetry(point) if point.system.waves else None
+    return None if found is None else decide_by_circles(point) or found
 
 
-def decide_by_integral(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_integral(point: CheckedPoint) -> Finding | None:
     """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import factor_text, show_integral_of
 
-    entry = _centre(point, known, show_integral_of)
+    entry = _centre(point, show_integral_of)
     if entry is None:
         return None
     factor = row_fact("integrating factor", factor_text(entry["hypotheses"]))
     return _closed_orbits(point, Method.INTEGRAL, entry, "an integral of motion is kept", factor)
 
 
-def _centre(point: CheckedPoint, known: Known, show: Callable[[SwitchedSystem], Entry]) -> Record | None:
-    """The entry of a theorem on centres; None where it is not shown, or something is known already."""
-    if known.standing is not None:
-        return None
+def _centre(point: CheckedPoint, show: Callable[[SwitchedSystem], Entry]) -> Record | None:
+    """The entry of a theorem on centres; None where it is not shown."""
     try:
         return show(point.system)[0]
     except NotShownError:
@@ -347,26 +352,24 @@ def _closed_orbits(point: CheckedPoint, method: Method, entry: Record, why: str,
     return Finding(method, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
 
 
-def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_turned_energy(point: CheckedPoint) -> Finding | None:
     """A V that does not rise and is negative near the point, with further functions."""
     from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 
-    found = find_weak_growth(with_known_numbers(point.system)) if known.standing is None else None
+    found = find_weak_growth(with_known_numbers(point.system))
     if found is None:
         return None
-    (entry, _), text, radius = found
+    entry, _ = found
     reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
-    direction = ", ".join(entry["hypotheses"]["direction"])
-    where = f"{cube_text(radius, point.system.states)}; V < 0 in the direction ({direction})"
-    facts = function_facts(text, where)
+    facts = entry_facts(point.system, entry, directed=True)
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_circles(point: CheckedPoint) -> Finding | None:
     """An energy with sines and cosines that does not rise, which enclosures of these cannot show."""
     from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
 
-    found = find_energy_on_circles(point.system) if known.standing is None else None
+    found = find_energy_on_circles(point.system)
     if found is None:
         return None
     entry, function, domain, is_kept = found
@@ -377,9 +380,28 @@ def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
     return Finding(Method.CIRCLES, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
 
 
+def entry_facts(system: SwitchedSystem, entry: Record, *, directed: bool = False) -> tuple[Fact, Fact]:
+    """V of a theorem, and where its claims hold.
+
+    Args:
+        system: for the names of its states.
+        entry: of a certificate.
+        directed: whether it is also said in which direction V is negative.
+    """
+    from nonsmooth.proofs.many_states.center_manifold import coordinates_in
+
+    hypotheses, where = entry["hypotheses"], "the whole space"
+    cells = hypotheses["cells"]
+    if cells["within"] is not None:
+        where = cube_text(system.field(Fraction(cells["within"])), coordinates_in(cells, system.states))
+    if directed:
+        where += f"; V < 0 in the direction ({', '.join(hypotheses['direction'])})"
+    return function_facts(quotient_text(hypotheses), where)
+
+
 def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFunction:
     """A V with its conditions as results in two states hold it: with its polynomials on the cells of the square."""
-    if len(point.system.states) != len(PLANE):
+    if not point.system.is_planar:
         return function
     from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 
@@ -409,12 +431,12 @@ KEPT_SHARES = ((SHORT, (0.9, 0.75, 0.5, 0.25)), (LONG, (0.9, 0.5, 0.0)))
 MOST_PROPOSALS = 3
 
 
-def decide_linear(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_linear(point: CheckedPoint) -> Finding | None:
     """A quadratic V of a linear system, where the scene names none."""
     system = point.system
     matrix = linear_matrix(system) if system.check.is_default else None
     for own in () if matrix is None else short_forms(matrix):
-        function = _examined(point, parse_piecewise(_text(system, own), system.states))
+        function = _examined(point, parse_piecewise(quadratic_text(own.tolist(), system.states), system.states))
         if function is not None and function.decrease is Decrease.STRICT:
             return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     return None
@@ -477,18 +499,10 @@ def rate_of(form: NDArray[Any], matrix: Floats) -> float:
     return float(np.linalg.eigvalsh(units.T @ falls @ units).min())
 
 
-def _text(system: SwitchedSystem, form: NDArray[np.int64]) -> str:
-    """``x^T P x`` as a formula of the states."""
-    own, total = system.coordinates(), Polynomial.constant(system.field, system.states, 0)
-    for i, j in combinations_with_replacement(range(len(own)), 2):
-        total += own[i] * own[j] * int(form[i, j] // (2 if i == j else 1))
-    return str(total)
-
-
 def _examined(point: Any, formula: PiecewiseExpression) -> ExaminedFunction | None:
     """V with its conditions: on the plane, or on the cube, where they are about forms."""
     system: SwitchedSystem = point.system
-    if len(system.states) == len(PLANE):
+    if system.is_planar:
         cells = lyapunov_cells(point.cells, formula, system.states, system.origin)
         return PlaneFunction(examine(cells), Domain(None), formula, system.states)
     found: ExaminedLyapunov | None = point.examine(formula, system.check.radius, Effort.STRICT)

@@ -26,11 +26,10 @@ from nonsmooth.proofs.systems.domain import SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_values
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
 DEGREES = range(2, 13)  # of V
@@ -86,10 +85,10 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
     require_plane(system)
     basis = tuple(own for k in range(2, degree + 1) for own in monomials(system.states, k))
     try:
-        rational = enclose_numbers(system)
+        rational = with_known_numbers(system)
         stated = stated_cells(rational, rational.check.radius)
         conditions = functions_on(rational, stated, [own.text for own in basis])
-    except (NoEnclosureError, BeyondReachError):
+    except BeyondReachError:
         return None
     outline = _outline(stated.cells)
     if not outline.reach.min() > 0:
@@ -110,7 +109,7 @@ def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRe
 
 def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -> float:
     """How much of the square is below the level, as points on rays show it."""
-    potential = found.formula.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), no_sign)
+    potential = found.formula.polynomial(system.named(), no_sign)
     places = _Outline(outline.units, outline.border, outline.border).inside
     below = float_values(potential.terms, places) < float(found.region.level)
     return float((below * (places**2).sum(axis=1) ** 0.5).sum())
@@ -190,7 +189,7 @@ def _field(cells: SignCells, places: Floats) -> Floats:
         for sign, surface in zip(cell.signs, cells.surfaces, strict=True):
             held &= sign * float_values(surface.terms, places) >= 0
         for k, part in enumerate(cell.velocities[0]):
-            found[held, k] = float_values(part, places[held])
+            found[held, k] = float_values(part.terms, places[held])
     return found
 
 
@@ -215,7 +214,7 @@ def _proposed(
         if solved is None:
             return None
         rounded = [Fraction(round(float(c) * DENOMINATOR), DENOMINATOR) for c in solved[0]]
-        formula = parse_piecewise(formula_text(basis, list(map(as_fmpq, rounded))), system.states)
+        formula = parse_piecewise(formula_text(basis, rounded), system.states)
         found = claims_about(system, formula, system.check.radius)
         if found is None:
             return None

@@ -14,8 +14,7 @@ from typing import Any
 from nonsmooth.proofs.checker.parts import jumps, names_in
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, variable
 from nonsmooth.proofs.kernel.bounds import formula
-from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, stated_cells
-from nonsmooth.proofs.kernel.written import as_checked
+from nonsmooth.proofs.kernel.cells import SignCells, adjoining, stated_cells
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.symbolic.files.system_builder import part_of, stated_lists
 from nonsmooth.symbolic.files.system_document import with_parameters
@@ -133,9 +132,7 @@ def slides(system: SwitchedSystem) -> Iterator[SlidingSurface]:
         SceneError: for formulas that cannot be used.
     """
     stated = stated_cells(system, system.check.radius)
-    count = len(system.states)
-    for number, own in enumerate(stated.cells.surfaces):
-        surface = as_checked(rational_terms(own), count)
+    for number, surface in enumerate(stated.cells.forms):
         if surface.at_origin or not _is_reached(stated.cells, number, surface):
             continue
         for k, name in enumerate(system.states):
@@ -147,9 +144,8 @@ def slides(system: SwitchedSystem) -> Iterator[SlidingSurface]:
 
 
 def _is_reached(cells: SignCells, number: int, surface: Polynomial) -> bool:
-    count = len(cells.states)
     speeds = [
-        cell.signs[number] * lie_derivative(surface, [as_checked(part, count) for part in field]).at_origin
+        cell.signs[number] * lie_derivative(surface, field).at_origin
         for cell in adjoining(cells)
         for field in cell.velocities
     ]

@@ -27,11 +27,12 @@ from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells, system_cells
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError
+from nonsmooth.proofs.orbits.ball_steps import in_balls
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import (
     RISES,
@@ -42,7 +43,7 @@ from nonsmooth.proofs.systems.derivatives import (
     examine,
     refutations,
 )
-from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
+from nonsmooth.proofs.systems.domain import Domain, domains, plane_cells
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.files.system_document import with_parameters
@@ -101,7 +102,7 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
     """A ball around ``grad V . f`` at a place; the whole line where a formula switches there, or is no polynomial."""
     names = (*system.states, *(wave.name for wave in system.names))
     displacement = {name: Polynomial.variable(system.field, names, name) for name in names}
-    centre = dict(zip(system.states, system.check.equilibrium, strict=True))
+    centre = system.named(system.check.equilibrium)
     stated = {name: part + centre[name] if name in centre else part for name, part in displacement.items()}
 
     def sign_of(expression: Polynomial) -> int:  # what switches holds no sines
@@ -118,8 +119,10 @@ def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Seque
     except (_OnSurfaceError, ExpressionError):
         return arb(0, "inf")
     values = [*(c.ball() for c in place), *waves]
-    slopes = [potential.derivative(name) for name in system.states]
-    return sum((_ball(slope * rate, values) for slope, rate in zip(slopes, rates, strict=True)), arb(0))
+    total = potential * 0
+    for name, rate in zip(system.states, rates, strict=True):
+        total += potential.derivative(name) * rate
+    return in_balls(total)(values)
 
 
 def _waves(system: SwitchedSystem, place: Sequence[Number], sign_of: SignOf) -> list[arb]:
@@ -127,16 +130,6 @@ def _waves(system: SwitchedSystem, place: Sequence[Number], sign_of: SignOf) -> 
     states = system.displaced(system.states)
     arguments = (system.argument_of(wave, states, sign_of)(place) for wave in system.names)
     return [getattr(v.ball(), wave.kind)() for v, wave in zip(arguments, system.names, strict=True)]
-
-
-def _ball(polynomial: Polynomial, values: Sequence[arb]) -> arb:
-    total = arb(0)
-    for exponents, c in polynomial.terms.items():
-        term = c.ball()
-        for value, exponent in zip(values, exponents, strict=True):
-            term = term * value**exponent
-        total += term
-    return total
 
 
 KEY = "lyapunov"
@@ -260,7 +253,7 @@ def audited_cells(
         require_stated(scene)
         require_denominators(scene)
         domain = domains(scene, formula, plane_cells(scene))[0]
-        cells = system_cells(scene, domain_regions(scene, domain.radius))
+        cells = plane_cells(scene, domain.radius)
     elif isinstance(rule_of(scene), CellRule):
         domain, cells = Domain(scene.check.radius), partition_cells(build_partition(scene.recentred()))
     else:

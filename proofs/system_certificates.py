@@ -55,7 +55,7 @@ from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.files.system_builder import with_order
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
@@ -356,16 +356,11 @@ def _of_entry(entry: Record) -> Candidate:
 def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate:
     """A V that falls, on its domain, with its region, its rate and its gain."""
     system, reach, verdict = result.scene, result.reach, str(result.verdict)
-    known = function.known_entry(reach)
-    if known is None:
-        stated, cells = stated_function(system, function.stated_on.radius, function)
-        hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), {}
-    else:
-        own, proofs = known["hypotheses"], known["proofs"]
-        hypotheses = stability_hypotheses(own["cells"], own["function"], verdict)
+    stated, cells = stated_function(system, function.stated_on.radius, function)
+    hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), function.known_proofs(reach)
     options = []
     forms = reach.everywhere and reach.global_entry is None and reach.homogeneous is None
-    if forms and (known is None or function.domain.radius is None):
+    if forms and (not proofs or function.domain.radius is None):
         options.append(Option({"everywhere": True}, f"all starts in {_whole(system)} reach the equilibrium"))
     options += _options_on(function.stated_on, reach, system)
     weak = result.deciding.theorem is Method.INVARIANCE
@@ -390,13 +385,13 @@ def _options_on(domain: Domain, reach: Reach, system: SwitchedSystem) -> Iterato
 
 
 def _whole(system: SwitchedSystem) -> str:
-    return "the plane" if len(system.states) == len(PLANE) else "the space"
+    return "the plane" if system.is_planar else "the space"
 
 
 def _by_stated_function(result: DecidedSystem) -> Iterator[Candidate]:
     """The scene's own V and LaSalle's principle, for a searched V that falls, of higher degree, and is not shown."""
     system, given = result.scene, result.given
-    if len(system.states) != len(PLANE) or given is None or result.function.formula == given.formula:
+    if not system.is_planar or given is None or result.function.formula == given.formula:
         return
     if given.decrease is Decrease.WEAK:
         function, cells = stated_function(system, given.stated_on.radius, given)
@@ -484,7 +479,7 @@ def find_region_of_simplices(
         search = Search(known=_known_of(further))
         stated = _stated_region(result, region) if further is None else further.hypotheses
         local = _shown_region(system, stated, search)
-        if len(scene.states) == len(PLANE):
+        if scene.is_planar:
             limit = radius if scene.denominators else None
             found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
         elif scene.denominators:
@@ -539,7 +534,7 @@ def _beyond_words(result: DecidedSystem, draft: Draft) -> Iterator[str]:
     if reach.rate is not None and "rate" not in kinds and not draft.left_out:
         yield f"{rate_words(reach, states)}: another theorem shows the verdict"
     if reach.everywhere and not _attracts_everywhere(draft):
-        where = "the verdict is certified near the point" if len(states) == len(PLANE) else "V is certified on a cube"
+        where = "the verdict is certified near the point" if result.scene.is_planar else "V is certified on a cube"
         yield f"all starts in {_whole(result.scene)} reach the equilibrium: {where}"
     if result.deciding.refutes:
         yield f"the equilibrium does not attract: {result.deciding.refutes}: certificates show stability alone"

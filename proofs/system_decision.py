@@ -32,7 +32,7 @@ from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock, Parts
@@ -156,8 +156,9 @@ def _stands_alone(term: Sequence[int], terms: Iterable[Sequence[int]]) -> bool:
 
 def _decided(system: SwitchedSystem) -> StabilityResult:
     point = checked_point(system)
-    findings = _walk(point).findings or (_open(point),)
-    deciding = Known(findings).standing or findings[-1]
+    _ask_strategies(point)
+    findings = point.known.findings or (_open(point),)
+    deciding = point.known.standing or findings[-1]
     equilibrium, given = _equilibrium(point, deciding.verdict), point.given
     if given is not None and given.decrease is Decrease.WEAK and not point.is_covered_within(given.domain.radius):
         given = None  # it may grow along solutions that stay where a root of a state is zero
@@ -174,7 +175,7 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
         from nonsmooth.proofs.systems.scalar_stability import LinePoint
 
         return LinePoint(system)
-    if len(system.states) == len(PLANE):
+    if system.is_planar:
         from nonsmooth.proofs.systems.system_stability import PlanePoint
 
         return PlanePoint(system)
@@ -183,21 +184,17 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
     return SpacePoint(system)
 
 
-def _walk(point: CheckedPoint) -> Known:
-    """What the strategies find, one after the other, until one says that none says more."""
-    known = Known()
+def _ask_strategies(point: CheckedPoint) -> None:
+    """Note what the strategies find, one after the other, until one says that none says more."""
     for strategy in STRATEGIES:
-        if len(point.system.states) not in strategy.states:
-            continue
         try:
-            found = strategy.decide(point, known)
+            found = strategy.decide(point)
         except BeyondReachError:
             continue
         if found is not None:
-            known = Known((*known.findings, found))
+            point.known = Known((*point.known.findings, found))
             if found.is_final:
                 break
-    return known
 
 
 def _open(point: CheckedPoint) -> Finding:
@@ -214,19 +211,19 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
 UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
 
 
-def leave_uncovered(point: CheckedPoint, known: Known) -> Finding | None:
+def leave_uncovered(point: CheckedPoint) -> Finding | None:
     """What is proved of roots of states says nothing about the states."""
     return None if point.is_covered else Finding(Method.NONE, Translation.UNDECIDED, UNCOVERED)
 
 
-def decide_rooted_cascade(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_rooted_cascade(point: CheckedPoint) -> Finding | None:
     """The parts of a system with roots of states; in more than two states where these show nothing of the whole."""
-    in_plane = len(point.system.states) == len(PLANE)
+    in_plane = point.system.is_planar
     is_asked = point.system.by_roots is not None and (in_plane or not point.is_covered)
-    return decide_by_cascade(point, known) if is_asked else None
+    return decide_by_cascade(point) if is_asked else None
 
 
-def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_cascade(point: CheckedPoint) -> Finding | None:
     """Blocks of states one after the other, with those that drive them at the point.
 
     A block that none drives says that the whole is unstable where it is, and may rest; others have to attract, or to
@@ -234,8 +231,6 @@ def decide_by_cascade(point: CheckedPoint, known: Known) -> Finding | None:
     """
     from nonsmooth.proofs.parts import Parts, cascade
 
-    if known.standing is not None:
-        return None
     try:
         blocks = list(cascade(point.system))
     except (SceneError, ExpressionError):
@@ -281,12 +276,12 @@ def _said(block: CascadeBlock, result: StabilityResult) -> str:
     return f"{names_of(states)}{how}: {result.reason}"
 
 
-def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_sliding(point: CheckedPoint) -> Finding | None:
     """On a surface that all solutions near the point come to, the states that are left."""
     from nonsmooth.proofs.parts import Parts, slides
 
     system = point.system
-    if known.standing is not None or system.by_roots is not None:
+    if system.by_roots is not None:
         return None
     with suppress(SceneError, ExpressionError):
         for slide in slides(system):
@@ -298,13 +293,13 @@ def decide_by_sliding(point: CheckedPoint, known: Known) -> Finding | None:
     return None
 
 
-def decide_by_exact_sides(point: CheckedPoint, known: Known) -> Finding | None:
+def decide_by_exact_sides(point: CheckedPoint) -> Finding | None:
     """Those of several right-hand sides that hold no sine: where they alone leave, so does the system.
 
     A sine is enclosed, so the right-hand sides with one show by themselves that solutions stay, not that one leaves.
     """
     system = point.system
-    if known.standing is not None or system.order or not (system.waves and len(system.written) > 1):
+    if system.order or not (system.waves and len(system.written) > 1):
         return None
     with suppress(SceneError):
         exact = without_waves(system)
@@ -447,11 +442,11 @@ def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number)
 
 # ---- the registry --------------------------------------------------------------------------------
 #
-# A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
+# A strategy asks one theorem.  It is a function from the checked point, with what is known, to a finding, and a line of
 # :data:`STRATEGIES`, which says for how many states it speaks and where the function is: a module is imported when the
 # first of its strategies is asked.  What a strategy finds it has confirmed exactly, or in balls.  The last finding
-# decides, as a strategy is asked only for more than is known; a V that does not increase decides only where there is
-# no other.
+# decides, as a strategy is asked only for more than is known: some while nothing is, some while whether the point
+# attracts is open.  A V that does not increase decides only where there is no other.
 
 
 ONE, TWO, MORE, SEVERAL = range(1, 2), range(2, 3), range(3, 9), range(2, 9)  # states
@@ -459,13 +454,14 @@ KERNEL = "nonsmooth.proofs.kernel_strategies"
 LINE = "nonsmooth.proofs.systems.scalar_stability"
 IN_PLANE = "nonsmooth.proofs.systems.system_stability"
 IN_SPACE = "nonsmooth.proofs.many_states.decision"
+SILENT, OPEN = Known.is_silent, Known.leaves_attraction_open
 
 STRATEGIES = [
-    Strategy("right-hand sides without sines", ONE, __name__, "decide_by_exact_sides"),
+    Strategy("right-hand sides without sines", ONE, __name__, "decide_by_exact_sides", SILENT),
     Strategy("signs on either side", ONE, LINE, "decide_by_signs"),
     Strategy("no equilibrium", TWO, IN_PLANE, "decide_no_equilibrium"),
     Strategy("no equilibrium", MORE, IN_SPACE, "decide_no_equilibrium"),
-    Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade"),
+    Strategy("cascade, of roots", SEVERAL, __name__, "decide_rooted_cascade", SILENT),
     Strategy("uncovered axes of roots", SEVERAL, __name__, "leave_uncovered"),
     Strategy("relative degree of a relay", MORE, IN_SPACE, "decide_by_relay"),
     Strategy("linearization", MORE, IN_SPACE, "decide_by_linearization"),
@@ -476,35 +472,35 @@ STRATEGIES = [
     Strategy("invariance principle, beside curves", TWO, IN_PLANE, "decide_by_stated_invariance"),
     Strategy("fan of cones", TWO, IN_PLANE, "decide_by_fan"),
     Strategy("leading terms", TWO, IN_PLANE, "decide_by_leading_terms"),
-    Strategy("centre manifold", TWO, KERNEL, "decide_beside_stable_subspace"),
-    Strategy("curve of equilibria", TWO, KERNEL, "decide_beside_curve_of_rest"),
-    Strategy("reversing symmetry, with sines", TWO, KERNEL, "decide_enclosed_centre"),
-    Strategy("ray along which solutions leave", MORE, IN_SPACE, "decide_by_escape"),
-    Strategy("solution that leaves", SEVERAL, KERNEL, "decide_by_solution"),
+    Strategy("centre manifold", TWO, KERNEL, "decide_beside_stable_subspace", OPEN),
+    Strategy("curve of equilibria", TWO, KERNEL, "decide_beside_curve_of_rest", OPEN),
+    Strategy("reversing symmetry, with sines", TWO, KERNEL, "decide_enclosed_centre", SILENT),
+    Strategy("ray along which solutions leave", MORE, IN_SPACE, "decide_by_escape", SILENT),
+    Strategy("solution that leaves", SEVERAL, KERNEL, "decide_by_solution", SILENT),
     Strategy("searched V", TWO, IN_PLANE, "search_function"),
     Strategy("searched V", MORE, IN_SPACE, "search_function"),
     Strategy("sum of squares of the states", MORE, IN_SPACE, "decide_by_sum_of_squares"),
-    Strategy("energy", MORE, KERNEL, "decide_by_energy"),
-    Strategy("curve of equilibria", MORE, KERNEL, "decide_beside_curve_of_rest"),
-    Strategy("first integrals", MORE, KERNEL, "decide_by_first_integrals"),
+    Strategy("energy", MORE, KERNEL, "decide_by_energy", SILENT),
+    Strategy("curve of equilibria", MORE, KERNEL, "decide_beside_curve_of_rest", OPEN),
+    Strategy("first integrals", MORE, KERNEL, "decide_by_first_integrals", SILENT),
     Strategy("rest beside the point", MORE, KERNEL, "decide_rest_beside"),
-    Strategy("surface on which solutions slide", MORE, __name__, "decide_by_sliding"),
-    Strategy("function that shows instability", MORE, IN_SPACE, "search_growth"),
-    Strategy("invariance principle", TWO, KERNEL, "search_attraction"),
-    Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance"),
-    Strategy("integral of motion", TWO, KERNEL, "decide_by_integral"),
-    Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold"),
-    Strategy("cascade", SEVERAL, __name__, "decide_by_cascade"),
-    Strategy("right-hand sides without sines", SEVERAL, __name__, "decide_by_exact_sides"),
-    Strategy("surface on which solutions slide", TWO, __name__, "decide_by_sliding"),
-    Strategy("choice among right-hand sides", SEVERAL, KERNEL, "decide_by_choice"),
-    Strategy("V by sums of squares", TWO, KERNEL, "decide_by_squares"),
-    Strategy("function that shows instability", TWO, KERNEL, "decide_by_growth"),
-    Strategy("quotient of forms", SEVERAL, KERNEL, "decide_by_quotient"),
-    Strategy("terms of higher weight", TWO, KERNEL, "decide_by_weights"),
-    Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy"),
-    Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles"),
-    Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry"),
+    Strategy("surface on which solutions slide", MORE, __name__, "decide_by_sliding", SILENT),
+    Strategy("function that shows instability", MORE, KERNEL, "decide_by_growth", SILENT),
+    Strategy("invariance principle", TWO, KERNEL, "search_attraction", OPEN),
+    Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance", OPEN),
+    Strategy("integral of motion", TWO, KERNEL, "decide_by_integral", SILENT),
+    Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold", OPEN),
+    Strategy("cascade", SEVERAL, __name__, "decide_by_cascade", SILENT),
+    Strategy("right-hand sides without sines", SEVERAL, __name__, "decide_by_exact_sides", SILENT),
+    Strategy("surface on which solutions slide", TWO, __name__, "decide_by_sliding", SILENT),
+    Strategy("choice among right-hand sides", SEVERAL, KERNEL, "decide_by_choice", SILENT),
+    Strategy("V by sums of squares", TWO, KERNEL, "decide_by_squares", OPEN),
+    Strategy("function that shows instability", TWO, KERNEL, "decide_by_growth", SILENT),
+    Strategy("quotient of forms", SEVERAL, KERNEL, "decide_by_quotient", OPEN),
+    Strategy("terms of higher weight", TWO, KERNEL, "decide_by_weights", OPEN),
+    Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy", SILENT),
+    Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles", SILENT),
+    Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry", SILENT),
     Strategy("searched V, in large programs", MORE, IN_SPACE, "search_large_function"),
-    Strategy("function that shows instability, in large programs", MORE, IN_SPACE, "search_large_growth"),
+    Strategy("function that shows instability, in large programs", MORE, KERNEL, "decide_by_large_growth", SILENT),
 ]

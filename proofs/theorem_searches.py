@@ -88,14 +88,14 @@ def show_growth_of(system: SwitchedSystem, verdict: str) -> Entry:
     """
     subject, _ = started(system)
     growth = None
-    if len(system.states) != len(PLANE):
+    if not system.is_planar:
         growth = find_growth(system) or find_growing_product(system) or find_growth(system, LARGE)
     if growth is not None:
-        return Search(known=growth.entry["proofs"]).entry(subject, "instability", growth.entry["hypotheses"])
+        return Search(known=growth["proofs"]).entry(subject, "instability", growth["hypotheses"])
     found = find_weak_growth(system)
     if found is None:
         raise NotShownError("no function was found that shows instability")
-    return found[0]
+    return found
 
 
 def show_energy_of(system: SwitchedSystem, verdict: str) -> Entry:
@@ -155,7 +155,7 @@ def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE) -> Entry:
     if system.only_encloses or not system.others:
         raise NotShownError("a choice needs several right-hand sides that may act")
     subject, search = started(system)
-    lines = parallel_lines(system, subject, search) if len(system.states) == len(PLANE) else []
+    lines = parallel_lines(system, subject, search) if system.is_planar else []
     searched = 0
     for choice in islice(choices(subject, system, lines), MOST_TRIED):
         try:
@@ -182,7 +182,7 @@ def _searches(system: SwitchedSystem) -> Sequence[ShowWithin]:
 
     Where they show a spiral that leaves, a V that grows is tried first.
     """
-    if len(system.states) != len(PLANE):
+    if not system.is_planar:
         return IN_MANY
     point = PlanePoint(system)
     try:

@@ -184,7 +184,7 @@ def fields_by_signs(system: SwitchedSystem) -> tuple[tuple[Polynomial, ...], dic
 def partition_cells(partition: Partition) -> tuple[FieldCell, ...]:
     """The cells of a centred partition with their pose rates."""
     field = partition.scene.field
-    x, y = (Polynomial.variable(field, PLANE, name) for name in PLANE)
+    x, y = Polynomial.coordinates(field, PLANE)
     return tuple(
         FieldCell(
             polygon_region(cell.polygon),

@@ -89,7 +89,7 @@ def stated_fields(system: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[S
     variables = (*PLANE, *(wave.name for wave in system.names))
     field, centre = system.field, system.check.equilibrium
     states = [Polynomial.variable(field, variables, name) + c for name, c in zip(PLANE, centre, strict=True)]
-    named = dict(zip(system.states, states, strict=True))
+    named = system.named(states)
     named |= {wave.name: Polynomial.variable(field, variables, wave.name) for wave in system.names}
     return tuple(StatedField(_rates(system, cell.region, named), _waves(system, cell.region)) for cell in cells)
 

@@ -105,7 +105,7 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
         rates = members.at
     if system.scale is None:
         return ScalarVelocity(rates)
-    scale = _Polynomials([system.scale.polynomial(dict(zip(system.states, states, strict=True)), sign_of)]).at
+    scale = _Polynomials([system.scale.polynomial(system.named(states), sign_of)]).at
 
     def divided(*x: float) -> Numbers:
         (factor,) = scale(*x)

@@ -38,7 +38,7 @@ from flint import Ordering, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.forms import directions, simplest
-from nonsmooth.proofs.inequalities.real_roots import Sturm, along_ray, germ_sign, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import Sturm, along_ray, complex_roots, germ_sign, trimmed, value
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -123,16 +123,11 @@ def _separated_roots(polynomials: Sequence[fmpq_poly]) -> list[Bounds]:
     precision = FIRST_PRECISION
     while True:
         with ctx.workprec(precision):
-            found: Any = [root.real for part in irreducible.values() for root, _ in _roots(part) if root.imag == 0]
+            found: Any = [root.real for part in irreducible.values() for root in complex_roots(part) if root.imag == 0]
             enclosures = sorted((root.lower().fmpq(), root.upper().fmpq()) for root in found)
         if all(before[1] < after[0] for before, after in pairwise(enclosures)):
             return enclosures
         precision *= 2
-
-
-def _roots(polynomial: fmpq_poly) -> Any:
-    """Complex roots with multiplicities; real ones have the imaginary part zero exactly."""
-    return polynomial.complex_roots()
 
 
 def _short_between(low: fmpq, high: fmpq) -> fmpq:
@@ -252,7 +247,7 @@ def ray_adherence(region: Region, ray: Point) -> Adherence:
 
 def extent(guards: Sequence[Polynomial], start: Point, end: Point) -> Extent:
     """How much of the open cone near the origin has all guards positive."""
-    asked = [guard for guard in guards if not sign(guard.terms.get((0, 0), guard.field.zero)) > 0]
+    asked = [guard for guard in guards if not sign(guard.at_origin) > 0]
     if not asked:
         return Extent.WHOLE
     charts = [_in_chart(guard, start, end) for guard in asked]
@@ -264,7 +259,7 @@ def extent(guards: Sequence[Polynomial], start: Point, end: Point) -> Extent:
 
 def _in_chart(guard: Polynomial, start: Point, end: Point) -> Polynomial:
     """``G(s, t)``: the guard at ``s (start + t (end - start))`` without its power of s."""
-    s, t = (Polynomial.variable(guard.field, CHART_NAMES, name) for name in CHART_NAMES)
+    s, t = Polynomial.coordinates(guard.field, CHART_NAMES)
     x, y = (s * (t * (b - a) + a) for a, b in zip(start, end, strict=True))
     inner = guard.composed([x, y])
     lowest = min((e[0] for e in inner.terms), default=0)

@@ -11,7 +11,7 @@ degrees up to about a dozen.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import dropwhile, pairwise
@@ -349,6 +349,12 @@ def _in_radicals(factor: list[Number], low: Fraction, high: Fraction) -> Number 
     return next((r for r in roots if low < r < high), None)
 
 
+def complex_roots(polynomial: fmpq_poly) -> list[Any]:
+    """Disjoint balls around all roots; those of real ones have the imaginary part zero exactly."""
+    found: Any = polynomial.complex_roots() if polynomial.degree() > 0 else []
+    return [root for root, _ in found]
+
+
 # ---- tangents of curves at the origin of the plane -----------------------------------------------
 #
 # Tangents of curves at the origin of the plane: the real lines on which their forms of lowest degree vanish.
@@ -357,7 +363,7 @@ def _in_radicals(factor: list[Number], low: Fraction, high: Fraction) -> Number 
 def lowest_form(polynomial: Polynomial) -> Polynomial:
     """The terms of lowest degree."""
     lowest = min((sum(e) for e in polynomial.terms), default=0)
-    return replace(polynomial, terms={e: c for e, c in polynomial.terms.items() if sum(e) == lowest})
+    return polynomial.part(lowest)
 
 
 def form_lines(form: Polynomial) -> list[Polynomial] | None:

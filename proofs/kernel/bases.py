@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
-from typing import TypeAlias
+from itertools import combinations, combinations_with_replacement
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import fmpq
@@ -25,13 +25,11 @@ from nonsmooth.proofs.checker.cells import Face, whole_domain
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
-from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells, rational_terms
-from nonsmooth.proofs.kernel.search import Functions
-from nonsmooth.proofs.kernel.second_function import Samples, gradient, points_of, sampled
+from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, StatedCells
+from nonsmooth.proofs.kernel.search import Functions, gradient
+from nonsmooth.proofs.kernel.second_function import Samples, points_of, sampled
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
-from nonsmooth.proofs.kernel.written import as_checked
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -79,18 +77,24 @@ def families(cells: SignCells, *, all_lines: bool = False) -> Iterator[tuple[Pie
         yield (*map(bent, lines), *quadratic, *second)
 
 
-def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq]) -> str:
+def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq | Fraction]) -> str:
     """The sum, functions of low degree first."""
     used = [(c, f) for c, f in zip(coefficients, functions, strict=True) if c]
     used.sort(key=lambda term: term[1].degree)
-    return " + ".join(_term_text(as_fraction(c), f.text) for c, f in used).replace("+ -", "- ") or "0"
+    return " + ".join(_term_text(c, f.text) for c, f in used).replace("+ -", "- ") or "0"
 
 
-def _term_text(coefficient: Fraction, function: str) -> str:
+def _term_text(coefficient: fmpq | Fraction, function: str) -> str:
     """``9*x*y/11`` for a coefficient and a function."""
-    top, bottom = coefficient.numerator, coefficient.denominator
-    factor = {1: "", -1: "-"}.get(top, f"{top}*")
-    return f"{factor}{function}" + (f"/{bottom}" if bottom != 1 else "")
+    top, slash, bottom = str(coefficient).partition("/")
+    factor = {"1": "", "-1": "-"}.get(top, f"{top}*")
+    return f"{factor}{function}{slash}{bottom}"
+
+
+def quadratic_text(doubled: Sequence[Sequence[Any]], states: Sequence[str]) -> str:
+    """``x^T P x`` as a formula, by the entries of 2 P: numbers of flint, or whole ones."""
+    pairs = combinations_with_replacement(range(len(states)), 2)
+    return formula_text(monomials(states, 2), [fmpq(doubled[i][j]) / (2 if i == j else 1) for i, j in pairs])
 
 
 def monomial(states: Sequence[str], exponents: Exponents) -> PiecewiseFunction:
@@ -110,24 +114,22 @@ def bent(surface: Polynomial) -> PiecewiseFunction:
 
 def _beyond(surface: Polynomial) -> PiecewiseFunction:
     """``relu(s)**2``, with the sign for which it vanishes near the point."""
-    at_point = surface.terms[(0,) * len(surface.variables)]
-    return PiecewiseFunction(f"relu({surface if at_point.sign() < 0 else -surface})**2", 2)
+    return PiecewiseFunction(f"relu({surface if surface.at_origin.sign() < 0 else -surface})**2", 2)
 
 
 def _degree(cells: SignCells) -> int:
-    return max((sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p), default=0)
+    return max((part.degree for cell in cells.cells for field in cell.velocities for part in field), default=0)
 
 
 def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
     """Whether the field differs on the two sides of a hyperplane."""
-    j, count = cells.surfaces.index(surface), len(cells.states)
-    plane = as_checked(rational_terms(surface), count)
+    j = cells.surfaces.index(surface)
     by_signs = {cell.signs: cell.velocities for cell in cells.cells}
     for signs, own in by_signs.items():
         other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]), own)
         for first, second in zip(own, other, strict=True):
-            gaps = (as_checked(a, count) - as_checked(b, count) for a, b in zip(first, second, strict=True))
-            if any(gap.divided(plane) is None for gap in gaps):
+            gaps = (a - b for a, b in zip(first, second, strict=True))
+            if any(gap.divided(cells.forms[j]) is None for gap in gaps):
                 return True
     return False
 

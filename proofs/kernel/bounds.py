@@ -21,6 +21,7 @@ from flint import Ordering, fmpq_mpoly_ctx
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
+from nonsmooth.proofs.kernel.written import part_of
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values, written_powers
@@ -104,11 +105,9 @@ class Bounds:
 
     def _summed(self, value: Polynomial) -> list[Term] | None:
         """A polynomial that is zero at the origin as a sum of terms that are not negative."""
-        linear = {e: c for e, c in value.terms.items() if sum(e) == 1}
-        quadratic = {e: c for e, c in value.terms.items() if sum(e) == 2}
         found = list(self._monomials({e: c for e, c in value.terms.items() if sum(e) > 2}))
-        by_surfaces = self._by_surfaces(Polynomial(value.count, linear))
-        squares = squares_of(Polynomial(value.count, quadratic))
+        by_surfaces = self._by_surfaces(part_of(value, 1))
+        squares = squares_of(part_of(value, 2))
         if None in found or by_surfaces is None or squares is None or value.at_origin:
             return None
         return [*by_surfaces, *squares, *(term for term in found if term is not None)]

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
@@ -32,7 +33,7 @@ from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.kernel.search import NotShownError, Search, sample_points
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomial_in_names
-from nonsmooth.proofs.kernel.written import written_number
+from nonsmooth.proofs.kernel.written import as_checked, written_number
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive
 from nonsmooth.symbolic.formulas.expression import ExpressionError
@@ -73,7 +74,7 @@ class SignCell:
     """
 
     signs: Pattern
-    velocities: tuple[tuple[RationalTerms, ...], ...]
+    velocities: tuple[Field, ...]
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,15 @@ class SignCells:
     radius: fmpq
     beyond: bool
     asked: frozenset[Polynomial]
+
+    @cached_property
+    def forms(self) -> Field:
+        """The surfaces, written as the fields are.
+
+        Raises:
+            BeyondReachError: for irrational numbers.
+        """
+        return tuple(map(checked, self.surfaces))
 
     @property
     def are_cones(self) -> bool:
@@ -121,7 +131,7 @@ def build_cells(
     surfaces = tuple(dict.fromkeys(s for s in (*system.surfaces(states), *more) if s.degree))
     if len(surfaces) > MAX_SURFACES:
         raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
-    read = _all_terms if irrational else rational_terms
+    read = _unread if irrational else checked
     found: list[SignCell] = []
     asked: set[Polynomial] = set()
     for signs in patterns(surfaces, radius):
@@ -144,8 +154,7 @@ def build_cells(
 
 def adjoining(cells: SignCells) -> list[SignCell]:
     """The cells whose closures may hold the point."""
-    zero = (0,) * len(cells.states)
-    at_point = [surface.terms[zero].sign() if zero in surface.terms else 0 for surface in cells.surfaces]
+    at_point = [surface.at_origin.sign() for surface in cells.surfaces]
     return [cell for cell in cells.cells if all(s * v >= 0 for s, v in zip(cell.signs, at_point, strict=True))]
 
 
@@ -172,8 +181,27 @@ def rational_terms(polynomial: Polynomial) -> RationalTerms:
     return {exponents: rational(value) for exponents, value in polynomial.terms.items()}
 
 
-def _all_terms(polynomial: Polynomial) -> RationalTerms:
-    return dict(polynomial.terms)
+def checked(polynomial: Polynomial) -> polynomials.Polynomial:
+    """A polynomial as the checker has it.
+
+    Raises:
+        BeyondReachError: for irrational coefficients.
+    """
+    return as_checked(rational_terms(polynomial), len(polynomial.variables))
+
+
+def _unread(polynomial: Polynomial) -> polynomials.Polynomial:
+    """The same with coefficients that nobody reads."""
+    return polynomials.Polynomial(len(polynomial.variables), polynomial.terms)
+
+
+def without_signs(surface: Polynomial) -> int:
+    """Signs for what must not switch.
+
+    Raises:
+        BeyondReachError: always.
+    """
+    raise BeyondReachError("formulas that switch")
 
 
 def scaled(terms: Mapping[Exponents, fmpq], factor: fmpq) -> RationalTerms:
@@ -188,7 +216,7 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
         ExpressionError: for a formula that is no polynomial on some piece.
         BeyondReachError: for too many surfaces.
     """
-    values = dict(zip(system.states, system.coordinates(), strict=True))
+    values = system.named()
     found: dict[Polynomial, None] = {}
     waiting: list[dict[Polynomial, int]] = [{}]
     while waiting:
@@ -245,10 +273,8 @@ def least_mixture(forms: Sequence[Polynomial], radius: Number | None) -> Mixture
     Its weights are of the forms first; its value is minus the constant.
     """
     field, count = forms[0].field, len(forms[0].variables)
-    units = [tuple(int(i == k) for i in range(count)) for k in range(count)]
-    zero = (0,) * count
-    columns = [(*(form.terms.get(unit, field.zero) for unit in units), field.one) for form in forms]
-    prices = [-form.terms.get(zero, field.zero) for form in forms]
+    columns = [(*map(form.slope, range(count)), field.one) for form in forms]
+    prices = [-form.at_origin for form in forms]
     if radius is not None:
         for k, side in product(range(count), (1, -1)):
             columns.append((*(field(side if i == k else 0) for i in range(count)), field.one))
@@ -479,7 +505,7 @@ def require_denominators(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for such a denominator.
     """
-    in_plane, radius = len(system.states) == len(PLANE), system.check.radius
+    in_plane, radius = system.is_planar, system.check.radius
     where = "square" if in_plane else "cube"
     for formula in system.denominators:
         if not (_is_positive_on_square(system, formula) if in_plane else _is_positive(system, formula, radius)):
@@ -493,7 +519,7 @@ def are_positive_everywhere(system: SwitchedSystem) -> bool:
 
 
 def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
-    values = dict(zip(system.states, system.displaced(PLANE), strict=True))
+    values = system.named(system.displaced(PLANE))
 
     def evaluate(sign_of: SignOf) -> Polynomial:
         return formula.polynomial(values, sign_of)

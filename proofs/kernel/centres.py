@@ -25,7 +25,7 @@ from nonsmooth.proofs.kernel.bounds import factorized
 from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
 from nonsmooth.proofs.kernel.written import combined, formula_in_states, powers_between, vanishing_combinations
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MIRRORS = ((1, 0, 0, -1), (-1, 0, 0, 1), (0, 1, 1, 0), (0, -1, -1, 0))
 MOST_DEGREE = 4  # of Q and of g
@@ -101,7 +101,7 @@ def factor_text(hypotheses: Record) -> str:
 def _at_point(system: SwitchedSystem) -> tuple[System, StatedCells, Inclusion]:
     """The subject of a certificate, and its cells on the checked square."""
     subject, search = started(system, irrational=True)
-    if len(system.states) != len(PLANE) or len(subject.rhs) > 1 or system.by_roots is not None:
+    if not system.is_planar or len(subject.rhs) > 1 or system.by_roots is not None:
         raise NotShownError("centres are looked for where one field acts on a plane")
     cells = stated_cells(system, system.check.radius, irrational=True)
     return subject, cells, build_inclusion(cells, subject, search)

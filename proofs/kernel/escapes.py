@@ -21,13 +21,12 @@ from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, rational_terms, started
+from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
-from nonsmooth.proofs.kernel.written import as_checked, formula_text, null_basis
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Polynomial as NumberPolynomial
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -130,7 +129,7 @@ def show_escape_of(system: SwitchedSystem, verdict: str, search: Search | None =
     subject, search = started(system, search or Search(WORK))
     cells = build_cells(system, system.check.radius)
     for motion in motions(cells):
-        for region in regions(motion, cells.surfaces):
+        for region in regions(motion, cells.forms):
             for k in range(RADII if _may_leave(cells, motion, region) else 0):
                 radius = Fraction(str(cells.radius)) / 4**k
                 found = search.tried(subject, "escape", _hypotheses(cells, motion, region, radius))
@@ -142,8 +141,8 @@ def show_escape_of(system: SwitchedSystem, verdict: str, search: Search | None =
 def _may_leave(cells: SignCells, motion: FollowedField, region: BarrierRegion) -> bool:
     """Whether near the point, in its direction, a region lies where it is said to lie, and W rises there."""
     direction = [Fraction(x) for x in motion.lifted(region.direction)]
-    for surface, mark in zip(cells.surfaces, motion.signs, strict=True):
-        sign = sign_along(as_checked(rational_terms(surface), len(cells.states)), direction)
+    for surface, mark in zip(cells.forms, motion.signs, strict=True):
+        sign = sign_along(surface, direction)
         if mark != "0" and sign != "-0+".index(mark) - 1:
             return False
     mixes = all(sign_along(own.weight, direction) >= 0 for own in motion.mixture)
@@ -192,14 +191,9 @@ def motions(cells: SignCells) -> Iterator[FollowedField]:
                 yield from _on_subspace(cells, pattern(cell.signs), mixture, along)
 
 
-def _fields(cell: SignCell) -> list[Field]:
-    count = len(cell.velocities[0])
-    return [tuple(as_checked(part, count) for part in field) for field in cell.velocities]
-
-
 def _mixtures(cell: SignCell) -> list[list[Weighted]]:
     """Each field of a cell alone, and pairs of fields."""
-    own = _fields(cell)
+    own = cell.velocities
     count = len(own[0])
     still = (Fraction(0),) * count
 
@@ -222,7 +216,7 @@ def _between(cells: SignCells, apart: Sequence[int], first: SignCell, second: Si
     is no such motion.  A field that is tangent to the surface is taken alone too.
     """
     count = len(cells.states)
-    surfaces = {j: as_checked(rational_terms(cells.surfaces[j]), count) for j in apart}
+    surfaces = {j: cells.forms[j] for j in apart}
     if any(surface.at_origin for surface in surfaces.values()):
         return
     signs = pattern(0 if j in apart else sign for j, sign in enumerate(first.signs))
@@ -232,9 +226,9 @@ def _between(cells: SignCells, apart: Sequence[int], first: SignCell, second: Si
         return Weighted(cell, number, field, weight, tuple(toward))
 
     across = surfaces[apart[0]]
-    for a, f in enumerate(_fields(first)):
+    for a, f in enumerate(first.velocities):
         yield from _on_subspace(cells, signs, [part(first, a, f, constant(count, 1))])
-        for b, g in enumerate(_fields(second)):
+        for b, g in enumerate(second.velocities):
             own, other = lie_derivative(across, f), lie_derivative(across, g)
             for mixture in ((-other, own), (other, -own)):
                 yield from _on_subspace(cells, signs, [part(first, a, f, mixture[0]), part(second, b, g, mixture[1])])
@@ -248,8 +242,7 @@ def _on_subspace(
     There is none where the mixture is not tangent to the subspace, or rests on it.
     """
     count = len(cells.states)
-    marked = zip(cells.surfaces, signs, strict=True)
-    zero = [as_checked(rational_terms(surface), count) for surface, sign in marked if sign == "0"]
+    zero = [surface for surface, sign in zip(cells.forms, signs, strict=True) if sign == "0"]
     flat = [*along, *(own for own in zero if own.degree == 1)]
     coordinates = solve(flat, count)
     if coordinates is None or not coordinates[0].count:
@@ -297,7 +290,7 @@ def _radial_directions(field: Field) -> Iterator[Floats]:
 # ---- regions: where a solution of a motion stays -------------------------------------------------
 
 
-def regions(motion: FollowedField, surfaces: Sequence[NumberPolynomial]) -> Iterator[BarrierRegion]:
+def regions(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
     """Proposals by the first terms of a motion; the surfaces of all cells are among its barriers where it is slow."""
     if motion.count == 1:
         for side in (1, -1):
@@ -389,12 +382,12 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
                 yield BarrierRegion(((barrier, factor),), rise, direction)
 
 
-def _by_double_zero(motion: FollowedField, surfaces: Sequence[NumberPolynomial]) -> Iterator[BarrierRegion]:
+def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
     """``W = (l . x)(m . x)`` with ``l A = 0`` and ``m A = l``, so that ``W' = (l . x)^2 + ...``, inside a cell."""
-    count, total = motion.count, len(motion.coordinates)
+    count = motion.count
     jacobian = fmpq_mat([[as_fmpq(part.slope(k)) for part in motion.field] for k in range(count)])
     marked = zip(surfaces, motion.signs, strict=True)
-    sides = [as_checked(rational_terms(own), total).times("-0+".index(mark) - 1) for own, mark in marked]
+    sides = [own.times("-0+".index(mark) - 1) for own, mark in marked]
     sides = [own.on(motion.coordinates, count) for own in sides if own and not own.at_origin]
     drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist()
     for column in null_basis(jacobian * jacobian).transpose().tolist():
@@ -424,18 +417,17 @@ def _lowest(field: Field) -> int:
 
 
 def _jacobian(field: Field) -> Floats:
-    return np.array([[float(part.slope(k)) for k in range(len(field))] for part in field])
+    return np.array(list(map(slopes, field)), dtype=float)
 
 
 def _planar_rays(field: Field, degree: int) -> Iterator[Floats]:
     """Directions in the plane in which the first terms of a field lead outward, those that attract first."""
-    first = [{e: c for e, c in part.terms.items() if sum(e) == degree} for part in field]
-    f, g = (Polynomial(2, terms) for terms in first)
+    f, g = (part_of(own, degree) for own in field)
     x, y = variable(2, 0), variable(2, 1)
     across = x * g - y * f
     along = [float(across.terms.get((degree + 1 - k, k), 0)) for k in range(degree, -2, -1)]
-    slopes = [root.real for root in np.roots(along) if abs(root.imag) < 2.0**-30] if any(along) else []
-    found = [np.array([1.0, slope]) for slope in slopes]
+    roots = [root.real for root in np.roots(along) if abs(root.imag) < 2.0**-30] if any(along) else []
+    found = [np.array([1.0, root]) for root in roots]
     if not along[0]:
         found.append(np.array([0.0, 1.0]))
     for ray in (side * own for own in found for side in (1, -1)):

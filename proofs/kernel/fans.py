@@ -49,7 +49,7 @@ from nonsmooth.proofs.kernel.search import (
     stability_hypotheses,
 )
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.written import coefficient_text
+from nonsmooth.proofs.kernel.written import coefficient_text, part_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
@@ -137,7 +137,7 @@ def _line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
     x, y = (own - centre for own, centre in zip((x, y), system.check.equilibrium, strict=True))
     lines: list[Form] = []
     for surface in system.surfaces(system.displaced(system.states)):
-        if surface.degree and (0, 0) not in surface.terms:
+        if surface.degree and not surface.at_origin:
             tangents = form_lines(lowest_form(surface))
             if tangents is None:
                 raise NotShownError("a switching curve has a tangent without a rational name")
@@ -152,8 +152,7 @@ def _line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
 
 def _direction(line: Form) -> Ray:
     """A vector along a line in the upper half plane, with short entries."""
-    a, b = (line.terms.get(e, line.field.zero) for e in ((1, 0), (0, 1)))
-    return _upper((_short_number(b), _short_number(-a)))
+    return _upper((_short_number(line.slope(1)), _short_number(-line.slope(0))))
 
 
 def _short_number(value: Number) -> Any:
@@ -274,8 +273,7 @@ def _terms(cells: Sequence[Cell], degree: int, place: Floats) -> Iterator[Iterat
 
 def _value(polynomial: Polynomial, degree: int, place: Floats) -> float:
     """Of its terms of a degree."""
-    terms = {exponents: c for exponents, c in polynomial.terms.items() if sum(exponents) == degree}
-    return float(float_values(terms, place[None, :])[0])
+    return float(float_values(part_of(polynomial, degree).terms, place[None, :])[0])
 
 
 def _floats(ray: Ray) -> Floats:
@@ -387,7 +385,7 @@ def _frames(system: SwitchedSystem) -> Iterator[tuple[str, str]]:
     states = system.displaced(system.states)
     lines = [own - centre for own, centre in zip(states, system.check.equilibrium, strict=True)]
     for surface in system.surfaces(states):
-        if surface.degree and (0, 0) not in surface.terms:
+        if surface.degree and not surface.at_origin:
             lines += [own for own in form_lines(lowest_form(surface)) or [] if monic(own) not in map(monic, lines)]
     for text in dict.fromkeys(_bent_lines(system)) if not any(system.check.equilibrium) else ():
         curves = surfaces_of(system, parse_piecewise(f"Abs({text})", system.states))

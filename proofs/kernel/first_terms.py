@@ -18,7 +18,7 @@ import numpy as np
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
-from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.checker.polynomials import Coefficient, Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum
@@ -31,7 +31,7 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
 )
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
-from nonsmooth.proofs.kernel.written import formula_text
+from nonsmooth.proofs.kernel.written import formula_text, slopes
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -120,9 +120,11 @@ def show_linearization_of(system: SwitchedSystem, verdict: str, search: Search |
     subject, search = started(system, search, irrational=True)
     for share in RADII:
         stated = _cells(system, share, subject, search)
-        matrix = common_jacobian(fields_around(stated, subject, search))
-        proposed = quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE) if matrix is not None else ()
-        for quadratic, direction in proposed:
+        jacobian = common_jacobian(fields_around(stated, subject, search))
+        if jacobian is None:
+            continue
+        matrix = np.array(jacobian, dtype=float)
+        for quadratic, direction in quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE):
             found = search.tried(subject, *_written(stated, quadratic, direction, verdict, subject))
             if found is not None:
                 return found
@@ -138,23 +140,23 @@ def _written(
     return "instability", instability_hypotheses(cells, function, direction)
 
 
-def common_jacobian(fields: Sequence[Field]) -> Floats | None:
+def common_jacobian(fields: Sequence[Field]) -> tuple[tuple[Coefficient, ...], ...] | None:
     """The one Jacobian of fields that vanish at the point; None where there is none."""
-    count = len(fields[0])
-    found = {tuple(part.slope(k) for part in field for k in range(count)) for field in fields}
+    found = {tuple(tuple(slopes(part)) for part in field) for field in fields}
     if len(found) != 1 or any(part.at_origin for field in fields for part in field):
         return None
-    return np.array(found.pop(), dtype=float).reshape(count, count)
+    return found.pop()
 
 
 def first_terms_attract(system: SwitchedSystem, subject: System) -> bool:
     """Whether all fields at the point have one Jacobian, whose eigenvalues all have negative real parts, in floats."""
     try:
         stated = stated_cells(system, system.check.radius, irrational=True)
-        matrix = common_jacobian(fields_around(stated, subject, Search()))
+        jacobian = common_jacobian(fields_around(stated, subject, Search()))
+        values = () if jacobian is None else np.linalg.eigvals(np.array(jacobian, dtype=float)).real
     except (BeyondReachError, OverflowError):  # too many cells, or numbers beyond floats
         return False
-    return matrix is not None and float(np.linalg.eigvals(matrix).real.max()) < -TIE
+    return max(values, default=0.0) < -TIE
 
 
 def quadratics(matrix: Floats, *, attracts: bool) -> Iterator[tuple[Polynomial, Sequence[Fraction]]]:

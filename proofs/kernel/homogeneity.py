@@ -70,7 +70,7 @@ def homogeneity_of(system: SwitchedSystem) -> Homogeneity | None:
         system: in any number of states; of roots of states the field in the time of the states counts.
     """
     roots = () if system.by_roots is None else system.by_roots.roots.names.values()
-    at = dict(zip(system.states, system.check.equilibrium, strict=True))
+    at = system.named(system.check.equilibrium)
     if system.waves or system.denominators or any(at[name] for name in roots):
         return None
     known = {} if system.by_roots is None else system.by_roots.roots.order
@@ -103,5 +103,5 @@ def _rows(system: SwitchedSystem, orders: Sequence[int]) -> Iterator[Row]:
     for cell in cells.cells:
         for velocity in cell.velocities:
             for k, part in enumerate(velocity):
-                for exponents in part:
+                for exponents in part.terms:
                     yield (*(e - orders[k] * (k == j) for j, e in enumerate(exponents)), -1)

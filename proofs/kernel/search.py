@@ -33,7 +33,7 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided
 from nonsmooth.proofs.kernel import simplices, squares
-from nonsmooth.proofs.kernel.written import exact, twin, written_number
+from nonsmooth.proofs.kernel.written import exact, slopes, twin, written_number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
@@ -224,15 +224,15 @@ def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
         return None
     named = {name: own for name, own in inequality.guards.items() if own.degree == 1 and name[0] == "s"}
     field, count = NumberField() if claim.field is None else twin(claim.field), claim.count
-    columns = [[field(exact(value)) for value in _slopes(own)] for own in named.values()]
+    columns = [[field(exact(value)) for value in slopes(own)] for own in named.values()]
     prices = [field(exact(-own.at_origin)) for own in named.values()]
     for k in range(count if claim.bounded else 0):
         for side in (1, -1):
             columns.append([field(side * int(i == k)) for i in range(count)])
             prices.append(field(-1))
-    target = [field(exact(value)) for value in _slopes(inequality.value)]
+    target = [field(exact(value)) for value in slopes(inequality.value)]
     if not count or not columns:
-        return {} if not any(_slopes(inequality.value)) and _is_enough(claim, inequality.value.at_origin) else None
+        return {} if not any(slopes(inequality.value)) and _is_enough(claim, inequality.value.at_origin) else None
     try:
         found = best_mixture(columns, target, prices)
     except ValueError:  # unbounded: no point has all these signs
@@ -247,10 +247,6 @@ def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
 
 def _is_enough(claim: Claim, rest: Any) -> bool:
     return rest > 0 or (not claim.strict and not rest)
-
-
-def _slopes(value: Polynomial) -> Sequence[Fraction]:
-    return [value.slope(k) for k in range(value.count)]
 
 
 POINTS, SHRINK = 600, 4.0  # points of each claim; the exponential scale of their distances
@@ -294,8 +290,7 @@ def _is_refuted(claim: Claim, inequality: Inequality, points: Floats) -> bool:
         return False
     guards = list(inequality.guards.values())
     zero = [guard for guard in guards if -guard in guards]
-    for _ in range(STEPS if zero else 0):
-        points = _nearer(zero[0], points)
+    points = moved_to(zero[0], points) if zero else points
     inside = (np.abs(points) <= 1).all(axis=1) if claim.bounded else np.ones(len(points), dtype=bool)
     for guard in guards:
         value, size = float_values_and_sizes(guard.terms, points)
@@ -304,11 +299,18 @@ def _is_refuted(claim: Claim, inequality: Inequality, points: Floats) -> bool:
     return bool((value < -SLACK * size).any()) or (claim.strict and bool(((size > 0) & (value < SLACK * size)).any()))
 
 
-def _nearer(surface: Polynomial, points: Floats) -> Floats:
-    """Points nearer to where a polynomial is zero: one step of Newton's method along its gradient."""
-    slopes = np.stack([float_values(surface.derivative(k).terms, points) for k in range(surface.count)], axis=1)
-    steps = float_values(surface.terms, points) / np.maximum((slopes**2).sum(axis=1), TINY)
-    return np.asarray(points - steps[:, None] * slopes)
+def moved_to(surface: Polynomial, points: Floats) -> Floats:
+    """Points near these where a polynomial is zero, by Newton's method along its gradient."""
+    for _ in range(STEPS):
+        normals = gradient(surface, points)
+        steps = float_values(surface.terms, points) / np.maximum((normals**2).sum(axis=1), TINY)
+        points = points - steps[:, None] * normals
+    return points
+
+
+def gradient(function: Polynomial, points: Floats) -> Floats:
+    """Of shape (m, n)."""
+    return np.stack([float_values(function.derivative(k).terms, points) for k in range(function.count)], axis=1)
 
 
 # ---- the claims about a function V of a plain system ---------------------------------------------

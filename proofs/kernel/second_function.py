@@ -29,8 +29,9 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program, with_margin
 from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import NotShownError, Search, gradient, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.kernel.written import slopes
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
@@ -73,7 +74,25 @@ def find_second(
     Returns:
         The hypothesis; None where V rises somewhere, and where nothing was found or shown.
     """
-    return Chains(system, cells, function, Search() if search is None else search, below).extended([*others])
+    search, tries = search or Search(), 0
+
+    def extended(known: list[Any]) -> Record | None:
+        """The hypothesis with some functions, and further ones where places are left."""
+        nonlocal tries
+        tries += 1
+        try:
+            survey = Survey(system, cells, function, known, search, below)
+        except (NotShownError, RejectedError):
+            return None
+        if not survey.left:
+            return {"functions": known, "zeros": survey.zeros}
+        for candidate in next_functions(survey) if len(known) < MAX_OTHERS else ():
+            found = extended([*known, candidate])
+            if found is not None or tries >= MOST_TRIES:
+                return found
+        return None
+
+    return extended([*others])
 
 
 def find_attraction(
@@ -102,47 +121,7 @@ def find_attraction(
         return None
 
 
-class Chains:
-    """The lists of functions W that are tried, from the first to the last one."""
-
-    def __init__(
-        self, system: System, cells: Mapping[str, Any], function: Any, search: Search, below: Fraction | None
-    ) -> None:
-        self.system, self.cells, self.function, self.search, self.below = system, cells, function, search, below
-        self.tries = 0
-
-    def extended(self, others: list[Any]) -> Record | None:
-        """The hypothesis with some functions, and further ones where places are left."""
-        self.tries += 1
-        try:
-            survey = Survey(self.system, self.cells, self.function, others, self.search, self.below)
-        except (NotShownError, RejectedError):
-            return None
-        if not survey.left:
-            return {"functions": others, "zeros": survey.zeros}
-        for candidate in next_functions(survey) if len(others) < MAX_OTHERS else ():
-            found = self.extended([*others, candidate])
-            if found is not None or self.tries >= MOST_TRIES:
-                return found
-        return None
-
-
 # ---- what is left ----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Left:
-    """A place at which the functions that are known stay constant along some velocities.
-
-    Attributes:
-        cell: whose polynomials the functions are there.
-        points: of shape (m, n), in units of the cube.
-        velocities: of shape (m, n), one at each.
-    """
-
-    cell: Cell
-    points: Floats
-    velocities: Floats
 
 
 class Survey(Chain):
@@ -150,7 +129,7 @@ class Survey(Chain):
 
     Attributes:
         zeros: the bounds by the names of claims.
-        left: what is not yet shown to rise.
+        left: where the functions may stay constant: points with velocities, and a cell with their polynomials there.
 
     Raises:
         NotShownError: where a rate is negative at a point, or a bound is not shown.
@@ -168,13 +147,12 @@ class Survey(Chain):
         self.system, self.stated = system, cells
         super().__init__(Inclusion(system, dict(cells), [function, *others], search), search, {})
         self.below = below
-        self.left: list[Left] = []
+        self.left: list[tuple[Cell, Samples]] = []
         self.show_chain()
 
     def leave(self, name: str, place: Face, cells: Sequence[Cell]) -> None:
         """Note a place at which all functions may stay constant."""
-        samples = self.sampled(place, cells).still(cells[0].functions)
-        self.left.append(Left(cells[0], samples.points, samples.velocities))
+        self.left.append((cells[0], self.sampled(place, cells).still(cells[0].functions)))
 
     def sampled(self, place: Face, cells: Sequence[Cell]) -> Samples:
         """Points of a place where V is below the level."""
@@ -211,13 +189,8 @@ class Survey(Chain):
 def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities: Floats) -> tuple[Floats, Floats]:
     """The rate of a step at points along velocities, and the sizes of the numbers that it is a sum of."""
     sign = 1.0 if step else -1.0
-    slopes = gradient(functions[step], points)
-    return sign * np.sum(slopes * velocities, axis=1), np.sum(np.abs(slopes * velocities), axis=1) + 2.0**-1000
-
-
-def gradient(function: Polynomial, points: Floats) -> Floats:
-    """Of shape (m, n)."""
-    return np.stack([float_values(function.derivative(k).terms, points) for k in range(function.count)], axis=1)
+    parts = gradient(functions[step], points) * velocities
+    return sign * np.sum(parts, axis=1), np.sum(np.abs(parts), axis=1) + 2.0**-1000
 
 
 @dataclass(frozen=True)
@@ -303,8 +276,8 @@ def with_projected(place: Face, points: Floats) -> Floats:
     for surface in place.inclusion.surfaces.listed:
         own = place.restricted(surface)
         if own.degree == 1:
-            slopes = np.array([float(own.slope(k)) for k in range(place.dimension)])
-            projected.append(points - np.outer(float_values(own.terms, points), slopes) / (slopes @ slopes))
+            normal = np.array(slopes(own), dtype=float)
+            projected.append(points - np.outer(float_values(own.terms, points), normal) / (normal @ normal))
     return np.unique(np.round(np.vstack(projected), 12), axis=0)
 
 
@@ -334,8 +307,8 @@ def next_functions(survey: Survey) -> Iterator[str]:
     Args:
         survey: of the functions before.
     """
-    left = [own for own in survey.left if len(own.points)]
-    if rests(left):
+    left = [(cell, own) for cell, own in survey.left if len(own.points)]
+    if rests([own for _, own in left]):
         return
     if not left:
         yield survey.system.coordinates[0]  # at no point that was looked at something is left
@@ -370,18 +343,19 @@ class Basis:
         """Whether there are absolute values."""
         return any(j is not None for _, j in self.functions)
 
-    def rows(self, left: Sequence[Left]) -> Floats:
+    def rows(self, left: Sequence[tuple[Cell, Samples]]) -> Floats:
         """The rates of all functions, of shape (m, k), each row in units of its largest entry, if that is not zero."""
-        total = np.vstack([np.stack([self._rates(own, k) for k in range(len(self.functions))], axis=1) for own in left])
+        numbers = range(len(self.functions))
+        total = np.vstack([np.stack([self._rates(*own, k) for k in numbers], axis=1) for own in left])
         largest = np.max(np.abs(total), axis=1, keepdims=True)
         return np.unique(np.round(total / np.where(largest > 0, largest, 1.0), 13), axis=0)
 
-    def _rates(self, left: Left, k: int) -> Floats:
+    def _rates(self, cell: Cell, samples: Samples, k: int) -> Floats:
         exponents, j = self.functions[k]
         own = Polynomial(len(exponents), {exponents: Fraction(1)})
         if j is not None:
-            own *= self.survey.inclusion.surfaces.signed(j, left.cell.signs[j])
-        return np.sum(gradient(own, left.points) * left.velocities, axis=1)
+            own *= self.survey.inclusion.surfaces.signed(j, cell.signs[j])
+        return np.sum(gradient(own, samples.points) * samples.velocities, axis=1)
 
     def text(self, coefficients: Sequence[Fraction]) -> str:
         """W as a formula in the displacement."""
@@ -398,7 +372,7 @@ class Basis:
         return " + ".join(parts)
 
 
-def rests(left: Sequence[Left]) -> bool:
+def rests(left: Sequence[Samples]) -> bool:
     """Whether at a point a mixture of the velocities that are left is zero, which no function changes."""
     from scipy.optimize import nnls
 

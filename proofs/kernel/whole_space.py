@@ -25,6 +25,7 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
     surfaces_of,
+    without_signs,
 )
 from nonsmooth.proofs.kernel.first_terms import first_terms_attract
 from nonsmooth.proofs.kernel.quotients import find_quotient
@@ -41,7 +42,7 @@ from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parame
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms, written_powers
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- proposals for a V that is positive and falls in the whole space -----------------------------
@@ -117,11 +118,7 @@ def _fields(system: SwitchedSystem) -> list[list[Terms]]:
         SceneError: for a piece that is no polynomial.
     """
     places = system.displaced(system.states)
-    return [[rational_terms(own) for own in member.velocity(_no_sign, places)] for member in system.members]
-
-
-def _no_sign(surface: object) -> int:
-    raise BeyondReachError("a field that switches")
+    return [[rational_terms(own) for own in member.velocity(without_signs, places)] for member in system.members]
 
 
 def _bases(count: int) -> Iterator[list[Exponents]]:
@@ -234,9 +231,9 @@ def _attempts(
 def rational_subject(system: SwitchedSystem) -> tuple[SwitchedSystem, System] | None:
     """A system in rational numbers that encloses one, and what a certificate is about; None where there is none."""
     try:
-        enclosing = enclose_numbers(system)
+        enclosing = with_known_numbers(system)
         return enclosing, started(enclosing)[0]
-    except (BeyondReachError, NoEnclosureError, NotShownError):  # among others an irrational point
+    except (BeyondReachError, NotShownError):  # among others an irrational point
         return None
 
 

@@ -130,6 +130,16 @@ def powers_between(count: int, least: int, most: int) -> list[Polynomial]:
     return [Polynomial(count, {own: Fraction(1)}) for own in monomials_between(count, least, most)]
 
 
+def slopes(value: Polynomial) -> list[Coefficient]:
+    """The coefficients of the variables alone."""
+    return [value.slope(k) for k in range(value.count)]
+
+
+def part_of(value: Polynomial, degree: int) -> Polynomial:
+    """The terms of a degree."""
+    return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) == degree})
+
+
 def vanishing_combinations(columns: Sequence[Sequence[Polynomial]]) -> Iterator[list[Fraction]]:
     """A basis of the coefficients with which lists of polynomials add up to zero, place by place."""
     places = sorted({(k, e) for own in columns for k, value in enumerate(own) for e in value.terms})

@@ -35,7 +35,6 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, unit, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.cells import StatedCells, fields_seen, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import (
@@ -45,16 +44,13 @@ from nonsmooth.proofs.kernel.search import (
     instability_hypotheses,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis
+from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis, part_of, slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import cube_text
-from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.messages.scene_error import one_line
+from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -199,8 +195,8 @@ def split_at(field: Sequence[Polynomial]) -> Split | None:
     Of a pair ``+-i w`` the number ``w^2`` has to be rational.
     """
     count = len(field)
-    matrix = fmpq_mat([[as_fmpq(part.slope(k)) for k in range(count)] for part in field])
-    values = np.linalg.eigvals(np.array([[float(part.slope(k)) for k in range(count)] for part in field]))
+    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
+    values = np.linalg.eigvals(np.array(list(map(slopes, field)), dtype=float))
     size = max(float(np.abs(values).max()), np.finfo(float).tiny)
     still = [value for value in values if abs(value.real) <= STILL * size]
     if any(part.at_origin for part in field) or max(value.real for value in values) > STILL * size:
@@ -271,7 +267,7 @@ class Reduction:
             moved = self._along(found, degree)
             carried = [self._carried(own, moved, degree) for own in found]
             stable = times(_identity(split.count) - split.onto_center, moved)
-            missing = [_part(own - other, degree) for own, other in zip(stable, carried, strict=True)]
+            missing = [part_of(own - other, degree) for own, other in zip(stable, carried, strict=True)]
             found = [own + more for own, more in zip(found, self._homological(missing, degree), strict=True)]
         return found
 
@@ -332,11 +328,11 @@ class Reduction:
         moved = self._along(self.manifold, 2 * most - 1)
         found = kept = self._kept()
         for power in range(2, most + 1):
-            odd = self._averaged(_part(self._carried(found, moved, 2 * power - 1), 2 * power - 1), None)
+            odd = self._averaged(part_of(self._carried(found, moved, 2 * power - 1), 2 * power - 1), None)
             if odd is None:
                 return None
             found -= odd[0]
-            even = self._averaged(_part(self._carried(found, moved, 2 * power), 2 * power), kept.power(power))
+            even = self._averaged(part_of(self._carried(found, moved, 2 * power), 2 * power), kept.power(power))
             if even is None:
                 return None
             found, quantity = found - even[0], even[1]
@@ -446,7 +442,7 @@ class Reduction:
                     own += found[i] * (part - self.manifold[i].derivative(0) * center)
                 total[k] = own
             total = times(beside.transpose(), total)
-            total = [_part(own + found[k].derivative(0) * speed, degree) for k, own in enumerate(total)]
+            total = [part_of(own + found[k].derivative(0) * speed, degree) for k, own in enumerate(total)]
             solved = times(split.hurwitz.transpose().inv(), total)
             found = [own - more for own, more in zip(found, solved, strict=True)]
         return found
@@ -473,13 +469,8 @@ def _composed(value: Polynomial, places: Sequence[Polynomial], count: int, degre
     total = constant(count, 0)
     for power in range(degree + 1):
         needed = [_cut(own, degree + 1 - power) for own in places]
-        total += _part(value, power).on(needed, count)
+        total += part_of(value, power).on(needed, count)
     return _cut(total, degree)
-
-
-def _part(value: Polynomial, degree: int) -> Polynomial:
-    """The terms of a degree."""
-    return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) == degree})
 
 
 def _multiple(factor: Fraction, name: str, power: int) -> str:
@@ -490,46 +481,21 @@ def _multiple(factor: Fraction, name: str, power: int) -> str:
 # ---- functions that are proved -------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class ShownByManifold:
-    """A V that is proved on a cube.
-
-    Attributes:
-        proposal: from which it comes.
-        formula: V in the displacement.
-        radius: half the side of the cube.
-        function: with its conditions, where the point attracts.
-        entry: the theorem with its evidence, as a certificate holds it, where it does not, or in other coordinates.
-    """
-
-    proposal: SuggestedFunction
-    formula: PiecewiseExpression
-    radius: Number
-    function: ExaminedLyapunov | None = None
-    entry: Record | None = None
-
-    def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
-        """V, and where it falls."""
-        where = cube_text(self.radius, states) if self.entry is None else place_text(self.entry, self.radius, states)
-        return function_facts(one_line(self.formula.text), where)
-
-
-def place_text(entry: Record, radius: Number, states: Sequence[str]) -> str:
-    """Where the claims of a theorem hold: on the cube, or where the coordinates of its frame are as small."""
-    cells, names = entry["hypotheses"]["cells"], list(states)
+def coordinates_in(cells: Record, states: Sequence[str]) -> list[str]:
+    """What is small where the claims of a theorem hold: the states, or the coordinates of a frame of its cells."""
     if "frame" in cells:
-        names = [_form_text(row, states) for row in cells["frame"][1]]
-    return cube_text(radius, cells["coordinates"][1] if "coordinates" in cells else names)
+        return [_form_text(row, states) for row in cells["frame"][1]]
+    return cells["coordinates"][1] if "coordinates" in cells else list(states)
 
 
-def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownByManifold | None:
-    """A V that the reduced field suggests and that is proved.
+def show_by_center_manifold(system: SwitchedSystem) -> tuple[SuggestedFunction, ExaminedLyapunov | Record] | None:
+    """A V that the reduced field suggests and that is proved on a cube.
 
+    With it come its conditions, where the point attracts; else, and in other coordinates, the entry of a certificate.
     None where the field is not smooth near the point, where its eigenvalues are others, and where nothing is shown.
 
     Args:
         system: in two states or more.
-        attracts: whether asymptotic stability is asked, not instability.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -538,14 +504,12 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
         subject, search = started(system)
         for number, stated, field in smooth_fields(system, subject, search, SHARES):
             proposals = list(center_functions(field))
-            if not proposals or proposals[0].attracts is not attracts:
-                return None
-            if number == WIDE and not proposals[0].is_whole:
+            if not proposals or (number == WIDE and not proposals[0].is_whole):
                 return None
             for proposal in proposals:
                 found = _shown(system, subject, stated, proposal, search)
                 if found is not None:
-                    return found
+                    return proposal, found
     except NotShownError:
         return None
     return None
@@ -583,11 +547,9 @@ def unscaled(field: Sequence[Polynomial], stated: StatedCells) -> Vector:
 
 def _shown(
     system: SwitchedSystem, subject: System, stated: StatedCells, proposal: SuggestedFunction, search: Search
-) -> ShownByManifold | None:
-    """A proposal as a formula, if it is proved; floats refute most that are not."""
-    radius = system.field(stated.cells.radius)
+) -> ExaminedLyapunov | Record | None:
+    """A proposal that is proved, or None; floats refute most that are not."""
     text = sum_text(proposal.function, system.states)
-    formula = parse_piecewise(text, system.states)
     for frame in proposal.frames:
         record = {**stated.record, **({} if frame is None else frame.written(system.states))}
         theorem, hypotheses = "lyapunov", stability_hypotheses(record, text, ASYMPTOTICALLY_STABLE)
@@ -597,12 +559,13 @@ def _shown(
         try:
             SampledProofs().entry(subject, theorem, hypotheses)
             if not proposal.attracts or frame is not None:
-                return ShownByManifold(proposal, formula, radius, entry=search.entry(subject, theorem, hypotheses)[0])
+                return search.entry(subject, theorem, hypotheses)[0]
         except NotShownError:
             continue
+        formula, radius = parse_piecewise(text, system.states), system.field(stated.cells.radius)
         function = examine(system, formula, radius, effort=Effort.STRICT)
         if function.decrease is Decrease.STRICT:
-            return ShownByManifold(proposal, formula, radius, function)
+            return function
     return None
 
 

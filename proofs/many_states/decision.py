@@ -19,41 +19,36 @@ Rays, fans and leading terms are used for two states only.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
-from itertools import combinations_with_replacement
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import ctx, fmpq, fmpq_mat, fmpq_poly
 
-from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots
-from nonsmooth.proofs.kernel.bases import formula_text, monomials
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, complex_roots, positive_roots
+from nonsmooth.proofs.kernel.bases import quadratic_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
-    RationalTerms,
+    Field,
     SignCells,
     adjoining,
     build_cells,
-    rational_terms,
     require_denominators,
 )
+from nonsmooth.proofs.kernel.first_terms import common_jacobian
+from nonsmooth.proofs.kernel.written import slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import (
     LARGE,
     SCALES,
-    GrowthEvidence,
-    find_growing_product,
-    find_growth,
     find_lyapunov,
     high_degree_relay,
 )
-from nonsmooth.proofs.sums_of_squares.conic_program import RationalMatrix, is_definite, simplest
+from nonsmooth.proofs.sums_of_squares.conic_program import is_definite, simplest
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Staying
 from nonsmooth.proofs.systems.findings import (
@@ -61,15 +56,14 @@ from nonsmooth.proofs.systems.findings import (
     NOT_ATTRACTING,
     CheckedPoint,
     Finding,
-    Known,
     Method,
     Reach,
     weak_finding,
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- what shows itself near the point in many states ---------------------------------------------
@@ -83,43 +77,38 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 # nothing.
 #
 # *Linearization.* Where all fields at the point vanish there and have one Jacobian A, the field is ``A x`` up to higher
-# order, and Lyapunov's indirect method applies.  ``A^T P + P A = -I`` has one solution unless two eigenvalues of A add
-# up to zero; P is positive definite iff all eigenvalues have negative real parts, and otherwise some real part is
-# positive (Ostrowski and Schneider 1962).  In the exceptional case the same is asked of ``A - alpha I`` for small
-# ``alpha > 0``. A linear field is decided completely: eigenvalues on the imaginary axis belong to the greatest common
-# divisor h of ``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the
-# point is stable iff A is a zero of the polynomial in which these roots are taken once.
+# order, and Lyapunov's indirect method applies.  Eigenvalues on the imaginary axis are roots of the greatest common
+# divisor h of ``chi(s)`` and ``chi(-s)``, whose other roots come with their opposites; those of the other factor of chi
+# have real parts that are not zero, which balls show.  Of a linear field with imaginary and stable eigenvalues the
+# point is stable iff A is a zero of the polynomial in which the imaginary ones are taken once.
 
 
 def escaping_rate(system: SwitchedSystem, cells: SignCells) -> Fraction | None:
     """A lower bound of the rate at which solutions leave along a ray in an open cone; None where none is found."""
     if system.only_encloses:
         return None
-    zero = (0,) * len(cells.states)
-    near = [(j, s) for j, s in enumerate(cells.surfaces) if zero not in s.terms]
-    if any(surface.degree != 1 for _, surface in near):
+    near = [(j, form) for j, form in enumerate(cells.forms) if not form.at_origin]
+    if any(form.degree != 1 for _, form in near):
         return None
     for cell in adjoining(cells):
-        forms = [
-            [cell.signs[j] * rational_terms(surface).get(unit(len(zero), k), fmpq(0)) for k in range(len(zero))]
-            for j, surface in near
-        ]
+        forms = [[as_fmpq(cell.signs[j] * slope) for slope in slopes(form)] for j, form in near]
         for field in cell.velocities:
-            if all(sum(e) == 1 for part in field for e in part):
+            if _is_linear(field):
                 for root in _rays(system, field, forms):
                     return root.low
     return None
 
 
-def _rays(
-    system: SwitchedSystem, field: Sequence[RationalTerms], forms: Sequence[Sequence[fmpq]]
-) -> Iterator[RealRoot]:
+def _is_linear(field: Field) -> bool:
+    return all(sum(e) == 1 for part in field for e in part.terms)
+
+
+def _rays(system: SwitchedSystem, field: Field, forms: Sequence[Sequence[fmpq]]) -> Iterator[RealRoot]:
     """Positive eigenvalues of a linear field with an eigenvector at which all forms are positive."""
-    count = len(field)
-    matrix = fmpq_mat([[part.get(unit(count, k), fmpq(0)) for k in range(count)] for part in field])
+    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
     characteristic, adjugates = _resolvent(matrix)
     for root in positive_roots([system.field(c) for c in characteristic]):
-        for column in range(count):
+        for column in range(len(field)):
             heights = [_height(system, adjugates, form, column) for form in forms]
             signs = {root.sign_of(height) for height in heights}
             if len(signs) == 1 and 0 not in signs:
@@ -143,7 +132,7 @@ def _resolvent(matrix: fmpq_mat) -> tuple[list[fmpq], list[fmpq_mat]]:
     return coefficients, adjugates
 
 
-SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
+PRECISION = 64  # bits with which eigenvalues are enclosed; doubled until the signs of their real parts are seen
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 12, 1 << 24)  # of a quadratic V, tried in turn
 
 
@@ -156,7 +145,7 @@ class Spectrum(StrEnum):
         "the field is linear; no eigenvalue is right of the imaginary axis, those on it have full sets of eigenvectors"
     )
     GROWING = "the field is linear; a multiple eigenvalue on the imaginary axis has too few eigenvectors"
-    UNDECIDED = "the linearization has eigenvalues on the imaginary axis, or too near it"
+    UNDECIDED = "the linearization has eigenvalues on the imaginary axis"
 
 
 @dataclass(frozen=True)
@@ -164,128 +153,53 @@ class LinearPart:
     """The linearization at the point.
 
     Attributes:
-        matrix: A.
-        spectrum: what is known of it.
+        spectrum: what is known of the eigenvalues of A.
         quadratic: P of a V with ``A^T P + P A`` negative definite; None unless A is Hurwitz.
         is_whole: whether the field is ``A x`` in the whole space.
     """
 
-    matrix: RationalMatrix
     spectrum: Spectrum
-    quadratic: RationalMatrix | None
+    quadratic: fmpq_mat | None
     is_whole: bool
 
 
 def linear_part(cells: SignCells) -> LinearPart | None:
     """The linearization; None where the field has none at the point."""
     fields = [field for cell in adjoining(cells) for field in cell.velocities]
-    matrix = _common_jacobian(fields)
-    if matrix is None:
+    jacobian = common_jacobian(fields)
+    if jacobian is None:
         return None
-    linear = len(cells.cells) == 1 and all(sum(e) == 1 for field in fields for p in field for e in p)
+    matrix = fmpq_mat([list(map(as_fmpq, row)) for row in jacobian])
+    linear = len(cells.cells) == 1 and all(map(_is_linear, fields))
     spectrum = spectrum_of(matrix, linear=linear)
     quadratic = _short_quadratic(matrix) if spectrum is Spectrum.HURWITZ else None
-    return LinearPart(matrix, spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
+    return LinearPart(spectrum, quadratic, linear and cells.beyond and not cells.surfaces)
 
 
-def _common_jacobian(fields: Sequence[Sequence[RationalTerms]]) -> RationalMatrix | None:
-    """The one Jacobian of fields that vanish at the point; None where there is none."""
-    count = len(fields[0])
-    zero = (0,) * count
-    matrices = {tuple(tuple(p.get(unit(count, k), fmpq(0)) for k in range(count)) for p in field) for field in fields}
-    if len(matrices) != 1 or any(p.get(zero) for field in fields for p in field):
-        return None
-    return matrices.pop()
-
-
-def spectrum_of(matrix: RationalMatrix, *, linear: bool) -> Spectrum:
-    """What Lyapunov's equation tells of the eigenvalues."""
-    for shift in (fmpq(0), *SHIFTS):
-        shifted = [[c - shift * (i == j) for j, c in enumerate(row)] for i, row in enumerate(matrix)]
-        solution = solve_lyapunov(shifted)
-        if solution is None:
-            continue
-        if not is_definite(solution):
-            return Spectrum.UNSTABLE
-        if not shift:
-            return Spectrum.HURWITZ
-    return _on_the_axis(matrix) if linear else Spectrum.UNDECIDED
-
-
-def solve_lyapunov(matrix: Sequence[Sequence[fmpq]]) -> RationalMatrix | None:
-    """P with ``A^T P + P A = -I``; None where it is not unique."""
-    size = len(matrix)
-    pairs = [(i, j) for j in range(size) for i in range(j + 1)]
-    place = {pair: k for k, pair in enumerate(pairs)}
-    rows = []
-    for i, j in pairs:
-        row = [fmpq(0)] * len(pairs)
-        for k in range(size):
-            row[place[min(k, j), max(k, j)]] += matrix[k][i]
-            row[place[min(i, k), max(i, k)]] += matrix[k][j]
-        rows.append(row)
-    right = fmpq_mat(len(pairs), 1, [fmpq(-1 if i == j else 0) for i, j in pairs])
-    try:
-        found = fmpq_mat(rows).solve(right)
-    except ZeroDivisionError:
-        return None
-    return tuple(tuple(found[place[min(i, j), max(i, j)], 0] for j in range(size)) for i in range(size))
-
-
-def _short_quadratic(matrix: RationalMatrix) -> RationalMatrix | None:
-    """A solution of the inequality in short fractions, or the exact solution of the equation."""
-    exact = solve_lyapunov(matrix)
-    if exact is None:
-        return None
-    floats = np.array([[float(value) for value in row] for row in exact])
-    floats /= np.abs(floats).max()
-    for denominator in DENOMINATORS:
-        found = tuple(
-            tuple(simplest(floats[min(i, j), max(i, j)], denominator) for j in range(len(exact)))
-            for i in range(len(exact))
-        )
-        if is_definite(found) and is_definite(lyapunov_product(matrix, found)):
-            return found
-    return exact
-
-
-def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
-    """``x^T P x`` as a formula."""
-    pairs = combinations_with_replacement(range(len(states)), 2)
-    return formula_text(monomials(states, 2), [quadratic[i][j] * (1 if i == j else 2) for i, j in pairs])
-
-
-def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> RationalMatrix:
-    """``-(A^T P + P A)``."""
-    a, p = fmpq_mat([list(row) for row in matrix]), fmpq_mat([list(row) for row in quadratic])
-    total = a.transpose() * p + p * a
-    size = len(matrix)
-    return tuple(tuple(-total[i, j] for j in range(size)) for i in range(size))
-
-
-def _on_the_axis(matrix: RationalMatrix) -> Spectrum:
-    """Whether a linear field whose eigenvalues touch the imaginary axis is stable."""
-    a = fmpq_mat([list(row) for row in matrix])
-    characteristic = a.charpoly()
+def spectrum_of(matrix: fmpq_mat, *, linear: bool) -> Spectrum:
+    """On which sides of the imaginary axis the eigenvalues lie; of a linear field also what those on it do."""
+    characteristic = matrix.charpoly()
     mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
     axis = characteristic.gcd(mirrored)
-    rest = characteristic // axis
-    once = axis // axis.gcd(axis.derivative())
-    if not (_is_hurwitz(rest) and _has_imaginary_roots_only(once)):
+    rest, once = characteristic // axis, axis // axis.gcd(axis.derivative())
+    if 1 in _sides(rest) or not _has_imaginary_roots_only(once):
+        return Spectrum.UNSTABLE
+    if not axis.degree():
+        return Spectrum.HURWITZ
+    if not linear:
         return Spectrum.UNDECIDED
-    return Spectrum.GROWING if (rest * once) % a.minpoly() else Spectrum.NEUTRAL
+    return Spectrum.GROWING if (rest * once) % matrix.minpoly() else Spectrum.NEUTRAL
 
 
-def _is_hurwitz(polynomial: fmpq_poly) -> bool:
-    """Whether all roots have negative real parts: by the companion matrix."""
-    size = polynomial.degree()
-    if size <= 0:
-        return True
-    top = polynomial.coeffs()
-    rows = [[fmpq(j == i + 1) for j in range(size)] for i in range(size - 1)]
-    rows.append([-top[k] / top[size] for k in range(size)])
-    solution = solve_lyapunov(rows)
-    return solution is not None and is_definite(solution)
+def _sides(polynomial: fmpq_poly) -> set[int]:
+    """The signs of the real parts of all roots, of which none is zero."""
+    precision = PRECISION
+    while True:
+        with ctx.workprec(precision):
+            parts = [root.real for root in complex_roots(polynomial)]
+        if not any(part.contains(0) for part in parts):
+            return {1 if part > 0 else -1 for part in parts}
+        precision *= 2
 
 
 def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
@@ -293,12 +207,43 @@ def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
 
     ``s^k g(s^2)``, with ``g(0)`` not zero, does iff all roots of g are real and negative.
     """
-    values, field = polynomial.coeffs(), NumberField()
+    values = polynomial.coeffs()
     first = next(k for k, c in enumerate(values) if c)
-    if any(values[first + 1 :: 2]):
-        return False
-    half = Sturm([field(c * (-1) ** k) for k, c in enumerate(values[first::2])])
-    return half.count(Fraction(0), None) == len(half.coefficients) - 1
+    return all(root.imag == 0 and root.real < 0 for root in complex_roots(fmpq_poly(values[first::2])))
+
+
+def solve_lyapunov(matrix: fmpq_mat) -> fmpq_mat | None:
+    """P with ``A^T P + P A = -I``; None where it is not unique."""
+    size = matrix.nrows()
+    pairs = [(i, j) for j in range(size) for i in range(j + 1)]
+    place = {pair: k for k, pair in enumerate(pairs)}
+    rows = []
+    for i, j in pairs:
+        row = [fmpq(0)] * len(pairs)
+        for k in range(size):
+            row[place[min(k, j), max(k, j)]] += matrix[k, i]
+            row[place[min(i, k), max(i, k)]] += matrix[k, j]
+        rows.append(row)
+    right = fmpq_mat(len(pairs), 1, [fmpq(-1 if i == j else 0) for i, j in pairs])
+    try:
+        found = fmpq_mat(rows).solve(right)
+    except ZeroDivisionError:
+        return None
+    return fmpq_mat([[found[place[min(i, j), max(i, j)], 0] for j in range(size)] for i in range(size)])
+
+
+def _short_quadratic(matrix: fmpq_mat) -> fmpq_mat | None:
+    """A solution of the inequality in short fractions, or the exact solution of the equation."""
+    exact = solve_lyapunov(matrix)
+    if exact is None:
+        return None
+    floats = np.array(exact.tolist(), dtype=float)
+    floats /= np.abs(floats).max()
+    for denominator in DENOMINATORS:
+        found = fmpq_mat([[simplest(float(value), denominator) for value in row] for row in floats])
+        if all(is_definite(own.tolist()) for own in (found, -(matrix.transpose() * found + found * matrix))):
+            return found
+    return exact
 
 
 # ---- the checked point and its strategies --------------------------------------------------------
@@ -328,9 +273,7 @@ class SpacePoint(CheckedPoint):
             SceneError: for these.
         """
         require_denominators(system)
-        with suppress(NoEnclosureError):
-            system = enclose_numbers(system)
-        self.system = system
+        self.system = with_known_numbers(system)
 
     @cached_property
     def cells(self) -> SignCells:
@@ -416,9 +359,8 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     Beside curved surfaces a pattern of signs may have no cell: then a mixture may be none of F, and nothing is claimed.
     Nor is it where numbers are enclosed, unless all velocities vanish.
     """
-    zero = (0,) * len(cells.states)
     near = adjoining(cells)
-    velocities = {tuple(scene.field(p.get(zero, 0)) for p in field) for cell in near for field in cell.velocities}
+    velocities = {tuple(scene.field(part.at_origin) for part in own) for cell in near for own in cell.velocities}
     columns, target = mixtures_to_zero(sorted(velocities, key=str))
     if best_mixture(columns, target, [scene.field.zero] * len(columns)) is None:
         return Equilibrium.FAILS
@@ -430,23 +372,23 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
 # ---- what shows itself near the point --------------------------------------------------------------
 
 
-def decide_no_equilibrium(point: SpacePoint, known: Known) -> Finding | None:
+def decide_no_equilibrium(point: SpacePoint) -> Finding | None:
     """No mixture of the velocities at the point is zero."""
     if point.equilibrium is not Equilibrium.FAILS:
         return None
     return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, "0 is not in F there, so every solution leaves it")
 
 
-def decide_by_escape(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_escape(point: SpacePoint) -> Finding | None:
     """A ray along which solutions leave."""
-    rate = escaping_rate(point.system, point.cells) if known.standing is None else None
+    rate = escaping_rate(point.system, point.cells)
     if rate is None:
         return None
     reason = "solutions leave along a ray inside a cone with a linear field"
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, proofs=rate)
 
 
-def decide_by_relay(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_relay(point: SpacePoint) -> Finding | None:
     """A switching surface that shows instability by its relative degree."""
     relay = high_degree_relay(point.system, point.cells)
     if relay is None:
@@ -456,7 +398,7 @@ def decide_by_relay(point: SpacePoint, known: Known) -> Finding | None:
     return Finding(Method.RELAY, Translation.UNSTABLE, reason, proofs=relay)
 
 
-def decide_by_linearization(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_linearization(point: SpacePoint) -> Finding | None:
     """The eigenvalues of the linearization; a V may show more of a point that is stable."""
     spectrum = point.spectrum
     verdict = None if spectrum is None else SHOWN_BY_SPECTRUM.get(spectrum)
@@ -471,42 +413,42 @@ def decide_by_linearization(point: SpacePoint, known: Known) -> Finding | None:
 # ---- functions -------------------------------------------------------------------------------------
 
 
-def decide_by_stated_function(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_stated_function(point: SpacePoint) -> Finding | None:
     """The V of the scene; the sum of squares that nobody named is asked with little work."""
-    return _by_stated_function(point, known, Effort.HASTY if point.system.check.is_default else Effort.FULL)
+    return _by_stated_function(point, Effort.HASTY if point.system.check.is_default else Effort.FULL)
 
 
-def search_function(point: SpacePoint, known: Known) -> Finding | None:
+def search_function(point: SpacePoint) -> Finding | None:
     """A V that falls, unless that is known to be impossible."""
-    if known.attraction_is_refuted:
+    if point.known.attraction_is_refuted:
         return None
     function = find_lyapunov(point.system) or _quadratic(point)
-    return None if function is None else conclude_function(known, function)
+    return None if function is None else conclude_function(point, function)
 
 
-def search_large_function(point: SpacePoint, known: Known) -> Finding | None:
+def search_large_function(point: SpacePoint) -> Finding | None:
     """The same in large programs, after all that takes less time."""
-    function = None if known.attraction_is_refuted else find_lyapunov(point.system, LARGE)
-    return None if function is None else conclude_function(known, function)
+    function = None if point.known.attraction_is_refuted else find_lyapunov(point.system, LARGE)
+    return None if function is None else conclude_function(point, function)
 
 
-def decide_by_sum_of_squares(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_sum_of_squares(point: SpacePoint) -> Finding | None:
     """The sum of squares that nobody named with all work, where nothing else is found."""
-    spectrum, shown = point.spectrum, known.function is not None
+    spectrum, shown = point.spectrum, point.known.function is not None
     if not point.system.check.is_default or spectrum is Spectrum.HURWITZ or (spectrum is Spectrum.NEUTRAL and shown):
         return None
     hasty = point.given
-    found = _by_stated_function(point, known, Effort.FULL)
-    if found is None or found.is_final or known.function is None:
+    found = _by_stated_function(point, Effort.FULL)
+    if found is None or found.is_final or point.known.function is None:
         return found
     point.given = hasty  # which shows the same
     return None
 
 
-def _by_stated_function(point: SpacePoint, known: Known, effort: Effort) -> Finding | None:
+def _by_stated_function(point: SpacePoint, effort: Effort) -> Finding | None:
     check = point.system.check
     point.given = point.examine(check.lyapunov, check.radius, effort) or point.given
-    return None if point.given is None else conclude_function(known, point.given)
+    return None if point.given is None else conclude_function(point, point.given)
 
 
 def _quadratic(point: SpacePoint) -> ExaminedLyapunov | None:
@@ -514,7 +456,8 @@ def _quadratic(point: SpacePoint) -> ExaminedLyapunov | None:
     quadratic = None if point.linear is None else point.linear.quadratic
     if quadratic is None:
         return None
-    formula = parse_piecewise(quadratic_text(quadratic, point.system.states), point.system.states)
+    doubled = (2 * quadratic).tolist()
+    formula = parse_piecewise(quadratic_text(doubled, point.system.states), point.system.states)
     for scale in SCALES:
         examined = point.examine(formula, point.system.check.radius * scale, Effort.STRICT)
         if examined is not None and examined.decrease is Decrease.STRICT:
@@ -522,9 +465,9 @@ def _quadratic(point: SpacePoint) -> ExaminedLyapunov | None:
     return None
 
 
-def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | None:
+def conclude_function(point: SpacePoint, function: ExaminedLyapunov) -> Finding | None:
     """What a V shows beside what is known; None where its conditions are not shown."""
-    standing = known.standing
+    standing = point.known.standing
     if function.decrease is Decrease.STRICT:
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     if function.decrease is not Decrease.WEAK:
@@ -534,29 +477,10 @@ def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | Non
     return weak_finding(function, KEPT if function.is_kept else "")
 
 
-def search_growth(point: SpacePoint, known: Known) -> Finding | None:
-    """A V that shows instability, unless the point is known to be stable."""
-    if known.standing is not None:
-        return None
-    return _by_growth(point, find_growth(point.system) or find_growing_product(point.system))
-
-
-def search_large_growth(point: SpacePoint, known: Known) -> Finding | None:
-    """The same in large programs, after all that takes less time."""
-    return _by_growth(point, find_growth(point.system, LARGE)) if known.standing is None else None
-
-
-def _by_growth(point: SpacePoint, growth: GrowthEvidence | None) -> Finding | None:
-    if growth is None:
-        return None
-    facts, entry = growth.facts(point.system.states), growth.entry
-    return Finding(Method.INSTABILITY, Translation.UNSTABLE, growth.reason, proofs=growth, entry=entry, facts=facts)
-
-
-def decide_by_invariance(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_invariance(point: SpacePoint) -> Finding | None:
     """Whether solutions leave where the V that shows stability does not fall."""
-    function = known.function
-    entry = function.attraction(point.system) if known.attraction_is_open and function is not None else None
+    function = point.known.function
+    entry = None if function is None else function.attraction(point.system)
     if entry is None:
         return None
     reason = f"{function.reason}, and {Staying.NONE}"

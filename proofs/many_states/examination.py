@@ -26,17 +26,17 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
     surfaces_of,
 )
-from nonsmooth.proofs.kernel.search import SQUARES, Functions, decide_claim, stability_hypotheses
+from nonsmooth.proofs.kernel.search import SQUARES, Functions, decide_claim
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
-from nonsmooth.proofs.kernel.written import terms_of
+from nonsmooth.proofs.kernel.written import slopes, terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -116,7 +116,7 @@ def rising_slide(conditions: Functions, zero: Sequence[int]) -> tuple[tuple[Frac
         return None
     radius = inclusion.domain.radius
     for point in _points(face):
-        here = [_sign(_value(surface, point)) for surface in inclusion.surfaces.listed]
+        here = [sign(_value(surface, point)) for surface in inclusion.surfaces.listed]
         if not _is_clear(inclusion, here):
             continue
         around = [cell for cell in inclusion.cells if all(s in {0, c} for s, c in zip(here, cell.signs, strict=True))]
@@ -185,8 +185,7 @@ def _value(polynomial: Polynomial, point: Sequence[fmpq]) -> fmpq:
 
 
 def _slopes(form: Polynomial) -> list[fmpq]:
-    terms = terms_of(form)
-    return [sum((c for e, c in terms.items() if e[k]), fmpq(0)) for k in range(form.count)]
+    return list(map(as_fmpq, slopes(form)))
 
 
 def _rank(rows: Sequence[Sequence[fmpq]]) -> int:
@@ -195,10 +194,6 @@ def _rank(rows: Sequence[Sequence[fmpq]]) -> int:
 
 def _dot(first: Sequence[fmpq], second: Sequence[fmpq]) -> fmpq:
     return sum((a * b for a, b in zip(first, second, strict=True)), fmpq(0))
-
-
-def _sign(value: fmpq) -> int:
-    return int(value > 0) - int(value < 0)
 
 
 # ---- the examination -----------------------------------------------------------------------------
@@ -325,20 +320,12 @@ class ExaminedLyapunov(ExaminedFunction):
 
         return find_attraction(system, self.formula, self.radius, everywhere=True)
 
-    def known_entry(self, reach: Reach) -> Record:
-        """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
-        region, rate = reach.region, reach.rate
-        falls = self.decrease is Decrease.STRICT
-        verdict = str(PROVES[self.decrease])
-        hypotheses = stability_hypotheses(self.stated.record, self.formula.text, verdict) | {
-            "everywhere": falls and self.is_homogeneous,
-            "level": None if region is None else str(region.level),
-            "rate": None if rate is None else rate.record,
-        }
-        proofs = {**self.stated.proofs, **self.proofs}
-        for more in (reach.near, region, rate, reach.gain):
-            proofs |= {} if more is None else more.proofs
-        return {"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": proofs}
+    def known_proofs(self, reach: Reach) -> Record:
+        """The evidence that was found of its conditions and its reach, by the names of claims."""
+        found = {**self.stated.proofs, **self.proofs}
+        for more in (reach.near, reach.region, reach.rate, reach.gain):
+            found |= {} if more is None else more.proofs
+        return found
 
 
 def are_about_forms(claims: Sequence[Claim]) -> bool:

@@ -32,24 +32,21 @@ from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import constant, lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, function_facts
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on
 from nonsmooth.proofs.kernel.bounds import formula as polynomial_text
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
-    RationalTerms,
+    Field,
     SignCells,
-    StatedCells,
     adjoining,
     build_cells,
-    rational_terms,
     started,
     stated_cells,
 )
 from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, instability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
-from nonsmooth.proofs.kernel.written import as_checked, terms_of
+from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import (
     ExaminedLyapunov,
     answer,
@@ -62,17 +59,15 @@ from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gra
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parameters, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
-SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked cube
+SCALES = tuple(Fraction(1, 4**k) for k in range(4))  # of the checked cube
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried in turn
 # Entries of the Gram matrices of a program: small ones take up to two seconds each, large ones up to twenty.  Larger
 # ones are not solved.
@@ -137,7 +132,7 @@ def _cubes(system: SwitchedSystem) -> list[tuple[Number, SignCells]]:
 
 def _looks_alike(cells: SignCells) -> bool:
     """Whether the system is the same at every distance."""
-    degrees = {sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p}
+    degrees = {sum(e) for cell in cells.cells for field in cell.velocities for p in field for e in p.terms}
     return cells.are_cones and len(degrees) <= 1
 
 
@@ -179,16 +174,23 @@ def _problems(
     parameters, asked = len(basis), list[Condition]()
     for claims in zip(*by_function, strict=True):
         shapes = mu_shapes(claims)
-        asked += _about_sum(claims, sizes, shapes, parameters)
+        asked += about_sum(claims, sizes, shapes, parameters)
         parameters += len(shapes)
     own = [normalized(condition) for condition in asked]
     return [(condition, build_blocks(condition)) for condition in own if condition.slopes], parameters
 
 
-def _about_sum(
-    claims: Sequence[Claim], sizes: Sequence[fmpq], shapes: Sequence[Shape], start: int
+def about_sum(
+    claims: Sequence[Claim], sizes: Sequence[fmpq], shapes: Sequence[Shape] = (), start: int = 0
 ) -> Iterator[Condition]:
-    """The inequalities of one claim: parameters are the coefficients of the functions, and from a number on of mu."""
+    """The inequalities of a claim about a sum of functions, affine in its coefficients.
+
+    Args:
+        claims: the same about each function, on the unit cube.
+        sizes: what each function is divided by.
+        shapes: the monomials of functions mu.
+        start: the number of the first coefficient of these.
+    """
     for number, inequality in enumerate(claims[0].inequalities):
         condition = condition_of(claims[0], inequality, shapes)
         slopes = {start + k: slope for k, slope in condition.slopes.items() if slope}
@@ -212,49 +214,8 @@ DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
 FINE = 1 << 10  # denominator of a direction
 
 
-@dataclass(frozen=True)
-class GrowthEvidence:
-    """A function that shows instability.
-
-    Attributes:
-        formula: V, in the displacement under the states' names.
-        radius: half the side of the cube on which V falls.
-        direction: V is negative at all points near the equilibrium in this direction.
-        stated: the cells of the cube.
-        proofs: the evidence that V falls, by the names of claims.
-        speed: with which ``V' <= -speed V^2`` is shown where V is negative, instead.
-    """
-
-    formula: PiecewiseExpression
-    radius: Number
-    direction: tuple[fmpq, ...]
-    stated: StatedCells
-    proofs: Record
-    speed: Fraction | None = None
-
-    @property
-    def reason(self) -> str:
-        """What V shows, as a sentence."""
-        if self.speed is not None:
-            return "where V is negative, at points at all distances, it falls along every solution"
-        return "V falls along every solution, from negative values at all distances"
-
-    def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
-        """V, and where it falls."""
-        direction = ", ".join(map(str, self.direction))
-        where = f"{cube_text(self.radius, states)}; V < 0 in the direction ({direction})"
-        return function_facts(one_line(self.formula.text), where)
-
-    @property
-    def entry(self) -> Record:
-        """As a certificate holds it."""
-        hypotheses = instability_hypotheses(self.stated.record, self.formula.text, self.direction)
-        hypotheses |= {} if self.speed is None else {"speed": str(self.speed)}
-        return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**self.stated.proofs, **self.proofs}}
-
-
-def find_growth(system: SwitchedSystem, entries: range = SMALL) -> GrowthEvidence | None:
-    """A V that shows instability; None where none is found.
+def find_growth(system: SwitchedSystem, entries: range = SMALL) -> Record | None:
+    """The entry of a certificate that shows instability by a V; None where none is found.
 
     Args:
         system: in two states or more.
@@ -268,8 +229,8 @@ def find_growth(system: SwitchedSystem, entries: range = SMALL) -> GrowthEvidenc
     return next(filter(None, falling), None)
 
 
-def find_growing_product(system: SwitchedSystem) -> GrowthEvidence | None:
-    """A product of states or of their powers, or a difference of squares, that shows instability; None where none does.
+def find_growing_product(system: SwitchedSystem) -> Record | None:
+    """The same by a product of states or of their powers, or a difference of squares; None where none shows it.
 
     Raises:
         BeyondReachError: for a system that is not decided here.
@@ -284,15 +245,19 @@ def find_growing_product(system: SwitchedSystem) -> GrowthEvidence | None:
 
 def _shown(
     system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, effort: Effort, speed: Fraction | None = None
-) -> GrowthEvidence | None:
-    """A V that falls along every solution, or with a speed where it is negative; None where that is not shown."""
+) -> Record | None:
+    """The entry by a V that falls, or with a speed where it is negative; None where that is not shown."""
     stated, conditions = conditions_on(system, formula, radius)
     falls = conditions.claims(positive=False) if speed is None else conditions.claims_by_square(speed)
     direction = negative_direction(conditions)
     if direction is None or find_failure(stated.cells, falls) is not None:
         return None
     proofs = _proofs(falls, effort)
-    return None if proofs is None else GrowthEvidence(formula, radius, direction, stated, proofs, speed)
+    if proofs is None:
+        return None
+    hypotheses = instability_hypotheses(stated.record, formula.text, direction)
+    hypotheses |= {} if speed is None else {"speed": str(speed)}
+    return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**stated.proofs, **proofs}}
 
 
 def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
@@ -328,7 +293,7 @@ def _may_fall(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpres
     for own, field in _fields_at(cells, points):
         rates = float(SPEED) * np.square(float_values(value.terms, own))
         for slope, part in zip(slopes, field, strict=True):
-            rates += float_values(slope, own) * float_values(part, own)
+            rates += float_values(slope, own) * float_values(part.terms, own)
         if (rates > 0).any():
             return False
     return len(points) > 0
@@ -342,11 +307,11 @@ def _where_not_zero(system: SwitchedSystem, formula: PiecewiseExpression) -> tup
         positive.append(inner)
         return 1
 
-    states = {name: Polynomial.variable(system.field, system.states, name) for name in system.states}
+    states = system.named()
     return formula.polynomial(states, sign_of), positive
 
 
-def _fields_at(cells: SignCells, points: Floats) -> Iterator[tuple[Floats, Sequence[RationalTerms]]]:
+def _fields_at(cells: SignCells, points: Floats) -> Iterator[tuple[Floats, Field]]:
     """The points (m, n) that lie in each cell, with each of its fields."""
     for cell in cells.cells:
         inside = np.ones(len(points), dtype=bool)
@@ -366,12 +331,12 @@ def _proofs(claims: Sequence[Claim], effort: Effort) -> Record | None:
     return proofs
 
 
-def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
+def negative_direction(conditions: Functions) -> tuple[Fraction, ...] | None:
     """A direction in which V is negative near the point; None where none is found."""
     drawn = np.random.default_rng(0).normal(size=(DIRECTIONS, conditions.count))
     for candidate in (*_curved(conditions), *drawn):
         direction = _rounded_direction(candidate)
-        if any(direction) and conditions.is_negative_along(list(map(as_fraction, direction))):
+        if any(direction) and conditions.is_negative_along(direction):
             return direction
     return None
 
@@ -395,9 +360,9 @@ def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
     return matrix
 
 
-def _rounded_direction(values: Floats) -> tuple[fmpq, ...]:
+def _rounded_direction(values: Floats) -> tuple[Fraction, ...]:
     size = float(np.abs(values).max())
-    return tuple(fmpq(round(float(x) / size * FINE), FINE) for x in values)
+    return tuple(Fraction(round(float(x) / size * FINE), FINE) for x in values)
 
 
 # ---- a relay whose sign shows late in the derivatives of its switching function ------------------
@@ -420,7 +385,6 @@ def _rounded_direction(values: Floats) -> tuple[fmpq, ...]:
 
 
 SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
-RADII = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # half-widths of cubes, over that of the scene
 
 
 @dataclass(frozen=True)
@@ -471,7 +435,7 @@ def show_relay_of(system: SwitchedSystem, verdict: str) -> Entry:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     subject, search = started(system)
-    for share in RADII:
+    for share in SCALES:
         stated = stated_cells(system, system.check.radius * share)
         relay = high_degree_relay(system, stated.cells)
         if relay is None:
@@ -500,18 +464,16 @@ def _found(cells: SignCells) -> Iterator[RelayDegree]:
             yield RelayDegree(number, degree, _by_parts(ladder).times(sense), direction)
 
 
-def _fields(cells: SignCells, number: int) -> Iterator[tuple[int, tuple[CheckedPolynomial, ...]]]:
+def _fields(cells: SignCells, number: int) -> Iterator[tuple[int, Field]]:
     """The fields of all cells near the point, each with the sign of a surface there."""
-    count = len(cells.states)
     for cell in adjoining(cells):
-        for field in cell.velocities:
-            yield cell.signs[number], tuple(as_checked(part, count) for part in field)
+        yield from ((cell.signs[number], field) for field in cell.velocities)
 
 
 def _ladder(cells: SignCells, number: int) -> list[CheckedPolynomial]:
     """``h_0, ..., h_(r-1)``: as long as they vanish at the point and the next one is the same on all cells near it."""
     ladder: list[CheckedPolynomial] = []
-    following = as_checked(rational_terms(cells.surfaces[number]), len(cells.states))
+    following = cells.forms[number]
     while following and not following.at_origin and len(ladder) <= len(cells.states):
         ladder.append(following)
         first, *others = (lie_derivative(following, field) for _, field in _fields(cells, number))

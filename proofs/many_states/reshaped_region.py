@@ -26,11 +26,10 @@ from flint import fmpq
 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, functions_on, monomial
-from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells
+from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells, without_signs
 from nonsmooth.proofs.kernel.search import Collected, stability_hypotheses
-from nonsmooth.proofs.kernel.squares import condition_of, find
-from nonsmooth.proofs.kernel.written import terms_of
-from nonsmooth.proofs.many_states.lyapunov_search import hessian
+from nonsmooth.proofs.kernel.squares import find
+from nonsmooth.proofs.many_states.lyapunov_search import about_sum, hessian
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -178,8 +177,8 @@ class _Iteration:
 
     def __init__(self, system: SwitchedSystem, start: PiecewiseExpression, limit: Fraction | None) -> None:
         self.system, self.limit, self.count = system, limit, len(system.states)
-        values = dict(zip(system.states, system.coordinates(), strict=True))
-        own = start.polynomial(values, _no_sign)  # V that bends is refused
+        values = system.named()
+        own = start.polynomial(values, without_signs)
         self.start = rational_terms(own)
         self._falls: dict[int, list[Condition]] = {}
         self.radius = rational(system.check.radius)
@@ -198,16 +197,9 @@ class _Iteration:
             stated = stated_cells(self.system, self.system.field(self.radius))
             functions = functions_on(self.system, stated, texts)
             by_function = [functions.claims(k, positive=False) for k in range(len(texts))]
-            found = []
-            for claims in zip(*by_function, strict=True):
-                blank = condition_of(claims[0], claims[0].inequalities[0], ())
-                slopes = {}
-                for k, (claim, exponents) in enumerate(zip(claims, monomials, strict=True)):
-                    own = terms_of(claim.inequalities[0].value)
-                    if own:
-                        slopes[k] = {e: c / self.radius ** sum(exponents) for e, c in own.items()}
-                found.append(replace(blank, constant={}, slopes=slopes, bounds=()))
-            self._falls[degree] = found
+            sizes = [self.radius ** sum(own) for own in monomials]
+            asked = (own for claims in zip(*by_function, strict=True) for own in about_sum(claims, sizes))
+            self._falls[degree] = [replace(own, bounds=()) for own in asked]
         return self._falls[degree]
 
     def falling(self, shape: _Shape) -> list[Condition]:
@@ -385,10 +377,6 @@ class _Iteration:
         hypotheses = {**own, "below": True, "level": str(level)}
         region = SublevelRegion(level, None, None, within, False, proofs)
         return ReshapedRegion(formula, region, hypotheses)
-
-
-def _no_sign(surface: Any) -> int:
-    raise BeyondReachError("V that bends")
 
 
 def _unknowns(blocks: Blocks) -> int:

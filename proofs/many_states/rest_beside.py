@@ -19,20 +19,19 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import STABLE
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, function_facts
-from nonsmooth.proofs.inequalities.linear_program import solve_program
-from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, build_cells, rational, rational_terms, started
+from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
+from nonsmooth.proofs.kernel.cells import BeyondReachError, Field, SignCells, build_cells, rational, started
 from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.written import null_basis
+from nonsmooth.proofs.kernel.written import null_basis, slopes
 from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
     Split,
-    place_text,
     smooth_fields,
     split_at,
     sum_text,
@@ -42,16 +41,16 @@ from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_SURFACES = 8  # through the point, whose subsets are tried
-WEIGHT_DENOMINATOR = 1 << 12  # of weights
 
-Ray = tuple[fmpq, ...]
+Ray = tuple[Fraction, ...]
 Along = dict[int, list[fmpq]]  # a field along a ray: a vector for each power of the distance
 
 
-def ray_of_rest(system: SwitchedSystem) -> tuple[Fraction, ...] | None:
+def ray_of_rest(system: SwitchedSystem) -> Ray | None:
     """A direction from the checked point in which all near places are equilibria; None where none is found.
 
     Raises:
@@ -61,23 +60,23 @@ def ray_of_rest(system: SwitchedSystem) -> tuple[Fraction, ...] | None:
     for ray in _rays(cells):
         fields = _beside(cells, ray)
         if fields and _rests(fields):
-            return tuple(map(as_fraction, ray))
+            return ray
     return None
 
 
 def _rays(cells: SignCells) -> Iterator[Ray]:
     """Axes of the subspaces on which some linear surfaces through the point vanish, in both directions."""
-    forms = [rational_terms(own) for own in cells.surfaces if own.degree == 1 and own.is_homogeneous]
+    forms = [own for own in cells.forms if own.degree == 1 and own.is_form]
     count, seen = len(cells.states), set[Ray]()
     if len(forms) > MOST_SURFACES:
         raise BeyondReachError(f"over {MOST_SURFACES} surfaces through the point")
-    rows = [[form.get(tuple(int(j == k) for j in range(count)), fmpq(0)) for k in range(count)] for form in forms]
+    rows = [list(map(as_fmpq, slopes(form))) for form in forms]
     for size in range(min(len(rows), count - 1) + 1):
         for chosen in combinations(rows, size):
             basis = null_basis(fmpq_mat(list(chosen) or [[fmpq(0)] * count])).transpose().tolist()
             for axis in basis:
                 for side in (1, -1):
-                    ray = tuple(value * side for value in axis)
+                    ray = tuple(as_fraction(value * side) for value in axis)
                     if ray not in seen:
                         seen.add(ray)
                         yield ray
@@ -89,13 +88,9 @@ def _beside(cells: SignCells, ray: Ray) -> list[Along]:
     Of linear surfaces through the ray a cell has the signs of one of its places, and so of places near the ray in that
     direction.  Cells beside curved ones may have no points.
     """
-    signs = []
-    for surface in cells.surfaces:
-        values = _along(rational_terms(surface), ray)
-        first = min((power for power, value in values.items() if value), default=None)
-        if first is None and surface.degree > 1:
-            return []
-        signs.append(0 if first is None else (1 if values[first] > 0 else -1))
+    signs = [sign_along(form, ray) for form in cells.forms]
+    if any(not sign and form.degree > 1 for sign, form in zip(signs, cells.forms, strict=True)):
+        return []
     found = []
     for cell in cells.cells:
         if all(sign in (0, own) for sign, own in zip(signs, cell.signs, strict=True)):
@@ -103,21 +98,10 @@ def _beside(cells: SignCells, ray: Ray) -> list[Along]:
     return found
 
 
-def _along(terms: dict[tuple[int, ...], fmpq], ray: Ray) -> dict[int, fmpq]:
-    """A polynomial along a ray: its coefficients by powers of the distance."""
-    found: dict[int, fmpq] = {}
-    for exponents, coefficient in terms.items():
-        value = coefficient
-        for part, power in zip(ray, exponents, strict=True):
-            value *= part**power
-        found[sum(exponents)] = found.get(sum(exponents), fmpq(0)) + value
-    return found
-
-
-def _field_along(field: Sequence[dict[tuple[int, ...], fmpq]], ray: Ray) -> Along:
-    parts = [_along(part, ray) for part in field]
+def _field_along(field: Field, ray: Ray) -> Along:
+    parts = [part.parts_at(ray) for part in field]
     powers = {0, *(power for part in parts for power in part)}
-    return {power: [part.get(power, fmpq(0)) for part in parts] for power in powers}
+    return {power: [as_fmpq(part.get(power, Fraction(0))) for part in parts] for power in powers}
 
 
 def _rests(fields: Sequence[Along]) -> bool:
@@ -129,23 +113,14 @@ def _rests(fields: Sequence[Along]) -> bool:
 
 
 def _is_inside(vectors: Sequence[list[fmpq]]) -> bool:
-    """Whether 0 is a sum of all vectors with positive weights: floats propose them, and fractions confirm."""
-    kept = null_basis(fmpq_mat(list(vectors)).transpose())
-    if not kept.ncols():
-        return False
-    basis = np.array([[float(value) for value in row] for row in kept.tolist()])
-    columns = basis.shape[1]
-    solved = solve_program(
-        np.r_[np.zeros(columns), -1.0],
-        A_ub=np.hstack([-basis, np.ones((len(basis), 1))]),
-        b_ub=np.zeros(len(basis)),
-        bounds=[(-1, 1)] * columns + [(0, 1)],
-    )
-    if solved.status != 0 or solved.x[-1] <= 0:
-        return False
-    rounded = [Fraction(float(value)).limit_denominator(WEIGHT_DENOMINATOR) for value in solved.x[:columns]]
-    weights = kept * fmpq_mat([[as_fmpq(value)] for value in rounded])
-    return all(value > 0 for (value,) in weights.tolist())
+    """Whether 0 is a sum of all vectors with positive weights: each has a part in a mixture to 0, and in their mean."""
+    field = NumberField()
+    columns, target = mixtures_to_zero([list(map(field, vector)) for vector in vectors])
+    for k in range(len(columns)):
+        found = best_mixture(columns, target, [field(int(i == k)) for i in range(len(columns))])
+        if found is None or not found.value:
+            return False
+    return True
 
 
 # ---- curves of equilibria ------------------------------------------------------------------------
@@ -186,13 +161,11 @@ class RestingCurve:
         words: the curve.
         function: V with its conditions, which shows that; None where it was not asked for, or is shown by evidence.
         entry: the theorem with its evidence in coordinates that follow the curve, as a certificate holds it.
-        facts: of such evidence, V and where it does not increase.
     """
 
     words: str
     function: ExaminedLyapunov | None = None
     entry: Record | None = None
-    facts: tuple[Fact, ...] = ()
 
 
 def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> RestingCurve | None:
@@ -221,8 +194,7 @@ def beside_curve_of_rest(system: SwitchedSystem, *, with_function: bool) -> Rest
                     return RestingCurve(words, examined)
                 entry = _shown_along(curve, subject, search, text, stated.record)
                 if entry is not None:
-                    facts = function_facts(text, place_text(entry, radius, system.states))
-                    return RestingCurve(words, None, entry, facts)
+                    return RestingCurve(words, None, entry)
     except NotShownError:
         return None
     return None

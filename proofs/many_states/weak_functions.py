@@ -41,6 +41,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
     combined,
     formula_in_states,
+    part_of,
     powers_between,
     terms_of,
     vanishing_combinations,
@@ -56,7 +57,7 @@ from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave, in_pla
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -71,8 +72,10 @@ BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its s
 MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
-def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2) -> Iterator[str]:
-    """Proposals of V as formulas in the displacement.
+def weak_functions(
+    system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2
+) -> Iterator[PiecewiseExpression]:
+    """Proposals of V in the displacement.
 
     Args:
         system: in two states or more.
@@ -82,6 +85,7 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, po
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        ExpressionError: for sums that are too long.
     """
     stated, seen = stated_cells(system, radius), {"0"}
     for basis in families(stated.cells, all_lines=True):
@@ -94,10 +98,10 @@ def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool, po
         kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
         for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
             for chosen in asked.combined(columns).solutions(power, positive=positive) if columns.ncols() else ():
-                text = formula_text(basis, list(map(as_fmpq, coefficients_of(columns, chosen))))
+                text = formula_text(basis, coefficients_of(columns, chosen))
                 if text not in seen:
                     seen.add(text)
-                    yield text
+                    yield parse_piecewise(text, system.states)
 
 
 def near_planes(place: Face) -> Floats:
@@ -181,8 +185,7 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius)
-        texts = weak_functions(system, radius, positive=True, power=power)
-        found = (parse_piecewise(text, system.states) for text in texts)
+        found = weak_functions(system, radius, positive=True, power=power)
         for formula in chain([energy] if energy is not None and power == 2 else [], found):
             examined = examine(system, formula, radius)
             if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
@@ -190,8 +193,8 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     return None
 
 
-def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None:
-    """The theorem on instability by a V that does not rise, V as a formula, and half the side of its cube.
+def find_weak_growth(system: SwitchedSystem) -> Entry | None:
+    """The theorem on instability by a V that does not rise; None where none is found.
 
     Args:
         system: in two states or more, with rational numbers.
@@ -201,20 +204,20 @@ def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None
     """
     for share in SHARES:
         radius = system.check.radius * share
-        for text in weak_functions(system, radius, positive=False):
+        for formula in weak_functions(system, radius, positive=False):
             try:
                 subject, search = started(system)
-                cells = stated_cells(system, radius, surfaces_of(system, parse_piecewise(text, system.states))).record
-                second = find_second(subject, cells, text, search)
-                stated = Lyapunov(Inclusion(subject, cells, [text], search), search)
+                cells = stated_cells(system, radius, surfaces_of(system, formula)).record
+                second = find_second(subject, cells, formula.text, search)
+                stated = Lyapunov(Inclusion(subject, cells, [formula.text], search), search)
             except (NotShownError, RejectedError):
                 continue
             direction = _negative(stated) if second is not None else None
             if direction is None:
                 continue
-            hypotheses = instability_hypotheses(cells, text, direction, second)
+            hypotheses = instability_hypotheses(cells, formula.text, direction, second)
             with suppress(NotShownError):
-                return search.entry(subject, "instability", hypotheses), text, radius
+                return search.entry(subject, "instability", hypotheses)
     return None
 
 
@@ -272,7 +275,7 @@ def _angles(system: SwitchedSystem) -> tuple[str, ...]:
     for argument in arguments:
         for exponents in argument.terms:
             found |= {name for name, exponent in zip(system.states, exponents, strict=True) if exponent}
-    at = dict(zip(system.states, system.check.equilibrium, strict=True))
+    at = system.named(system.check.equilibrium)
     return () if any(at[name] for name in found) else tuple(name for name in system.states if name in found)
 
 
@@ -297,7 +300,7 @@ def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem 
     rhs = []
     for name, text in zip(system.states, stated, strict=True):
         rhs += [f"(1 + cos_{name})*({text})", f"-sin_{name}*({text})"] if name in angles else [text]
-    at = dict(zip(system.states, system.check.equilibrium, strict=True))
+    at = system.named(system.check.equilibrium)
     squares = parse_piecewise(" + ".join(f"{name}**2" for name in coordinates), coordinates)
     zero = system.field.zero
     check = replace(
@@ -395,7 +398,7 @@ def _positive_integrals(field: Sequence[CheckedPolynomial]) -> list[CheckedPolyn
         monomials = powers_between(count, 2, degree)
         kept = list(vanishing_combinations([[lie_derivative(own, field)] for own in monomials]))
         integrals = [combined(monomials, own) for own in kept]
-        forms = [CheckedPolynomial(count, {e: c for e, c in own.terms.items() if sum(e) == 2}) for own in integrals]
+        forms = [part_of(own, 2) for own in integrals]
         for parts in (forms, integrals):
             found = _definite(integrals, parts, count)
             if found:

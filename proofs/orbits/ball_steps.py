@@ -248,7 +248,7 @@ class BallCell:
     ) -> None:
         self.signs = tuple(signs)
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
-        named = dict(zip(system.states, system.coordinates(), strict=True))
+        named = system.named()
         try:
             positive = [own.polynomial(named, sign_of) for own in system.denominators]
             scale = [] if system.scale is None else [system.scale.polynomial(named, sign_of)]

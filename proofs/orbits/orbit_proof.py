@@ -24,7 +24,7 @@ from nonsmooth.proofs.orbits.return_map import CrossedLeg, Family, ReturnMap, fl
 from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 PRODUCTS = 1_500_000  # of balls or series in one proof, some ten seconds
 GAUSS = 5  # nodes of a quadrature over one step in floats
@@ -61,7 +61,7 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
         system: whose orbit it is.
         orbit: found by floats, in the coordinates of the states.
     """
-    if len(system.states) != len(PLANE):
+    if not system.is_planar:
         return OrbitProof(None, "return maps are enclosed for two states only")
     if system.others or system.only_encloses or system.by_roots is not None:
         return OrbitProof(None, "return maps are enclosed for one field of polynomials or of their quotients only")

@@ -362,7 +362,7 @@ def _rational_symmetric(triangle: Sequence[fmpq]) -> RationalMatrix:
     return tuple(tuple(rows[max(i, j)][min(i, j)] for j in range(len(rows))) for i in range(len(rows)))
 
 
-def is_definite(matrix: RationalMatrix) -> bool:
+def is_definite(matrix: Sequence[Sequence[fmpq]]) -> bool:
     """Whether a symmetric matrix is positive definite."""
     pivots = _pivots(matrix)
     return pivots is not None and all(pivot > 0 for pivot in pivots)
@@ -373,7 +373,7 @@ def is_semidefinite(matrix: RationalMatrix) -> bool:
     return _pivots(matrix) is not None
 
 
-def _pivots(matrix: RationalMatrix) -> list[fmpq] | None:
+def _pivots(matrix: Sequence[Sequence[fmpq]]) -> list[fmpq] | None:
     """The pivots of ``L D L^T`` of a symmetric matrix; None unless it is positive semidefinite.
 
     A pivot of zero is right only where the rest of its column is zero.

@@ -25,7 +25,17 @@ from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls, whole_a
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Pace, area, falls, gradients, grow, lengths
+from nonsmooth.proofs.systems.basin_rings import (
+    SMALL,
+    FieldInCells,
+    Pace,
+    area,
+    falls,
+    following,
+    gradients,
+    grow,
+    lengths,
+)
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
@@ -109,7 +119,7 @@ class Lattice:
         for number, (a, b, c) in self.lines.items():
             value = a * points[:, 0] + b * points[:, 1] + c
             on_line = np.where((value == 0) & (on_line < 0), number, on_line)
-            after, nearest = np.roll(value, -1), np.roll(points, -1, axis=0)
+            after, nearest = np.roll(value, -1), following(points)
             crossed = np.nonzero((value * after < 0) & (on_line < 0) & (np.roll(on_line, -1) < 0))[0]
             shares = value[crossed] / (value[crossed] - after[crossed])
             places = points[crossed] + shares[:, None] * (nearest[crossed] - points[crossed])

@@ -120,19 +120,19 @@ class FloatField:
     def crossings(self, ring: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
         """Sides over which one surface alone changes its sign: its number, the first point, and about where."""
         guards = self.guards(ring)
-        after = np.roll(guards, -1, axis=0)
+        after = following(guards)
         changes = (guards >= 0) != (after >= 0)
         alone = changes & (changes.sum(axis=1) == 1)[:, None]
         rows, numbers = np.nonzero(alone)
         shares = guards[rows, numbers] / (guards[rows, numbers] - after[rows, numbers])
-        return numbers, rows, np.asarray(ring[rows] + shares[:, None] * (np.roll(ring, -1, axis=0) - ring)[rows])
+        return numbers, rows, np.asarray(ring[rows] + shares[:, None] * (following(ring) - ring)[rows])
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Where a ring crosses surfaces to which the velocities of both sides lead, with the mixtures along these."""
         numbers, rows, places = self.crossings(ring)
         if not len(rows) or len(self.at(ring[:1])) > 1:
             return rows[:0], places[:0], places[:0]
-        f, h = (self.beside(ends, places)[0] for ends in (ring[rows], np.roll(ring, -1, axis=0)[rows]))
+        f, h = (self.beside(ends, places)[0] for ends in (ring[rows], following(ring)[rows]))
         width = WIDTH * float(np.abs(ring).max())
         rises = [self.guards(places + step) - self.guards(places - step) for step in np.eye(2) * width]
         slopes = np.stack(rises, axis=2)[np.arange(len(rows)), numbers]
@@ -363,7 +363,7 @@ def values(polynomial: Polynomial, x: Floats) -> Floats:
 
 def area(ring: Floats) -> float:
     """Of a polygon, positive where it is counterclockwise."""
-    after = np.roll(ring, -1, axis=0)
+    after = following(ring)
     return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
 
 
@@ -435,7 +435,7 @@ def level_ring(field: FloatField, home: Home) -> Floats | None:
     if np.isnan(ring).any():
         return None
     _, rows, places = field.crossings(ring)
-    gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - np.roll(ring, -1, axis=0)[rows], axis=1)
+    gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - following(ring)[rows], axis=1)
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
     own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
     rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
@@ -484,7 +484,7 @@ def grow(
 def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power: int) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(lengths(ring).max())
-    along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
+    along = following(ring) - np.roll(ring, 1, axis=0)
     normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
     chords = lengths(normals)
     normals /= np.where(chords == 0, 1, chords)[:, None]  # a ring may fold onto itself
@@ -525,7 +525,7 @@ def _unfolded(ring: Floats, is_tip: Mask) -> tuple[Floats, Mask]:
     overshoot.  Where they lead to it, points go away from it on both sides; the tip between them goes along the line.
     """
     for _ in range(UNFOLDED):
-        after = np.roll(ring, -1, axis=0) - ring
+        after = following(ring) - ring
         turns_back = ((after * np.roll(after, 1, axis=0)).sum(axis=1) < 0) & ~is_tip
         if not turns_back.any() or turns_back.sum() > len(ring) - 3:
             break
@@ -536,7 +536,7 @@ def _unfolded(ring: Floats, is_tip: Mask) -> tuple[Floats, Mask]:
 def _spaced(ring: Floats, is_tip: Mask, gap: float) -> Floats:
     """A ring with points between those that are far apart, and without some of those that are near each other."""
     for _ in range(3):
-        after, sides = np.roll(ring, -1, axis=0), _sides(ring)
+        after, sides = following(ring), _sides(ring)
         wide = sides > gap
         if not wide.any():
             break
@@ -552,7 +552,12 @@ def _spaced(ring: Floats, is_tip: Mask, gap: float) -> Floats:
 
 
 def _sides(ring: Floats) -> Floats:
-    return lengths(np.roll(ring, -1, axis=0) - ring)
+    return lengths(following(ring) - ring)
+
+
+def following(ring: Floats) -> Floats:
+    """The next of each corner."""
+    return np.roll(ring, -1, axis=0)
 
 
 def lengths(x: Floats) -> Floats:
@@ -562,7 +567,7 @@ def lengths(x: Floats) -> Floats:
 
 def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Floats:
     """The least sine of the angle at which velocities lead to the right over sides from corners, as floats see it."""
-    sides = np.roll(ring, -1, axis=0) - ring if sides is None else sides
+    sides = following(ring) - ring if sides is None else sides
     normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
     places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
     velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
@@ -601,7 +606,7 @@ def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> Mask:
     """Which places a polygon goes around."""
     found = np.zeros(len(x), dtype=bool)
     corners = np.asarray(ring, dtype=float)
-    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+    for (ax, ay), (bx, by) in zip(corners, following(corners), strict=True):
         if ay == by:
             continue
         crosses = (ay > x[:, 1]) != (by > x[:, 1])

@@ -33,6 +33,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     trimmed,
     value,
 )
+from nonsmooth.proofs.orbits.ball_steps import in_balls
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO
 from nonsmooth.symbolic.mechanics.constraints import cross_product
 from nonsmooth.symbolic.numbers.lazy import evaluated
@@ -166,8 +167,8 @@ class NormalPart:
 
     def __init__(self, rate: Polynomial, waves: Sequence[PlaneWave], start: Point, end: Point) -> None:
         self._rate, self._waves, self._ends = rate, waves, (start, end)
-        self._terms = _ball_terms(rate)
-        self._arguments = [(wave.kind, _ball_terms(wave.argument)) for wave in waves]
+        self._at = in_balls(rate)
+        self._arguments = [(wave.kind, in_balls(wave.argument)) for wave in waves]
         self._place = [(evaluated(a).ball(), evaluated(b - a).ball()) for a, b in zip(start, end, strict=True)]
 
     def stretches(self) -> Iterator[BorderStretch]:
@@ -233,10 +234,10 @@ class NormalPart:
         t = arb(fmpq(middle.numerator, middle.denominator), fmpq(half.numerator, half.denominator))
         place = [arb_series([a + t * b, b], prec=2) for a, b in self._place]
         waves = []
-        for kind, terms in self._arguments:
-            argument = _value(terms, place)
+        for kind, inner in self._arguments:
+            argument = inner(place)
             waves.append(1 - 2 / ((2 * argument).exp() + 1) if kind == "tanh" else getattr(argument, kind)())
-        value = _value(self._terms, [*place, *waves])
+        value = arb_series([0], prec=2) + self._at([*place, *waves])
         return value[0], value[1]
 
 
@@ -290,22 +291,6 @@ def _joined(stretches: Sequence[BorderStretch]) -> Iterator[BorderStretch]:
         last = stretch
     if last is not None:
         yield last
-
-
-def _ball_terms(polynomial: Polynomial) -> list[tuple[tuple[int, ...], Any]]:
-    return [(exponents, c.ball()) for exponents, c in polynomial.terms.items()]
-
-
-def _value(terms: Sequence[tuple[tuple[int, ...], Any]], variables: Sequence[Any]) -> Any:
-    """A polynomial of power series in t."""
-    total = arb_series([0], prec=2)
-    for exponents, c in terms:
-        term = arb_series([c], prec=2)
-        for variable, exponent in zip(variables, exponents, strict=True):
-            for _ in range(exponent):
-                term = term * variable
-        total = total + term
-    return total
 
 
 def _sign(ball: Any) -> int:

@@ -12,7 +12,7 @@ or undecided.  Then along every solution
 - < 0 everywhere but at the equilibrium: no solution stays where 0 is in the set, so it is asymptotically stable
   (invariance principle: Bacciotti and Ceragioli 1999, thm. 3).
 
-Where 0 is in the set, :func:`attracts` asks LaSalle's principle whether a solution stays there.
+Where 0 is in the set, :func:`attraction` asks LaSalle's principle whether a solution stays there.
 
 On closed cells < 0 is demanded also on sides where V bends: more than the theorem asks, and never too little.  A corner
 at which V bends twice and the set is positive refutes nothing by itself (no solution need stay there): undecided.
@@ -44,6 +44,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point, clipped_by
 from nonsmooth.analysis.cells.region import Region, affine, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, distinct, gradients_at, velocities_at
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
@@ -58,7 +59,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, hull_holds_zero
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MEETING_WORK = 5_000  # coefficients looked at to find that a further cell does not meet the curve
@@ -118,7 +119,7 @@ class CurvedKink:
 
 def _linear(side: tuple[object, object, object], like: Polynomial) -> Polynomial:
     """``a x + b y + c``."""
-    x, y = (Polynomial.variable(like.field, like.variables, name) for name in like.variables)
+    x, y = Polynomial.coordinates(like.field, like.variables)
     a, b, c = side
     return x * a + y * b + Polynomial.constant(like.field, like.variables, 1) * c
 
@@ -181,11 +182,7 @@ class Stratum:
 
 def cell_stratum(cell: LyapunovCell) -> Stratum:
     """``grad V . f`` on the closed cell, for each field."""
-    return stratum_of(cell, tuple(_rate_outcome(rate, cell.region) for rate in cell.rates))
-
-
-def stratum_of(cell: LyapunovCell, outcomes: tuple[Outcome, ...]) -> Stratum:
-    """What the outcomes of a cell's inequalities say of it."""
+    outcomes = tuple(_rate_outcome(rate, cell.region) for rate in cell.rates)
     trends = [trend_of(outcome) for outcome in outcomes]
     sample = cell.region.inner_point
     refuted = [o for o, trend in zip(outcomes, trends, strict=True) if trend is Trend.POSITIVE]
@@ -466,7 +463,7 @@ def refutations(
     """Where V is not zero at the equilibrium, not positive, not continuous, or increases."""
     for cell, outcome in zip(cells, definite, strict=True):
         zero = cell.potential.field.zero
-        at_origin = cell.potential.terms.get((0, 0), zero)
+        at_origin = cell.potential.at_origin
         if at_origin and adherence(cell.region) is Adherence.YES:
             yield Refutation((zero, zero), at_origin, "V is not zero at the equilibrium")
         if isinstance(outcome, Counterexample):
@@ -517,22 +514,31 @@ def decide_staying(
         radius: half the side of the square on which they are searched.
         cells: cover the domain; V is positive and does not increase on them.
     """
-    place = resting_place(cells)
-    if place is None and formula is not None and attracts(system, formula, radius):
+    if attraction(system, formula, radius, cells) is not None:
         return Staying.NONE
     if not all(rate for cell in cells for rate in cell.rates):
         return Staying.CELLS
     if _holds_level_arc(cells):
         return Staying.ARC
-    return Staying.UNDECIDED if place is None or system.only_encloses else Staying.RESTS
+    return Staying.UNDECIDED if resting_place(cells) is None or system.only_encloses else Staying.RESTS
 
 
-def attracts(system: SwitchedSystem, formula: PiecewiseExpression, radius: Number) -> bool:
-    """Whether further functions show that a V that does not increase attracts."""
-    try:
-        return find_attraction(enclose_numbers(system), formula, radius) is not None
-    except NoEnclosureError:
-        return False
+def attraction(
+    system: SwitchedSystem, formula: PiecewiseExpression | None, radius: Number, cells: Sequence[LyapunovCell]
+) -> Record | None:
+    """LaSalle's principle with its evidence, as a certificate holds it; None where it is not shown.
+
+    Where another place is seen to rest, and of a V of pieces, no further functions are searched.
+
+    Args:
+        system: in two states.
+        formula: V in the displacement, which does not increase; None for one of pieces.
+        radius: half the side of the square on which further functions are searched.
+        cells: cover the domain.
+    """
+    if formula is None or resting_place(cells) is not None:
+        return None
+    return find_attraction(with_known_numbers(system), formula, radius)
 
 
 # ---- what is seen where attraction is not shown ----------------------------------------------------

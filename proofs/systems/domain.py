@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import (
     FieldCell,
     LyapunovCell,
@@ -82,24 +81,14 @@ def domains(scene: SwitchedSystem, lyapunov: PiecewiseExpression, cells: Sequenc
     return [Domain(scene.check.radius * factor) for factor in (1, SHRINKING)]
 
 
-def domain_regions(scene: SwitchedSystem, radius: Number | None) -> tuple[Region, ...]:
-    """The square of a half-width, or the plane, in regions."""
-    return plane(scene) if radius is None else square_regions(radius)
+def plane_cells(scene: SwitchedSystem, radius: Number | None = None) -> tuple[FieldCell, ...]:
+    """The cells of the square of a half-width, or of the whole plane."""
+    return system_cells(scene, plane(scene) if radius is None else square_regions(radius))
 
 
-def given_cells(scene: SwitchedSystem, domain: Domain) -> tuple[LyapunovCell, ...]:
-    """The cells of a domain, cut further where the scene's V bends."""
-    return scene_cells(scene, domain_regions(scene, domain.radius))
-
-
-def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
-    """The same of some regions."""
-    return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.origin)
-
-
-def plane_cells(scene: SwitchedSystem) -> tuple[FieldCell, ...]:
-    """The cells of the whole plane."""
-    return system_cells(scene, plane(scene))
+def given_cells(scene: SwitchedSystem, radius: Number | None) -> tuple[LyapunovCell, ...]:
+    """The same, cut further where the scene's V bends."""
+    return lyapunov_cells(plane_cells(scene, radius), scene.check.lyapunov, scene.states, scene.origin)
 
 
 # ---- rates, gains and regions --------------------------------------------------------------------

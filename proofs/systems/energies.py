@@ -220,7 +220,7 @@ def _alone_near(
 
     scale = None
     if system.scale is not None:
-        scale = _alone(system.scale.polynomial(dict(zip(system.states, states, strict=True)), sign_of), i)
+        scale = _alone(system.scale.polynomial(system.named(states), sign_of), i)
     found = []
     for part in system.members[0].velocity(sign_of, states):
         alone = _alone(part, i)
@@ -304,5 +304,5 @@ def _is_multiple(system: SwitchedSystem, place: int, other: int) -> bool:
     own = system.rhs[place]
     if own.switching_parts:
         return False
-    values = dict(zip(system.states, system.displaced(system.states), strict=True))
+    values = system.named(system.displaced(system.states))
     return set(own.polynomial(values, no_sign).terms) == {tuple(int(k == other) for k in range(len(system.states)))}

@@ -150,9 +150,9 @@ class ExaminedFunction(ABC):
         """V as a formula, or its pieces."""
         return "; ".join(map(str, self.pieces)) if self.formula is None else one_line(self.formula.text)
 
-    def known_entry(self, reach: Reach) -> Record | None:
-        """The theorem with its reach, as a certificate holds it; None where evidence is missing."""
-        return None
+    def known_proofs(self, reach: Reach) -> Record:
+        """The evidence that is known of its conditions and its reach, by the names of claims; empty where none is."""
+        return {}
 
 
 @dataclass(frozen=True)
@@ -226,8 +226,11 @@ class Known:
         """Whether the point is known not to attract."""
         return any(own.refutes for own in self.findings)
 
-    @property
-    def attraction_is_open(self) -> bool:
+    def is_silent(self) -> bool:
+        """Whether nothing says something."""
+        return self.standing is None
+
+    def leaves_attraction_open(self) -> bool:
         """Whether nothing but a V that does not increase says something, or nothing at all."""
         return self.standing is None or self.standing.is_weak
 
@@ -331,9 +334,11 @@ class CheckedPoint(ABC):
 
     Attributes:
         system: the stated one, or the one that is looked at in its place.
+        known: what strategies have found.
     """
 
     system: SwitchedSystem
+    known = Known()
 
     @property
     @abstractmethod
@@ -372,18 +377,22 @@ class Strategy:
         name: for people.
         states: how many they have.
         module: that holds the function.
-        function: its name; from a checked point and what is known to a finding.
+        function: its name; from a checked point to a finding.
+        asked: whether it is asked beside what is known; always unless given.
     """
 
     name: str
     states: range
     module: str
     function: str
+    asked: Callable[[Known], bool] | None = None
 
-    def decide(self, point: CheckedPoint, known: Known) -> Finding | None:
+    def decide(self, point: CheckedPoint) -> Finding | None:
         """What it finds at a point, beside what is known; None where that is nothing, or nothing more."""
-        decide: Callable[[CheckedPoint, Known], Finding | None] = getattr(import_module(self.module), self.function)
-        return decide(point, known)
+        if len(point.system.states) not in self.states or (self.asked is not None and not self.asked(point.known)):
+            return None
+        decide: Callable[[CheckedPoint], Finding | None] = getattr(import_module(self.module), self.function)
+        return decide(point)
 
 
 # ---- A V of a system in two states with its conditions, and as people and other programs read it -

@@ -97,7 +97,7 @@ class LeadingTerms:
     frame: Frame
     weights: Weights
     motions: tuple[RadialMotion, ...]
-    growth: TurnGrowth | FusedFocus | WorstTurn | None
+    growth: TurnGrowth | FusedFocus | None
 
     def reason(self, states: Sequence[str]) -> str:
         """One sentence for people, in the names of the states."""
@@ -207,14 +207,9 @@ def _coordinates(system: SwitchedSystem) -> Iterator[tuple[Frame, Weights]]:
 def _line_frames(system: SwitchedSystem) -> Iterator[Frame]:
     """Each switching line through the point with another form."""
     lines = (own for own in system.surfaces(system.displaced(PLANE)) if own.degree == 1 and own.is_homogeneous)
-    forms = list(map(_coefficients, lines))
+    forms = [(line.slope(0), line.slope(1)) for line in lines]
     for form in forms:
         yield form, next(f for f in (*forms, *axes_frame(system)) if cross(form, f))
-
-
-def _coefficients(line: Polynomial) -> Point:
-    zero = line.field.zero
-    return line.terms.get((1, 0), zero), line.terms.get((0, 1), zero)
 
 
 def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:
@@ -233,7 +228,7 @@ def decide_fan_of_leading_terms(fan: TangentFan) -> LeadingTerms | None:
     return None if growth is None or not growth.sign else _by_turn(fan.frame, fan.weights, growth)
 
 
-def _by_turn(frame: Frame, weights: Weights, growth: TurnGrowth | FusedFocus | WorstTurn) -> LeadingTerms:
+def _by_turn(frame: Frame, weights: Weights, growth: TurnGrowth | FusedFocus) -> LeadingTerms:
     """What a full turn with a known sign of its growth says."""
     verdict = Translation.UNSTABLE if growth.sign > 0 else Translation.ASYMPTOTICALLY_STABLE
     return LeadingTerms(verdict, frame, weights, (), growth)
@@ -378,22 +373,19 @@ class TurnGrowth:
         low: a lower bound of the factor.
         high: an upper bound of it.
         sign: of the factor's logarithm; 0 where it is not known.
+        is_worst: whether it is the turn with the most growth under arbitrary switching.
     """
 
     sense: int
     low: str
     high: str
     sign: int
+    is_worst: bool = False
 
     def __str__(self) -> str:
-        return f"a full turn multiplies small distances by {self.factor}"
-
-    @property
-    def factor(self) -> str:
-        """The factor in words: its bounds, or the digits that they share."""
-        if self.low == self.high:
-            return f"a factor of {self.low}, rounded"
-        return f"a factor between {self.low} and {self.high}"
+        turn = "a full turn under the worst switching" if self.is_worst else "a full turn"
+        factor = f"of {self.low}, rounded" if self.low == self.high else f"between {self.low} and {self.high}"
+        return f"{turn} multiplies small distances by a factor {factor}"
 
 
 def turn_growth(fan: TangentFan) -> TurnGrowth | None:
@@ -428,8 +420,8 @@ def _sense(cone: TangentCone) -> int:
 def growth_on_chord(cone: TangentCone, sense: int) -> Callable[[acb], acb]:
     """``d log|c| / dt`` along ``c = (1 - t) start + t end`` for solutions that turn in the given sense."""
     across, radial = (_on_chord(form, cone) for form in turning(cone.leading))
-    x, y = (Polynomial.variable(cone.leading[0].field, cone.leading[0].variables, name) for name in "xy")
-    square = _on_chord(dot((x, y), (x, y)), cone)
+    place = Polynomial.coordinates(cone.leading[0].field, PLANE)
+    square = _on_chord(dot(place, place), cone)
     area = acb(cross(cone.start, cone.end).ball()) * sense
     return lambda t: radial(t) * area / (across(t) * square(t))
 
@@ -451,26 +443,7 @@ EVALUATIONS = 10**6  # of an integrand: forms of high degree take a tenth of the
 WIDTH = Fraction(1, 2**40)  # of the pieces around roots
 
 
-@dataclass(frozen=True)
-class WorstTurn:
-    """The full turn with the most growth.
-
-    Attributes:
-        turn: encloses the factor.
-    """
-
-    turn: TurnGrowth
-
-    @property
-    def sign(self) -> int:
-        """Of the factor's logarithm; 0 where it is not known."""
-        return self.turn.sign
-
-    def __str__(self) -> str:
-        return f"a full turn under the worst switching multiplies small distances by {self.turn.factor}"
-
-
-def worst_turn(system: SwitchedSystem) -> WorstTurn | None:
+def worst_turn(system: SwitchedSystem) -> TurnGrowth | None:
     """The worst turn about the checked point; None where not all fields turn in one sense without radial directions."""
     fans = [build_tangent_fan(member) for member in system.members]
     known = [fan for fan in fans if fan is not None]
@@ -483,7 +456,7 @@ def worst_turn(system: SwitchedSystem) -> WorstTurn | None:
     sense = senses.pop()
     with ctx.workprec(PRECISION):
         total = sum((_largest_growth(members, sense) for members in cones), arb(0))
-        return WorstTurn(growth_of_logarithm(total, sense))
+        return replace(growth_of_logarithm(total, sense), is_worst=True)
 
 
 def _is_touched(fan: TangentFan) -> bool:

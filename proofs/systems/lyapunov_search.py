@@ -20,20 +20,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.switched_cells import (
-    FieldCell,
-    LyapunovCell,
-    lyapunov_cells,
-    square_regions,
-    system_cells,
-)
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
 from nonsmooth.proofs.checker.cells import Face
-from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
@@ -50,28 +44,28 @@ from nonsmooth.proofs.kernel.bases import (
     values,
 )
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
-from nonsmooth.proofs.kernel.search import Functions
-from nonsmooth.proofs.kernel.second_function import gradient, with_projected
+from nonsmooth.proofs.kernel.search import Functions, moved_to
+from nonsmooth.proofs.kernel.second_function import with_projected
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import Domain, plane_cells
 from nonsmooth.proofs.systems.energies import falling_energies
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_values
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
+from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 ROUNDS = 5  # of proposals for one family on one square
 WORK = 240  # inequalities that one search may look at
 FIRST_SHARE, LATER_SHARE = Fraction(2, 3), Fraction(1, 8)  # of them for the checked square, and for each smaller one
 UNDECIDED_COST = 60  # of an inequality whose sign is not found, in inequalities that are decided
-SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of the checked square
+SCALES = tuple(Fraction(1, 4**k) for k in range(4))  # of the checked square
 BISECTIONS = 6  # of the square on which a V is proved, where that is not the checked one
 ENLARGING_WORK = 180  # inequalities that these may look at
 MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
@@ -79,20 +73,12 @@ MAX_CELLS = 40  # beyond that the audit of one proposal takes too long
 DIVISIONS = 6  # of half a side of a square
 SHRINKING = 0.5  # from one distance of points to the next
 DISTANCES = 8
-NEWTON_STEPS = 8
 DENOMINATORS = (2, 8, 64, 4096)  # of the rounded coefficients, tried in turn
 LEAST_MARGIN = 2.0**-24  # below that nothing is proposed: floats could not tell it from zero
 CLEAR_MARGIN = 2.0**-9  # of a quadratic form: where it is less, as beside relays, a richer V falls faster
 NEGLIGIBLE = (2.0**-2, 2.0**-4, 2.0**-6)  # of the largest coefficient: what is left out, at first more
 
 Coefficients = tuple[Fraction, ...]
-
-
-@dataclass
-class Budget:
-    """What a search may still spend, in inequalities."""
-
-    left: int
 
 
 def in_time(cells: Sequence[FieldCell], *, grows: bool) -> tuple[FieldCell, ...]:
@@ -104,7 +90,7 @@ def in_time(cells: Sequence[FieldCell], *, grows: bool) -> tuple[FieldCell, ...]
 
 def square_cells(system: SwitchedSystem, radius: Number, *, grows: bool = False) -> tuple[FieldCell, ...]:
     """The cells of a square."""
-    return in_time(system_cells(system, square_regions(radius)), grows=grows)
+    return in_time(plane_cells(system, radius), grows=grows)
 
 
 def searched_cells(
@@ -138,7 +124,7 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
     curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
     work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
-        budget = Budget(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
+        budget = WorkMeter(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
         cells = square_cells(system, radius, grows=grows)
         for proposed in _proposed(system, cells, radius, budget, grows=grows) if len(cells) <= MAX_CELLS else ():
@@ -149,12 +135,12 @@ def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFuncti
                 def cells_on(radius: Number, formula: PiecewiseExpression = formula) -> tuple[LyapunovCell, ...]:
                     return searched_cells(system, formula, radius, grows=grows)
 
-                return enlarged(found, cells_on, system.check.radius, BISECTIONS, Budget(ENLARGING_WORK))
+                return enlarged(found, cells_on, system.check.radius, BISECTIONS, WorkMeter(ENLARGING_WORK))
     return None
 
 
 def _proposed(
-    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget, *, grows: bool
+    system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: WorkMeter, *, grows: bool
 ) -> Iterator[tuple[PiecewiseExpression, LyapunovResult] | None]:
     """What each family proves, the simple ones first; energies before the richest."""
     program = _Program(system, cells, radius, budget, grows)
@@ -168,7 +154,7 @@ def _proposed(
 
 
 def _falls(
-    system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression, budget: Budget
+    system: SwitchedSystem, cells: Sequence[FieldCell], formula: PiecewiseExpression, budget: WorkMeter
 ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
     """A candidate that is proved to fall; None for another, and once the budget is spent."""
     try:
@@ -186,7 +172,7 @@ def enlarged(
     cells_on: Callable[[Number], Sequence[LyapunovCell]],
     high: Number,
     times: int,
-    budget: Budget,
+    budget: WorkMeter,
 ) -> PlaneFunction:
     """The same V on the largest square on which bisection proves that it falls.
 
@@ -195,7 +181,7 @@ def enlarged(
         cells_on: the cells with V on the square of a half-width.
         high: a half-width beyond which nothing is asked.
         times: how often the part between is halved.
-        budget: of all audits.
+        budget: of all audits, in inequalities.
     """
     for _ in range(times):
         low = found.domain.radius
@@ -211,16 +197,20 @@ def enlarged(
     return found
 
 
+@dataclass
 class _Program:
     """The linear programs about one square: rows are conditions on the coefficients of a family."""
 
-    def __init__(
-        self, system: SwitchedSystem, cells: Sequence[FieldCell], radius: Number, budget: Budget, grows: bool
-    ) -> None:
-        self.system, self.cells, self.radius, self.budget, self.grows = system, cells, radius, budget, grows
-        with suppress(NoEnclosureError):
-            system = enclose_numbers(system)
-        self.rational = system
+    system: SwitchedSystem
+    cells: Sequence[FieldCell]
+    radius: Number
+    budget: WorkMeter
+    grows: bool
+
+    @cached_property
+    def rational(self) -> SwitchedSystem:
+        """The system in rational numbers."""
+        return with_known_numbers(self.system)
 
     def families(self) -> list[tuple[PiecewiseFunction, ...]]:
         """Bases from simple to rich; none where the cells are not looked at.
@@ -261,7 +251,7 @@ class _Program:
                 return None
             points: list[Point] = []
             for coefficients in propose(rows, LEAST_MARGIN if len(basis) > len(quadratic) else CLEAR_MARGIN):
-                text = formula_text(basis, list(map(as_fmpq, coefficients)))
+                text = formula_text(basis, coefficients)
                 formula = parse_piecewise(text, self.system.states)
                 judged = _judged(self.system, self.cells, formula)
                 failures = first_failure(judged, self.budget)
@@ -305,20 +295,11 @@ def regular_points(place: Face) -> Floats:
     grid = np.array(list(product(np.linspace(-1.0, 1.0, 2 * DIVISIONS + 1), repeat=place.dimension)))
     around = grid if place.dimension == 1 else grid[np.abs(grid).max(axis=1, initial=0.0) == 1]
     points = np.vstack([around * SHRINKING**k for k in range(DISTANCES)])
-    beside = [_moved_to(place.restricted(own), points) for own in place.inclusion.surfaces.listed if own.degree > 1]
+    beside = [moved_to(place.restricted(own), points) for own in place.inclusion.surfaces.listed if own.degree > 1]
     return np.vstack([with_projected(place, points), *beside])
 
 
-def _moved_to(curve: CheckedPolynomial, points: Floats) -> Floats:
-    """Points on a curve near these."""
-    for _ in range(NEWTON_STEPS):
-        slopes = gradient(curve, points)
-        sizes = np.square(slopes).sum(axis=1)
-        points = points - slopes * (float_values(curve.terms, points) / np.where(sizes == 0, 1, sizes))[:, None]
-    return points
-
-
-def first_failure(cells: Sequence[LyapunovCell], budget: Budget) -> list[Point]:
+def first_failure(cells: Sequence[LyapunovCell], budget: WorkMeter) -> list[Point]:
     """Points of the first closed cell on which V is not positive or does not fall, or where that is left open."""
     for cell in cells:
         positive = (Sense.POSITIVE, cell.potential)
@@ -345,7 +326,7 @@ def propose(rows: Floats, least: float = LEAST_MARGIN) -> Iterator[Coefficients]
     seen: set[Coefficients] = set()
     for chosen in (*(_pruned(rows, widest, share) for share in NEGLIGIBLE), widest):
         scaled = [] if chosen is None else [chosen / np.abs(chosen).max()]
-        served = (own for c in scaled for own in _rounded(c) if np.all(rows @ _floats(own) > 0))
+        served = (own for c in scaled for own in _rounded(c) if np.all(rows @ np.array(own, dtype=float) > 0))
         rounded = next(served, None)
         if rounded is not None and rounded not in seen:
             seen.add(rounded)
@@ -400,10 +381,6 @@ def _rounded(scaled: Floats) -> Iterator[Coefficients]:
     """Coefficients with each denominator."""
     for denominator in DENOMINATORS:
         yield tuple(Fraction(float(c)).limit_denominator(denominator) for c in scaled)
-
-
-def _floats(coefficients: Coefficients) -> Floats:
-    return np.array([float(c) for c in coefficients])
 
 
 # ---- a V that does not increase --------------------------------------------------------------------

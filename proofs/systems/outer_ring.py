@@ -32,6 +32,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     FloatField,
     Pace,
     area,
+    following,
     grow,
     lattice_unit,
     next_ring,
@@ -196,7 +197,7 @@ def _with_fewer_corners(field: FloatField, ring: Floats, longest: float) -> Floa
     """A ring without corners between which velocities lead over the longer side at a good part of the angle, too."""
     least = KEPT * float(sines(field, ring).min())
     for _ in range(COARSENINGS):
-        longer = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
+        longer = following(ring) - np.roll(ring, 1, axis=0)
         left_out = sines(field, np.roll(ring, 1, axis=0), longer) > least
         left_out &= np.linalg.norm(longer, axis=1) < longest
         left_out[::2] = left_out[-1] = False  # never two neighbours

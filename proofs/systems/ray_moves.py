@@ -57,12 +57,7 @@ def decide_equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
 
 def values_at_origin(cells: Iterable[FieldCell]) -> tuple[Point, ...]:
     """The distinct values of the fields of some cells at the origin."""
-    values = []
-    for cell in cells:
-        for f, g in cell.velocities:
-            zero = f.field.zero
-            values.append((f.terms.get((0, 0), zero), g.terms.get((0, 0), zero)))
-    return distinct(values)
+    return distinct((f.at_origin, g.at_origin) for cell in cells for f, g in cell.velocities)
 
 
 def conic_germ(cells: Iterable[FieldCell]) -> tuple[FieldCell, ...] | None:
@@ -226,7 +221,7 @@ def constant_cones(cells: Sequence[FieldCell]) -> tuple[Cone, ...] | None:
     pieces.sort(key=lambda piece: by_angle(piece[0]))
     cones: list[Cone] = []
     for (start, velocities), (end, _) in around(pieces):
-        motions = [Twist(f.terms.get((0, 0), zero), g.terms.get((0, 0), zero), zero) for f, g in velocities]
+        motions = [Twist(f.at_origin, g.at_origin, zero) for f, g in velocities]
         cones.append(Cone(start, end, tuple(motions)))
     return tuple(cones)
 
@@ -333,7 +328,7 @@ def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan |
     pieces: list[ConePiece] = []
     for signs in QUADRANTS:
         states = _chart(system, weights, frame, signs)
-        surfaces = tuple(s for s in system.surfaces(states) if not s.terms.get((0, 0)))
+        surfaces = tuple(s for s in system.surfaces(states) if not s.at_origin)
         rays = _rays(system, surfaces, signs)
         if rays is None:
             return None
@@ -384,8 +379,7 @@ def _rays(system: SwitchedSystem, surfaces: Sequence[Polynomial], signs: tuple[i
         if lines is None:
             return None
         for line in lines:
-            zero = system.field.zero
-            a, b = line.terms.get((1, 0), zero), line.terms.get((0, 1), zero)
+            a, b = line.slope(0), line.slope(1)
             for ray in ((b, -a), (-b, a)):
                 inside = sign(ray[0]) == signs[0] and sign(ray[1]) == signs[1]
                 if inside and not any(not cross(ray, known) for known in found):
@@ -434,5 +428,5 @@ def rays_between(fan: TangentFan) -> Iterator[tuple[TangentCone, TangentCone, tu
 def turning(field: PlaneField) -> tuple[Polynomial, Polynomial]:
     """``c x f`` and ``c . f`` as polynomials in c."""
     f, g = field
-    x, y = (Polynomial.variable(f.field, PLANE, name) for name in PLANE)
+    x, y = Polynomial.coordinates(f.field, PLANE)
     return cross((x, y), (f, g)), dot((x, y), (f, g))

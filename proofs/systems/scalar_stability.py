@@ -9,24 +9,25 @@ roots of polynomials in one variable, isolated exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import product
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
-from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction, rational_subject
 from nonsmooth.proofs.systems.domain import DecayKind, DecayRate, DisturbanceGain, Domain, rates_below, slowest_ratio
-from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Method, Reach
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
@@ -44,17 +45,13 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 FAR = 1 << 10  # half-widths of the interval, for rates on the whole line
 
-Slowest: TypeAlias = Callable[[Fraction, DecayKind, int], Fraction]
 
-
-def line_reach(scene: SwitchedSystem, half: Fraction, order: int, slowest: Slowest) -> Reach:
+def line_reach(scene: SwitchedSystem, half: Fraction) -> Reach:
     """Whether every start comes to the point, with a rate and a gain of the distance.
 
     Args:
         scene: in one state; of right-hand sides that were scaled, or in the root of the state, no rate is known.
         half: every start nearer than this comes to the point.
-        order: q, of the slowest solutions near the point.
-        slowest: the largest kappa that floats allow up to a distance, for a kind and a power of the distance.
     """
     (name,) = scene.states
     entry = find_global_attraction(scene, [parse_piecewise(f"{name}**2", scene.states)])
@@ -65,18 +62,21 @@ def line_reach(scene: SwitchedSystem, half: Fraction, order: int, slowest: Slowe
     if known is None:
         return everywhere
     (system, subject), search = known, Search()
-    on = [(Domain(None), FAR * half)] if entry is not None else []
+    on, order = [(Domain(None), FAR * half)] if entry is not None else [], _order(scene)
     for (domain, farthest), decay in product((*on, (Domain(scene.field(half)), half)), DecayKind):
         power = max(order - 1, 1) if decay is DecayKind.ALGEBRAIC else 1
-        for kappa in rates_below(slowest(farthest, decay, power)):
+        for kappa in rates_below(slowest(scene, farthest, decay, power)):
             rate = DecayRate(decay, kappa, _distance_text(name, power))
             level = None if domain.radius is None else half
-            gain = None
+            reach = replace(everywhere, rate=rate, rate_domain=domain)
+            stated: Record = {"rate": rate.record, "level": None}
             if decay is not DecayKind.ALGEBRAIC:
-                gain = DisturbanceGain(Fraction(1), rate, level, everywhere=domain.radius is None)
-            if _is_shown(system, subject, search, domain, rate, gain):
-                gain_domain = None if gain is None else domain
-                return replace(everywhere, rate=rate, rate_domain=domain, gain=gain, gain_domain=gain_domain)
+                gain = DisturbanceGain(Fraction(1), rate, level, everywhere=level is None)
+                reach = replace(reach, gain=gain, gain_domain=domain)
+                stated |= {"gain": "1", "level": None if level is None else str(level)}
+            with suppress(BeyondReachError, NotShownError):
+                search.entry(subject, "lyapunov", distance_hypotheses(system, domain, rate) | stated)
+                return reach
     return everywhere
 
 
@@ -94,23 +94,6 @@ def distance_hypotheses(scene: SwitchedSystem, domain: Domain, rate: DecayRate) 
     """
     cells = stated_cells(scene, domain.radius, surfaces_of(scene, parse_piecewise(rate.function, scene.states)))
     return stability_hypotheses(cells.record, rate.function, ASYMPTOTICALLY_STABLE)
-
-
-def _is_shown(
-    scene: SwitchedSystem,
-    subject: System,
-    search: Search,
-    domain: Domain,
-    rate: DecayRate,
-    gain: DisturbanceGain | None,
-) -> bool:
-    level = None if gain is None or gain.level is None else str(gain.level)
-    more = {"rate": rate.record, "level": level} | ({} if gain is None else {"gain": str(gain.gamma)})
-    try:
-        search.entry(subject, "lyapunov", distance_hypotheses(scene, domain, rate) | more)
-    except (BeyondReachError, NotShownError):
-        return False
-    return True
 
 
 # ---- signs on either side ------------------------------------------------------------------------
@@ -182,11 +165,10 @@ class LinePoint(CheckedPoint):
         right, left = self.sides.right.reach, self.sides.left.reach
         if right is None or left is None:
             return Reach()
-        near = min(within(right), within(left))
-        return line_reach(self.system, near, _order(self.system), partial(slowest, self.system))
+        return line_reach(self.system, min(within(right), within(left)))
 
 
-def decide_by_signs(point: LinePoint, known: Known) -> Finding:
+def decide_by_signs(point: LinePoint) -> Finding:
     """The stability of a point in one state."""
     sides = point.sides
     verdict, reason = _conclude(point.system, point.equilibrium, sides.right, sides.left)
@@ -233,7 +215,7 @@ def _side(scene: SwitchedSystem, turn: int) -> Side:
     """The fields on one side, as polynomials in the distance from the point."""
     near = [_outward(member, turn, germ_sign) for member in scene.members]
     signs = tuple(map(germ_sign, near))
-    values = tuple(p.terms.get((0,), scene.field.zero) for p in near)
+    values = tuple(p.at_origin for p in near)
     if max(signs) >= 0:
         return Side(signs, values, None)
     first = _first_stop(scene, turn)

@@ -33,7 +33,6 @@ from nonsmooth.proofs.systems.domain import SHRINKING, Domain
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
-    Budget,
     enlarged,
     find_lyapunov,
     in_time,
@@ -44,6 +43,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, same_direction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Proposal: TypeAlias = tuple[Floats, Floats]  # values on rays, and mixed ones
@@ -59,11 +59,6 @@ class LinearCone:
     start: int
     end: int
     velocity: PlaneField
-
-
-def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | None:
-    """A proved V for a system of cones with linear fields; None where the search or the proof fails."""
-    return next((result for _, result in _proved_on_cones(cells)), None)
 
 
 def find_near(
@@ -85,7 +80,7 @@ def find_near(
 
 def linear_parts(cones: Sequence[FieldCell]) -> tuple[FieldCell, ...] | None:
     """The cones with the linear parts of their fields; None where a field does not vanish at the origin."""
-    if any((0, 0) in part.terms for cell in cones for velocity in cell.velocities for part in velocity):
+    if any(part.at_origin for cell in cones for velocity in cell.velocities for part in velocity):
         return None
     return tuple(replace(cell, velocities=tuple((f.part(1), g.part(1)) for f, g in cell.velocities)) for cell in cones)
 
@@ -99,7 +94,7 @@ def restricted(pieces: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> tu
 
 
 def _proved_on_cones(cells: Sequence[FieldCell]) -> Iterator[tuple[tuple[LyapunovCell, ...], LyapunovResult]]:
-    """Each V that is proved on the cones themselves, with the proof."""
+    """Each V that is proved on the cones themselves, with the proof; none of fields that are not linear."""
     if any(not p.is_homogeneous or (p and p.degree != 1) for cell in cells for v in cell.velocities for p in v):
         return
     for halvings in HALVINGS:
@@ -212,7 +207,7 @@ def build_potential(
     for cone, m in zip(cones, mixed, strict=True):
         first, second = rays[cone.start], rays[cone.end]
         like = cone.velocity[0]
-        x, y = (Polynomial.variable(like.field, like.variables, name) for name in like.variables)
+        x, y = Polynomial.coordinates(like.field, like.variables)
         area: Any = cross(first, second)
         s = (x * second[1] - y * second[0]) * area.inverse()
         t = (y * first[0] - x * first[1]) * area.inverse()
@@ -234,8 +229,7 @@ def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows
         grows: whether time is reversed.
     """
     if are_cones(cells) and not system.others:
-        found = find_piecewise_quadratic(in_time(cells, grows=grows))
-        if found is not None:
+        for _, found in _proved_on_cones(in_time(cells, grows=grows)):
             return PlaneFunction(found, Domain(None), None, system.states, grows)
     proposed = find_lyapunov(system, grows=grows)
     if proposed is not None:
@@ -261,4 +255,4 @@ def enlarged_pieces(
     def cells_on(radius: Number) -> tuple[LyapunovCell, ...]:
         return restricted(pieces, square_cells(system, radius, grows=found.grows))
 
-    return enlarged(found, cells_on, refused, BISECTIONS, Budget(BISECTIONS * ENLARGING_WORK))
+    return enlarged(found, cells_on, refused, BISECTIONS, WorkMeter(BISECTIONS * ENLARGING_WORK))

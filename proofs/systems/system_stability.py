@@ -20,7 +20,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -30,13 +29,12 @@ from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel.cells import require_denominators
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, Staying, attraction, examine
 from nonsmooth.proofs.systems.domain import Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import (
     KEPT,
     CheckedPoint,
     Finding,
-    Known,
     Method,
     PlaneFunction,
     Reach,
@@ -55,7 +53,6 @@ from nonsmooth.proofs.systems.ray_moves import (
 )
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, signs_by_factors
 
 if TYPE_CHECKING:
@@ -137,7 +134,7 @@ class PlanePoint(CheckedPoint):
     def given_on(self, domain: Domain) -> PlaneFunction:
         """The scene's V on a domain."""
         check = self.system.check
-        result = examine(given_cells(self.system, domain))
+        result = examine(given_cells(self.system, domain.radius))
         return PlaneFunction(result, domain, check.lyapunov, self.system.states, is_given=True)
 
     def all_given(self) -> Iterator[PlaneFunction]:
@@ -147,26 +144,14 @@ class PlanePoint(CheckedPoint):
             yield self.given_on(domain)
 
     def attraction(self, function: PlaneFunction) -> Record | None:
-        """LaSalle's principle with its evidence, as a certificate holds it, of a V that does not increase."""
+        """LaSalle's principle with its evidence, of a V that does not increase; searched once for each."""
         for asked, entry in self._attractions:
             if asked is function:
                 return entry
-        self._attractions.append((function, self._searched_attraction(function)))
-        return self._attractions[-1][1]
-
-    def _searched_attraction(self, function: PlaneFunction) -> Record | None:
-        from nonsmooth.proofs.kernel.second_function import find_attraction
-        from nonsmooth.proofs.systems.derivatives import resting_place
-
-        if function.formula is None or resting_place(function.result.cells) is not None:
-            return None
-        with suppress(NoEnclosureError):
-            return find_attraction(enclose_numbers(self.system), function.formula, self.radius_of(function))
-        return None
-
-    def radius_of(self, function: PlaneFunction) -> Number:
-        """Half the side of the square on which a V is asked: the checked one, where it is proved on the plane."""
-        return function.domain.radius or self.system.check.radius
+        radius = function.domain.radius or self.system.check.radius
+        entry = attraction(self.system, function.formula, radius, function.result.cells)
+        self._attractions.append((function, entry))
+        return entry
 
     @property
     def open_reason(self) -> str:
@@ -196,7 +181,7 @@ class PlanePoint(CheckedPoint):
 # ---- what shows itself near the point --------------------------------------------------------------
 
 
-def decide_no_equilibrium(point: PlanePoint, known: Known) -> Finding | None:
+def decide_no_equilibrium(point: PlanePoint) -> Finding | None:
     """No mixture of the velocities at the point is zero."""
     if point.equilibrium is not Equilibrium.FAILS:
         return None
@@ -206,7 +191,7 @@ def decide_no_equilibrium(point: PlanePoint, known: Known) -> Finding | None:
     return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, reason)
 
 
-def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_fan(point: PlanePoint) -> Finding | None:
     """The fan of constant fields; a V may show more of one that attracts."""
     fan = point.fan
     if fan is None or fan.verdict is Translation.UNDECIDED:
@@ -216,7 +201,7 @@ def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:
     return Finding(Method.FAN, fan.verdict, fan.reason, proofs=fan, refutes=refutes, is_final=final)
 
 
-def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_leading_terms(point: PlanePoint) -> Finding | None:
     """The leading terms; functions show more."""
     leading = point.leading
     if leading is None:
@@ -227,7 +212,7 @@ def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
 # ---- functions -------------------------------------------------------------------------------------
 
 
-def decide_by_stated_function(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_stated_function(point: PlanePoint) -> Finding | None:
     """The best of the scene's V on its domains: a strict one at once, the first weak one otherwise."""
     weak = None
     for function in point.all_given():
@@ -239,11 +224,11 @@ def decide_by_stated_function(point: PlanePoint, known: Known) -> Finding | None
 
 
 @shared_effort(SEARCH_EFFORT)
-def search_function(point: PlanePoint, known: Known) -> Finding | None:
+def search_function(point: PlanePoint) -> Finding | None:
     """A V that falls, unless that is known to be impossible; else one that grows, unless that is, or is not needed."""
-    fan, leading, may_grow = point.fan, point.leading, known.function is None
+    fan, leading, may_grow = point.fan, point.leading, point.known.function is None
     if (
-        known.attraction_is_refuted
+        point.known.attraction_is_refuted
         or point.rays
         or (fan is not None and fan.verdict is not Translation.ASYMPTOTICALLY_STABLE)
     ):
@@ -279,9 +264,9 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
 # ---- LaSalle's principle ---------------------------------------------------------------------------
 
 
-def decide_by_stated_invariance(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_stated_invariance(point: PlanePoint) -> Finding | None:
     """By the V that the scene names, where curves cut the cells: beside these a search takes long."""
-    system = point.system
+    system, known = point.system, point.known
     if known.function is None or system.check.is_default or known.attraction_is_refuted:
         return None
     from nonsmooth.proofs.systems.lyapunov_search import has_curves
@@ -294,8 +279,6 @@ def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
     if entry is None:
         return None
-    from nonsmooth.proofs.systems.derivatives import Staying
-
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)
 

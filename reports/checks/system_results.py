@@ -30,7 +30,6 @@ from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.systems.switched_system import PLANE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -199,7 +198,7 @@ class SystemCheckResult(FactResult):
         from nonsmooth.proofs.many_states.reshaped_region import TooMuchWorkError
         from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_simplices
 
-        in_plane, basin, reshaped = len(self.evidence.scene.states) == len(PLANE), None, None
+        in_plane, basin, reshaped = self.evidence.scene.is_planar, None, None
         hint = ""
         with progress(f"{self.verdict}; region") as report:
 
@@ -226,7 +225,7 @@ class SystemCheckResult(FactResult):
         """
         system, basin = self.evidence.scene, self.evidence.reach.basin
         has_portrait = system.has_one_field and system.by_roots is None
-        if len(system.states) != len(PLANE) or not (basin or has_portrait):
+        if not system.is_planar or not (basin or has_portrait):
             super().draw(ax)
             return
         if basin is None:

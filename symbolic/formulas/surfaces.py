@@ -78,7 +78,7 @@ def _lines(factor: Polynomial) -> tuple[int, list[Polynomial]]:
     discriminant = b * b - 4 * a * c
     if discriminant.sign() < 0:
         return a.sign(), []
-    x, y = (Polynomial.variable(factor.field, factor.variables, name) for name in factor.variables)
+    x, y = Polynomial.coordinates(factor.field, factor.variables)
     if not a:
         return 1, [y, x * b + y * c]
     try:

@@ -154,6 +154,11 @@ class Polynomial(ExactRing):
         """One of the variables."""
         return cls(field, tuple(variables), {tuple(int(v == name) for v in variables): field.one})
 
+    @classmethod
+    def coordinates(cls, field: NumberField, variables: Sequence[str]) -> tuple[Polynomial, ...]:
+        """All of the variables."""
+        return tuple(cls.variable(field, variables, name) for name in variables)
+
     def _operand(self, value: Any) -> Polynomial | None:
         if isinstance(value, Polynomial):
             if value.variables != self.variables:
@@ -211,9 +216,18 @@ class Polynomial(ExactRing):
         return replace(self, terms={e: c for e, c in self.terms.items() if sum(e) == degree})
 
     @property
+    def at_origin(self) -> Number:
+        """Its value there."""
+        return self.terms.get((0,) * len(self.variables), self.field.zero)
+
+    def slope(self, k: int) -> Number:
+        """The coefficient of the k-th variable alone."""
+        return self.terms.get(tuple(int(i == k) for i in range(len(self.variables))), self.field.zero)
+
+    @property
     def constant_value(self) -> Number | None:
         """The value of a constant polynomial; None for any other."""
-        return self.terms.get((0,) * len(self.variables), self.field.zero) if not self.degree else None
+        return None if self.degree else self.at_origin
 
     def derivative(self, name: str) -> Polynomial:
         """Partial derivative."""

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import prod
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave
 from nonsmooth.symbolic.formulas.expression import ExpressionError
@@ -164,9 +164,18 @@ class SwitchedSystem(ShortRepr):
         """Where the scene came from, for messages: its file or built-in name, else its own name."""
         return self.source or self.name
 
+    @property
+    def is_planar(self) -> bool:
+        """Whether it has two states."""
+        return len(self.states) == len(PLANE)
+
     def coordinates(self) -> tuple[Polynomial, ...]:
         """The states as polynomials in themselves."""
-        return tuple(Polynomial.variable(self.field, self.states, name) for name in self.states)
+        return Polynomial.coordinates(self.field, self.states)
+
+    def named(self, values: Sequence[Any] | None = None) -> dict[str, Any]:
+        """Values of the states by their names; the states as polynomials in themselves unless given."""
+        return dict(zip(self.states, self.coordinates() if values is None else values, strict=True))
 
     def argument_of(
         self, wave: Wave, states: Sequence[Polynomial] | None = None, sign_of: SignOf = no_sign
@@ -181,12 +190,11 @@ class SwitchedSystem(ShortRepr):
         Raises:
             ExpressionError: where it is none.
         """
-        values = dict(zip(self.states, self.coordinates() if states is None else states, strict=True))
-        return parse_piecewise(wave.argument, self.states).polynomial(values, sign_of)
+        return parse_piecewise(wave.argument, self.states).polynomial(self.named(states), sign_of)
 
     def displaced(self, names: Sequence[str]) -> tuple[Polynomial, ...]:
         """The states as polynomials in the displacement from the checked point, whose entries have these names."""
-        variables = (Polynomial.variable(self.field, tuple(names), name) for name in names)
+        variables = Polynomial.coordinates(self.field, names)
         return tuple(v + centre for v, centre in zip(variables, self.check.equilibrium, strict=True))
 
     def velocity(self, sign_of: SignOf, states: Sequence[Polynomial] | None = None) -> tuple[Polynomial, ...]:
@@ -255,7 +263,7 @@ class SwitchedSystem(ShortRepr):
 
     def _value(self, k: int, formula: PiecewiseExpression, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
         try:
-            return formula.polynomial(dict(zip(self.states, values, strict=True)), sign_of)
+            return formula.polynomial(self.named(values), sign_of)
         except ExpressionError as error:
             raise self._error(k, requirement(error), self.rhs[k].text) from None
 
@@ -269,7 +277,7 @@ def require_plane(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for such a system.
     """
-    if len(system.states) != len(PLANE):
+    if not system.is_planar:
         raise SceneError(system.origin, "system.states", "two states", list(system.stated_states))
 
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.falling_function import claims_about
-from nonsmooth.proofs.systems.domain import SublevelRegion, scene_cells
+from nonsmooth.proofs.systems.domain import SublevelRegion, given_cells
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.floats import value
 from tests.plain import built
@@ -93,7 +93,7 @@ def system_of(published: Published) -> SwitchedSystem:
 
 def published_cells(system: SwitchedSystem) -> tuple[LyapunovCell, ...]:
     """The square with the published V."""
-    return scene_cells(system, square_regions(system.check.radius))
+    return given_cells(system, system.check.radius)
 
 
 def exact_level(system: SwitchedSystem) -> SublevelRegion | None:

@@ -17,7 +17,7 @@ from nonsmooth.proofs.kernel.cells import started
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.leading_terms import WorstTurn, decide_leading_terms
+from nonsmooth.proofs.systems.leading_terms import TurnGrowth, decide_leading_terms
 from nonsmooth.proofs.theorem_searches import parallel_lines, show_choice_of
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -64,10 +64,11 @@ def test_certified_below_the_exact_limit(alpha: str) -> None:
 def test_the_worst_turn_against_fine_steps(alpha: str) -> None:
     found = decide_leading_terms(zelentsovsky(alpha))
     assert found is not None
-    assert isinstance(found.growth, WorstTurn)
+    assert isinstance(found.growth, TurnGrowth)
+    assert found.growth.is_worst
     measured = worst_factor(float(alpha))
-    assert float(found.growth.turn.low) == pytest.approx(measured, rel=1e-6)
-    assert float(found.growth.turn.high) == pytest.approx(measured, rel=1e-6)
+    assert float(found.growth.low) == pytest.approx(measured, rel=1e-6)
+    assert float(found.growth.high) == pytest.approx(measured, rel=1e-6)
     assert (found.verdict is Translation.UNSTABLE) == (measured > 1)
 
 

@@ -14,7 +14,6 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_deriv
 from nonsmooth.proofs.kernel_strategies import decide_beside_curve_of_rest
 from nonsmooth.proofs.many_states.rest_beside import _adjugate, curve_of_rest
 from nonsmooth.proofs.system_decision import checked_point
-from nonsmooth.proofs.systems.findings import Known
 from tests.thorough import thorough
 
 EPIDEMIC = (["S", "I"], ["-S*I", "S*I - I"])
@@ -59,7 +58,7 @@ def test_an_epidemic_beyond_its_threshold_is_unstable() -> None:
     ],
 )
 def test_other_fields_have_no_such_curve(rhs: list[str]) -> None:
-    assert decide_beside_curve_of_rest(checked_point(ns.System(["x", "y"], rhs).system), Known()) is None
+    assert decide_beside_curve_of_rest(checked_point(ns.System(["x", "y"], rhs).system)) is None
 
 
 def _random_field(source: random.Random, count: int) -> list[Polynomial]:

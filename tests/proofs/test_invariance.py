@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.analysis.cells.switched_cells import square_regions
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.findings.verdicts import Translation
@@ -18,7 +17,7 @@ from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Staying, decide_staying, resting_place
-from nonsmooth.proofs.systems.domain import scene_cells
+from nonsmooth.proofs.systems.domain import given_cells
 from nonsmooth.proofs.systems.findings import KEPT, Method
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -47,7 +46,7 @@ def with_v(system: SwitchedSystem, lyapunov: str) -> SwitchedSystem:
 def staying(system: SwitchedSystem, share: int = 1) -> Staying:
     """Of the scene's V, on a part of the checked square."""
     radius = system.check.radius / share
-    return decide_staying(system, system.check.lyapunov, radius, scene_cells(system, square_regions(radius)))
+    return decide_staying(system, system.check.lyapunov, radius, given_cells(system, radius))
 
 
 @pytest.mark.parametrize(
@@ -157,7 +156,7 @@ def test_shrinking_avoids_a_far_equilibrium(load: Load, force: str, potential: s
 )
 def test_rests(load: Load, first: str, second: str, rests: bool) -> None:
     system = load(first, second)
-    assert (resting_place(scene_cells(system, square_regions(system.check.radius))) is not None) is rests
+    assert (resting_place(given_cells(system, system.check.radius)) is not None) is rests
 
 
 FRICTIONS = (
@@ -252,7 +251,7 @@ def system_of(fields: Fields, lyapunov: str | None = None) -> SwitchedSystem:
 def staying_under(fields: Fields, lyapunov: str) -> Staying:
     system = system_of(fields, lyapunov)
     radius = system.check.radius
-    return decide_staying(system, system.check.lyapunov, radius, scene_cells(system, square_regions(radius)))
+    return decide_staying(system, system.check.lyapunov, radius, given_cells(system, radius))
 
 
 @few(7)
@@ -369,7 +368,7 @@ def test_rests_of_several_fields_against_their_hulls(count: int) -> None:
         entries[:, 0, 2] += 3 * rng.integers(0, 2)
         fields = [[f"{a}*x + {b}*y + {c} + sign(x)" for a, b, c in field] for field in entries.tolist()]
         system = system_of(fields)
-        place = resting_place(scene_cells(system, square_regions(system.check.radius)))
+        place = resting_place(given_cells(system, system.check.radius))
         known[place is not None] += 1
         if place is None:
             continue

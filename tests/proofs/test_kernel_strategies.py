@@ -29,7 +29,7 @@ from nonsmooth.proofs.kernel_strategies import decide_by_quotient, decide_by_wei
 from nonsmooth.proofs.many_states.lyapunov_search import find_growing_product
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
-from nonsmooth.proofs.systems.findings import Known, Method
+from nonsmooth.proofs.systems.findings import Method
 from tests.certificates.inclusion import contradiction
 from tests.oracles.floats import midpoint
 from tests.thorough import examples, few, keep, thorough
@@ -143,7 +143,7 @@ def by_factors() -> dict[str, Any]:
     found = find_growing_product(system)
     assert found is not None
     statement = {"subject": about(system), "claims": [{"stability": "unstable"}]}
-    certificate = {"version": VERSION, "statement": statement, "evidence": [found.entry]}
+    certificate = {"version": VERSION, "statement": statement, "evidence": [found]}
     assert not refusal(certificate, SIZE)
     return certificate
 
@@ -290,7 +290,7 @@ def test_no_polynomial_serves(stated: str | None) -> None:
 
 
 def test_a_quotient_is_found() -> None:
-    found = decide_by_quotient(checked_point(ns.System(["x", "y"], NO_POLYNOMIAL).system), Known())
+    found = decide_by_quotient(checked_point(ns.System(["x", "y"], NO_POLYNOMIAL).system))
     assert found is not None
     assert found.verdict is Translation.ASYMPTOTICALLY_STABLE
 
@@ -393,7 +393,7 @@ def half_turns(force: Force, y: float = 0.3, step: float = 1e-4) -> list[float]:
 
 def verdict_by_weights(force: str) -> str:
     """What terms of higher weight say, and nothing else."""
-    found = decide_by_weights(checked_point(ns.System(["x", "y"], ["y", force]).system), Known())
+    found = decide_by_weights(checked_point(ns.System(["x", "y"], ["y", force]).system))
     return "nothing" if found is None else str(found.verdict)
 
 

@@ -28,6 +28,7 @@ from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, in_time, propose
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.formulas.cleared_fractions import float_value
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -298,7 +299,7 @@ def test_families_too_large_for_a_formula_are_left_out(load: Load, monkeypatch: 
         "y*(2 + sign(x + y) - sign(x + 2*y) + sign(x - y))", "-x*(3 + sign(x - 2*y) - sign(2*x + y)) + y*Abs(x)"
     )
     assert len(system.surfaces()) == 6
-    assert find_weak_function(system) is None
+    assert find_weak_function(PlanePoint(system)) is None
 
 
 def test_a_rate_over_square_roots_is_certified(load: Load) -> None:

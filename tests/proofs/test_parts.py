@@ -24,7 +24,7 @@ from nonsmooth.proofs.system_decision import (
     decide_by_sliding,
     decide_system,
 )
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Method, Reach
 from nonsmooth.reports.exchange.obligations import obligations_of
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
@@ -37,7 +37,7 @@ from tests.thorough import few
 
 # ---- Cascades, and surfaces on which solutions slide: systems that are decided by some of their states.
 
-Decide: TypeAlias = Callable[[CheckedPoint, Known], Finding | None]
+Decide: TypeAlias = Callable[[CheckedPoint], Finding | None]
 
 ATTRACTS, RESTS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 
@@ -87,7 +87,7 @@ def require_shown(decide: Decide, case: tuple[list[str], list[int] | None, Trans
     """One of the two theorems decides by itself, with a certificate."""
     rhs, at, truth = case
     point = checked_point(system(rhs, at))
-    found = decide(point, Known())
+    found = decide(point)
     assert found is not None
     assert (found.verdict, found.theorem) == (truth, method)
     assert {"stability": str(truth)} in certificate_of(decided_by(point, found))["statement"]["claims"]
@@ -147,7 +147,7 @@ NOTHING = [
 
 @pytest.mark.parametrize(("rhs", "decide"), NOTHING)
 def test_nothing_is_said(rhs: list[str], decide: Decide) -> None:
-    assert decide(checked_point(system(rhs)), Known()) is None
+    assert decide(checked_point(system(rhs))) is None
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -167,7 +167,7 @@ def test_what_rests_beside_others_is_not_contradicted(seed: int) -> None:
 def require_true(rhs: list[str], decide: Decide) -> None:
     """What a theorem says of a system, if anything."""
     point = checked_point(system(rhs))
-    found = decide(point, Known())
+    found = decide(point)
     if found is not None:
         certificate = certificate_of(decided_by(point, found))
         assert not contradiction(certificate["statement"]), rhs

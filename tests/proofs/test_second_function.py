@@ -150,11 +150,12 @@ def test_functions_of_reversed_time(force: str) -> None:
     system = built(["y", force], radius="1/2")
     found = find_weak_growth(system)
     assert found is not None
-    (entry, claims), function, _ = found
+    entry, claims = found
     assert claims == [{"stability": "unstable"}]
     statement = {"subject": about(system), "claims": claims}
     assert refused({"version": VERSION, "statement": statement, "evidence": [entry]}) == ""
     x, y = simulate(system_field(system, (0.1, 0.0)), (0.1, 0.0), 12.0).end.state
+    function = entry["hypotheses"]["function"]
     assert value(function, x=x, y=y) < 1.5 * value(function, x=0.1, y=0.0)
 
 

@@ -429,6 +429,7 @@ def test_denominators_must_not_vanish_on_the_square() -> None:
 def test_an_audit_speaks_of_the_stated_field() -> None:
     assert audit(built(["y", "-sin(x) - y"]), "x**2 + x*y/2 + y**2").verdict is AuditVerdict.VALID
     assert audit(built(["y", "-sin(x) - y"]), "x**2 - x*y + y**2").verdict is AuditVerdict.INVALID
+    assert audit(built(["-x", "-y", "sin(z)"]), "x**2 + y**2 + z**2").verdict is AuditVerdict.INVALID
 
 
 @few(3)

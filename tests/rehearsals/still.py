@@ -17,7 +17,7 @@ from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import adjoining, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, Kind
 from nonsmooth.proofs.many_states.decision import SpacePoint
-from nonsmooth.proofs.systems.findings import Finding, Known, Strategy
+from nonsmooth.proofs.systems.findings import Finding, Strategy
 from nonsmooth.proofs.theorem_searches import TheoremSearch
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -45,7 +45,7 @@ def find_still(system: SwitchedSystem, verdict: str) -> Entry:
 STILL = TheoremSearch("no motion", find_still, (STABLE,))
 
 
-def decide_still(point: SpacePoint, known: Known) -> Finding | None:
+def decide_still(point: SpacePoint) -> Finding | None:
     """The strategy that decides: no field moves on any cell near the point."""
     moves = any(map(any, (field for cell in adjoining(point.cells) for field in cell.velocities)))
     return None if moves else Finding("no motion", Translation.STABLE, "nothing moves there")

@@ -64,9 +64,9 @@ def test_a_strategy_decides(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not claimed.check()
 
 
-def test_every_strategy_of_the_registry_is_a_function_of_a_point_and_what_is_known() -> None:
+def test_every_strategy_of_the_registry_is_a_function_of_a_point() -> None:
     """Modules are named, so that they are imported when they are asked: nothing else would tell a wrong name."""
     for strategy in STRATEGIES:
         function = getattr(import_module(strategy.module), strategy.function)
-        assert list(signature(function).parameters) == ["point", "known"], strategy
+        assert list(signature(function).parameters) == ["point"], strategy
         assert function.__module__ == strategy.module

@@ -17,7 +17,6 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.kernel_strategies import decide_by_solution
 from nonsmooth.proofs.system_decision import checked_point, decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
-from nonsmooth.proofs.systems.findings import Known
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
@@ -385,7 +384,7 @@ def test_a_verdict_of_overlapping_tables() -> None:
         {"rhs": ["0", "0"]},
     ]
     assert decide_system(built(tables)).verdict == "asymptotically stable"
-    found = decide_by_solution(checked_point(built(tables, overlap=True)), Known())
+    found = decide_by_solution(checked_point(built(tables, overlap=True)))
     assert found is not None
     assert found.verdict == "unstable"
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy as sp
-from flint import fmpq
+from flint import fmpq_mat
 from numpy.typing import NDArray
 from scipy.optimize import linprog, nnls
 
@@ -238,8 +238,7 @@ def test_forged_results_are_refused() -> None:
     ],
 )
 def test_spectra(matrix: list[list[int]], spectrum: Spectrum) -> None:
-    exact = tuple(tuple(fmpq(value) for value in row) for row in matrix)
-    assert spectrum_of(exact, linear=True) is spectrum
+    assert spectrum_of(fmpq_mat(matrix), linear=True) is spectrum
 
 
 def _values(surface: Polynomial, points: NDArray[np.float64]) -> NDArray[np.float64]:

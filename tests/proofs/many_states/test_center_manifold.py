@@ -20,7 +20,7 @@ from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, sho
 from nonsmooth.proofs.many_states.weak_functions import find_kept_function
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, checked_point, decide_system
-from nonsmooth.proofs.systems.findings import Known, Method
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import contradiction
 from tests.thorough import but, few, keep
@@ -159,7 +159,7 @@ def test_points_that_repel(rhs: list[str]) -> None:
 def verdict_beside(rhs: Sequence[str]) -> Translation | None:
     """What the centre manifold alone says."""
     point = checked_point(ns.System(list(STATES[: len(rhs)]), list(rhs)).system)
-    found = decide_by_center_manifold(point, Known())
+    found = decide_by_center_manifold(point)
     return None if found is None else found.verdict
 
 
@@ -228,13 +228,13 @@ def test_no_patterns_are_searched_where_fields_differ_near_the_point(monkeypatch
     """It took minutes beside four curves of degree 6, with nothing that could be found."""
     monkeypatch.setattr("nonsmooth.proofs.many_states.center_manifold.sharpened", None)
     system = ns.System(list("xy"), ["-x + sign(x**6 + y**5 - 2*x*y/7 + x**2*y)", "-2*y"]).system
-    assert show_by_center_manifold(system, attracts=True) is None
+    assert show_by_center_manifold(system) is None
 
 
 def test_fields_of_high_degree_are_cut_before_they_are_multiplied() -> None:
     """With the denominator the field has degree 7, and the manifold is asked up to that degree, too."""
     system = ns.System(["x", "y"], ["y", "-x**3 - 3*y/(1 + x**4)"]).system
-    assert show_by_center_manifold(system, attracts=True) is not None
+    assert show_by_center_manifold(system) is not None
 
 
 # ---- Points that are stable because a polynomial is kept: textbook systems, certificates, and points that are not.
