@@ -238,7 +238,7 @@ FEW = {
     **{"irrational numbers": 10, "basin": 8, "basin, searched": 15, "escape": 8, "lyapunov, searched": 12},
     **{"circles, searched": 5, "triangles": 10},
 }
-SOME, MANY = 25, 10_000
+SOME, MANY = 15, 10_000
 
 
 FEWER = {

@@ -81,7 +81,7 @@ def test_known_systems_are_decided_and_agree_with_small_steps(rhs: list[str], tr
 
 
 @few(2)
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(1, 25))
 def test_random_systems_are_not_contradicted(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b, c, d = (f"({k}/4)" for k in rng.integers(-10, 11, 4))
@@ -178,6 +178,7 @@ SPACE: list[tuple[list[str], list[str], Translation, bool]] = [
 ]
 
 
+@few(3)
 @pytest.mark.parametrize(("rhs", "at", "truth", "has_certificate"), keep(len(SPACE) - 1, SPACE))
 def test_three_states(rhs: list[str], at: list[str], truth: Translation, has_certificate: bool) -> None:
     result = decide_system(built(rhs, equilibrium=at))

@@ -58,6 +58,7 @@ def rounded(formula: sp.Expr) -> sp.Expr:
     return formula.replace(sp.sign, lambda x: x / sp.sqrt(x**2 + WIDTH**2))
 
 
+@few(4)
 @pytest.mark.parametrize("rhs", but(LONG, GLOBAL), ids="; ".join)
 def test_every_start_arrives(rhs: list[str]) -> None:
     result = decided(rhs)
