@@ -250,9 +250,7 @@ def system_of(fields: Fields, lyapunov: str | None = None) -> SwitchedSystem:
 
 
 def staying_under(fields: Fields, lyapunov: str) -> Staying:
-    system = system_of(fields, lyapunov)
-    radius = system.check.radius
-    return decide_staying(system, system.check.lyapunov, radius, scene_cells(system, square_regions(radius)))
+    return staying(system_of(fields, lyapunov))
 
 
 @few(7)
