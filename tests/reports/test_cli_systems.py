@@ -311,19 +311,6 @@ def test_a_point_to_check_has_a_number_for_each_state(invoke: Invoke) -> None:
     assert "required 3 numbers, one for each state, received 2" in refused.err
 
 
-@pytest.mark.parametrize("option", [("--require", "pose"), ("--no-prune",)])
-@pytest.mark.parametrize("scenes", [("eq-4",), ("four-wheel", "eq-4")])
-def test_a_plain_system_has_no_answers_to_require_and_no_wheels_to_prune(
-    invoke: Invoke, scenes: tuple[str, ...], option: tuple[str, ...]
-) -> None:
-    """A guard that asks for the pose of a plain system would be passed by the stability of a point."""
-    refused = invoke("check", *scenes, *option)
-    assert refused.status == 2
-    assert refused.err == (
-        f"nonsmooth: eq-4: required an array of wheels for {option[0]}, received a plain switched system\n"
-    )
-
-
 # ---- Facts of plain systems and audits: one list gives the rows of the terminal and the keys of JSON.
 
 

@@ -483,25 +483,6 @@ def test_the_command_writes_every_language(invoke: Invoke, tmp_path: Path) -> No
     assert "NOT certified" in (tmp_path / "printed.st").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("four-wheel-side", "--law", "a.c"), "required a certified feedback law; the feedback clause says"),
-        (("four-wheel", "--law", "a.txt"), ".c, .st"),
-        (("four-wheel", "--law-name", "printed"), "--law-name: required --law, received none"),
-        (("ring-5", "--rule", "ellipse", "--law", "a.c", "--law-name", "printed"), "required rule nearest"),
-        (("four-wheel-side", "--law", "a.c", "--law-name", "printed"), "required a roll row in third place"),
-    ],
-)
-def test_what_cannot_be_written_is_refused(
-    invoke: Invoke, tmp_path: Path, arguments: tuple[str, ...], said: str
-) -> None:
-    done = invoke("check", *arguments)
-    assert done.status == 2
-    assert said in done.err
-    assert not list(tmp_path.iterdir())
-
-
 def test_no_line_ends_within_the_name_of_a_wheel() -> None:
     result = ns.load("grid-4x4").check(rule="box")
     assert isinstance(result, ns.CheckResult)

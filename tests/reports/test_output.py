@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -218,6 +219,41 @@ def test_new_files_follow_the_umask_and_old_ones_keep_their_mode(tmp_path: Path)
     assert (tmp_path / "new").stat().st_mode & 0o777 == 0o640
     assert (tmp_path / "old").stat().st_mode & 0o777 == 0o604
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["new", "old"]
+
+
+# ---- Equal input gives equal files, which are whole, and no others ---------------------------------
+
+DRAWN = [
+    ("partition ring-5", ".svg"),
+    ("partition ring-5", ".png"),
+    ("partition ring-5", ".pdf"),
+    ("vehicle husky-a200", ".svg"),
+    ("vehicle mecanum-base", ".svg"),
+    ("simulate four-wheel-side --grid 3 --until 0.3", ".svg"),  # starts that never arrive, or are not unique
+    ("simulate conveyor-3 --grid 7 --until 0.3", ".png"),
+    ("simulate saddle --grid 7 --until 0.3", ".pdf"),  # more ends than there are colors
+    ("simulate ring-3 --from 0.05,0.02,0.1 --until 0.2", ".gif"),
+    ("simulate ring-3 --from 0.05,0.02,0.1 --until 0.2", ".html"),
+    ("simulate four-wheel --from 0.1,0.15,0.3 --feedback --gain 3 --until 4", ".svg"),
+    ("stress line-of-equilibria", ".svg"),
+    ("stress line-of-equilibria", ".pdf"),
+]
+BEGINNINGS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF", ".gif": b"GIF8", ".html": b"<!DOCTYPE html>"}
+
+
+@few(4)
+@pytest.mark.parametrize(("line", "suffix"), DRAWN)
+def test_equal_input_gives_equal_files(invoke: Invoke, tmp_path: Path, line: str, suffix: str) -> None:
+    file = tmp_path / f"drawn{suffix}"
+    assert invoke(*line.split(), "-o", file.name).status == 0
+    first = file.read_bytes()
+    assert invoke(*line.split(), "-o", file.name).status == 0
+    assert file.read_bytes() == first
+    assert [entry.name for entry in tmp_path.iterdir()] == [file.name]
+    assert first.startswith(BEGINNINGS[suffix])
+    assert len(first) > 5_000
+    if suffix == ".svg":
+        assert ET.fromstring(first).tag.endswith("svg")
 
 
 # ---- ``--allow-outside``: every command that reads a scene keeps its table of wheels in the scene's folder without
