@@ -348,10 +348,6 @@ def test_large_fields_are_refused_at_once(four_wheel: Record) -> None:
 Forge: TypeAlias = Callable[[Record], object]
 
 
-def swap(items: list[Any], i: int, j: int) -> None:
-    items[i], items[j] = items[j], items[i]
-
-
 def _split_point(c: Record) -> None:
     """Another name for a corner, used by one cell only."""
     corner = evidence(c)["cells"][0]["polygon"][0]

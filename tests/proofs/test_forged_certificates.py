@@ -34,7 +34,6 @@ from tests.thorough import but, thorough
 # The limits are counted in work, not in time, so what is refused here is refused on every machine; the allowed
 # processor time is several times what an idle machine takes.
 
-SECONDS = 60.0  # of processor time; an idle machine takes 20 at most
 AT_ONCE = 10.0  # where nothing but the reading is asked for
 RANDOM = np.random.default_rng(1)
 FIRST = RANDOM.bit_generator.state  # from which every test begins, whichever ran before
