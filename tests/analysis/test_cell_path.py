@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -115,7 +116,10 @@ def pushed_up(arrays: Arrays) -> tuple[Scene, Depths]:
     return plate, partial(polygon_depths, np.array(corners, float))
 
 
-SLIDES = {"nearest": (pushed_up, (0.0, 0.3, 0.0), 4), "box": (partial(pushed_back, rule="box"), (0.3, -0.2, 0.0), 5)}
+SLIDES: dict[str, tuple[Callable[[Arrays], tuple[Scene, Depths]], tuple[float, float, float], int]] = {
+    "nearest": (pushed_up, (0.0, 0.3, 0.0), 4),
+    "box": (partial(pushed_back, rule="box"), (0.3, -0.2, 0.0), 5),
+}
 
 
 @few(1)

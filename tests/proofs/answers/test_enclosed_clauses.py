@@ -232,6 +232,7 @@ def test_a_point_that_is_only_near_is_no_equilibrium() -> None:
     assert check_smooth(near).equilibrium.verdict == "fails"
 
 
+BY_ANGLE = '"53.13010235415598 deg"'
 EXACT = """
 [friction]
 mu_roll = 5
