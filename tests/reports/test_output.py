@@ -11,9 +11,10 @@ import sys
 import time
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TypeAlias
+from typing import IO, TypeAlias
 
 import pytest
 
@@ -306,22 +307,30 @@ HASTY = (
 )
 
 
-def on_terminal(monkeypatch: pytest.MonkeyPatch, patience: float) -> str:
-    """What two steps leave on a pseudo-terminal, cleared at the end."""
+@contextmanager
+def terminal(monkeypatch: pytest.MonkeyPatch, patience: float = 0.0) -> Iterator[tuple[IO[str], list[str]]]:
+    """A pseudo-terminal as standard error, and, at the end, all that was written to it."""
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(progress_module, "PATIENCE", patience)
     monkeypatch.setattr(progress_module, "TICK", 0.01)
     leader, follower = os.openpty()
+    shown: list[str] = []
     with os.fdopen(follower, "w") as stream:
         monkeypatch.setattr(sys, "stderr", stream)
+        yield stream, shown
+    shown.append(terminal_text(leader))
+    os.close(leader)
+
+
+def on_terminal(monkeypatch: pytest.MonkeyPatch, patience: float) -> str:
+    """What two steps leave there, cleared at the end."""
+    with terminal(monkeypatch, patience) as (stream, shown):
         with steps("count wheels") as announce:
             time.sleep(0.1)
             announce("count cells")
             time.sleep(0.1)
         stream.write("end")
-    shown = terminal_text(leader)
-    os.close(leader)
-    return shown
+    return shown[0]
 
 
 def test_steps_are_named_in_turn_and_the_line_is_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -342,49 +351,29 @@ def test_seconds_are_seen_where_the_step_is_wider_than_the_terminal(monkeypatch:
 
 
 def test_an_error_ends_the_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(progress_module, "PATIENCE", 0.0)
-    leader, follower = os.openpty()
-    with os.fdopen(follower, "w") as stream:
-        monkeypatch.setattr(sys, "stderr", stream)
-        with pytest.raises(KeyError):
-            failing_step()
-    shown = terminal_text(leader)
-    os.close(leader)
-    assert shown.endswith(CLEAR_LINE)
-
-
-def failing_step() -> None:
-    """A step that has been shown when it fails."""
-    with steps("count wheels"):
+    """Of a step that has been shown when it fails."""
+    with terminal(monkeypatch) as (_, shown), suppress(KeyError), steps("count wheels"):
         time.sleep(0.1)
         raise KeyError
+    assert shown[0].endswith(CLEAR_LINE)
 
 
 def test_what_the_work_tells_is_shown_and_moves(monkeypatch: pytest.MonkeyPatch) -> None:
     """From any depth, within a step inside another; the outer step is named again afterwards."""
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(progress_module, "PATIENCE", 0.0)
-    monkeypatch.setattr(progress_module, "TICK", 0.01)
-    leader, follower = os.openpty()
-    with os.fdopen(follower, "w") as stream:
-        monkeypatch.setattr(sys, "stderr", stream)
-        with steps("simulate"):
-            with steps("path"):
-                for count in (1, 2):
-                    tell_count(count, 2, "starts")
-                    time.sleep(0.1)
-            tell("film")
-            time.sleep(0.1)
-            end_progress()
-            stream.write("output")
-            tell("nothing more")
-            time.sleep(0.1)
-    shown = terminal_text(leader)
-    os.close(leader)
-    places = [shown.index(said) for said in ("path: 1 of 2 starts (0 s)", "path: 2 of 2", "simulate: film (0 s)")]
+    with terminal(monkeypatch) as (stream, shown), steps("simulate"):
+        with steps("path"):
+            for count in (1, 2):
+                tell_count(count, 2, "starts")
+                time.sleep(0.1)
+        tell("film")
+        time.sleep(0.1)
+        end_progress()
+        stream.write("output")
+        tell("nothing more")
+        time.sleep(0.1)
+    places = [shown[0].index(said) for said in ("path: 1 of 2 starts (0 s)", "path: 2 of 2", "simulate: film (0 s)")]
     assert places == sorted(places)
-    assert shown.endswith(f"{CLEAR_LINE}output")
+    assert shown[0].endswith(f"{CLEAR_LINE}output")
 
 
 def test_only_the_innermost_listener_hears() -> None:
@@ -535,22 +524,15 @@ def test_every_command_that_can_take_long_shows_moving_seconds(command: str, mon
         time.sleep(0.35)
         raise RefusedError("enough")
 
-    monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(type(study), "run", slow)
-    monkeypatch.setattr(progress_module, "PATIENCE", 0.1)
-    monkeypatch.setattr(progress_module, "TICK", 0.02)
     fast = SimpleNamespace(monotonic=lambda: 10 * time.monotonic())
     monkeypatch.setattr(progress_module, "time", fast)
-    leader, follower = os.openpty()
-    with os.fdopen(follower, "w") as stream:
-        monkeypatch.setattr(sys, "stderr", stream)
+    with terminal(monkeypatch, patience=0.1) as (_, shown):
         assert run(app, [command, *ASKED[command]]) == 2
-    shown = terminal_text(leader)
-    os.close(leader)
-    seconds = [int(found) for found in re.findall(rf"{command} \((\d+) s\)", shown)]
+    seconds = [int(found) for found in re.findall(rf"{command} \((\d+) s\)", shown[0])]
     assert seconds[0] <= 2
     assert len(set(seconds)) > 1
-    assert "enough" in shown.rpartition(CLEAR_LINE)[2]
+    assert "enough" in shown[0].rpartition(CLEAR_LINE)[2]
 
 
 def terminal_text(leader: int) -> str:

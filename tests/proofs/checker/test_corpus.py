@@ -89,14 +89,25 @@ def share(forgeries: Sequence[Forgery], part: int) -> list[Forgery]:
 
 
 @pytest.mark.parametrize("part", keep(1, range(PARTS)))
-def test_forged_ones_are_rejected(part: int) -> None:
-    """Every one, in one line."""
-    good = good_certificates()
-    for own in share(bad_certificates(), part):
-        why = forged(own, good)
+@pytest.mark.parametrize(
+    ("forgeries", "good", "least"),
+    [(bad_certificates, good_certificates, 1_000), (bad_arrays, good_arrays, 150)],
+    ids=["systems", "arrays"],
+)
+def test_forged_ones_are_rejected(
+    part: int,
+    forgeries: Callable[[], tuple[Forgery, ...]],
+    good: Callable[[], dict[str, Any]],
+    least: int,
+) -> None:
+    """Every one, in one line, within some seconds."""
+    for own in share(forgeries(), part):
+        start = time.process_time()
+        why = forged(own, good())
         assert why, own.record
         assert "\n" not in why
-    assert len(bad_certificates()) > 1_000
+        assert time.process_time() - start < SECONDS, own.kind
+    assert len(forgeries()) > least
 
 
 def test_every_condition_refuses_alone() -> None:
@@ -124,19 +135,6 @@ def test_what_good_arrays_claim_is_decided_anew(part: int) -> None:
     """The workbench, which shares no code with the checker, builds each array from its certificate."""
     for own in list(good_arrays().values())[part::PARTS]:
         assert_still_true(own)
-
-
-@pytest.mark.parametrize("part", keep(1, range(PARTS)))
-def test_forged_arrays_are_rejected(part: int) -> None:
-    """Every one, in one line, within some seconds."""
-    good = good_arrays()
-    for own in share(bad_arrays(), part):
-        start = time.process_time()
-        why = forged(own, good)
-        assert why, own.record
-        assert "\n" not in why
-        assert time.process_time() - start < SECONDS, own.kind
-    assert len(bad_arrays()) > 150
 
 
 @pytest.mark.parametrize("start", keep(1, range(0, 80, 10)))
