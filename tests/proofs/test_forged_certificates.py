@@ -27,7 +27,7 @@ from tests.oracles.mutants import Attack, Hand, Record, is_number, leaves, other
 from tests.proofs import test_second_function as further
 from tests.proofs import test_square_roots as roots
 from tests.proofs.attacks import ATTACKS, in_one_state, of_ties
-from tests.thorough import but, thorough
+from tests.thorough import but, few, thorough
 
 # ---- Forged certificates of arrays that ask for as much work as they can: each is refused within some seconds.
 #
@@ -270,6 +270,7 @@ def test_many_mutants_are_rejected_or_true(name: str) -> None:
     assert found.rejected
 
 
+@few(10)
 @pytest.mark.parametrize("name", [name for name in ATTACKS if "searched" not in name and name != "further functions"])
 def test_oracles_see_what_is_claimed_falsely(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A checker that believes every claim that is well formed: the oracle contradicts one.

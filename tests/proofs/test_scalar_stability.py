@@ -23,13 +23,14 @@ from tests.oracles.floats import value
 from tests.oracles.mutants import Record
 from tests.plain import built
 from tests.proofs.forged import with_deciding
-from tests.thorough import but, keep
+from tests.thorough import but, few, keep
 
 # ---- Systems in one state: against known truths, and against the formula in floats at points beside the equilibrium.
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 
 
+@few(9)
 @pytest.mark.parametrize(
     ("formula", "truth", "left", "right"),
     [
