@@ -445,7 +445,8 @@ def paths_home(partition: Partition, found: Any, kinematics: Kinematics) -> Iter
         path = simulate(field, (distance * x, distance * y, 0), until)
         ends = [(piece.end, np.array(piece.state(piece.end - piece.start))) for piece in path.pieces]
         moment, state = next((t, state) for t, state in ends if np.hypot(*state[:2]) < ARRIVED)
-        yield distance, moment, state
+        assert moment is not None
+        yield float(distance), float(moment), state
 
 
 @pytest.mark.parametrize("seed", QUADRATIC_SEEDS)

@@ -148,12 +148,13 @@ def test_scenes_lists_the_built_in_names(invoke: Invoke) -> None:
 # ---- what people see -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("arguments", [("check", "saddle"), ("partition", "ring-8"), ("scenes",)])
-def test_views_fit_80_columns_without_colors(
-    invoke: Invoke, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
-) -> None:
+SHOWN = ["check saddle", "partition ring-8", "scenes", "vehicle husky-a200", "vehicle tracked-base --rule nearest"]
+
+
+@pytest.mark.parametrize("line", [*SHOWN, "vehicle swerve-base"])
+def test_views_fit_80_columns_without_colors(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, line: str) -> None:
     monkeypatch.setenv("COLUMNS", str(COLUMNS))
-    out = invoke(*arguments).out
+    out = invoke(*line.split()).out
     assert max(len(line) for line in out.splitlines()) <= COLUMNS
     assert "\x1b" not in out
 

@@ -97,14 +97,6 @@ def test_numbers_are_compared_and_not_their_text(invoke: Invoke, change: Change)
     assert invoke("verify", "c.json", "four-wheel").status == 0
 
 
-def test_a_certificate_without_any_claim_is_rejected(invoke: Invoke) -> None:
-    invoke("check", "four-wheel", "--certificate", "c.json")
-    certificate = json.loads(Path("c.json").read_text(encoding="utf-8"))
-    certificate["statement"]["claims"] = []
-    Path("c.json").write_text(json.dumps(certificate), encoding="utf-8")
-    assert invoke("verify", "c.json")[:2] == (1, "rejected: required a claim\n")
-
-
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("option", [["--rule", "box"], ["--radius", "1"], ["--at", "0,0"]])
 def test_options_of_a_scene_need_a_scene(invoke: Invoke, option: list[str]) -> None:
@@ -263,13 +255,6 @@ def test_a_number_that_is_none_is_null(monkeypatch: pytest.MonkeyPatch, capsys: 
 
 
 # ---- ``nonsmooth vehicle``: records, files, refusals, and the same in Python ---------------------
-
-
-@pytest.mark.parametrize("arguments", [("husky-a200",), ("tracked-base", "--rule", "nearest"), ("swerve-base",)])
-def test_views_fit_80_columns(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    out = invoke("vehicle", *arguments).out
-    assert max(len(line) for line in out.splitlines()) <= 80
 
 
 def test_rounding_is_no_slip_in_a_picture(invoke: Invoke, tmp_path: Path) -> None:

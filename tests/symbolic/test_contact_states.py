@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import combinations
 from typing import Any
@@ -219,33 +218,22 @@ def test_census_agrees_with_a_float_count(arrays: Arrays, seed: int) -> None:
 # ---- eqs. (3) and (4) as printed -----------------------------------------------------------------
 
 
-def printed_equation_3(x: Number, y: Number, root: Number) -> Twist:
-    """Eq. (3), mu_S > mu_R, off its switching lines."""
-    s = (y * y - x * x).sign()
+def printed_equation(number: int, x: Number, y: Number, root: Number) -> Twist:
+    """Eqs. (3), mu_S > mu_R, and (4), mu_S < mu_R, off their switching lines."""
+    s, sign = (y * y - x * x).sign(), 1 if number == 3 else -1
     turn = (x * y * y * y - x * x * x * y).sign()
-    return Twist(-root / 2 * x.sign() * (s + 1), root / 2 * y.sign() * (s - 1), -root / 2 * turn)
+    return Twist(-root / 2 * x.sign() * (1 + sign * s), -root / 2 * y.sign() * (1 - sign * s), -sign * root / 2 * turn)
 
 
-def printed_equation_4(x: Number, y: Number, root: Number) -> Twist:
-    """Eq. (4), mu_S < mu_R, off its switching lines."""
-    s = (y * y - x * x).sign()
-    turn = (x * y * y * y - x * x * x * y).sign()
-    return Twist(root / 2 * x.sign() * (s - 1), -root / 2 * y.sign() * (s + 1), root / 2 * turn)
-
-
-@pytest.mark.parametrize(
-    ("name", "printed"), [("four-wheel-side", printed_equation_3), ("four-wheel", printed_equation_4)]
-)
-def test_cells_reproduce_the_printed_equations(
-    arrays: Arrays, name: str, printed: Callable[[Number, Number, Number], Twist]
-) -> None:
-    partition = build_nearest_partition(load_scene(name, radius=2))
+@pytest.mark.parametrize(("name", "number"), [("four-wheel-side", 3), ("four-wheel", 4)])
+def test_cells_reproduce_the_printed_equations(arrays: Arrays, name: str, number: int) -> None:
+    partition = build_nearest_partition(load_scene(name, radius="2"))
     root, rng = partition.scene.field.sqrt(2), np.random.default_rng(0)
     assert len(partition.cells) == 8
     for cell in partition.cells:
         for _ in range(5):
             point = arrays.interior_point(cell.polygon, rng)
-            assert cell.twists == (printed(*point, root),)
+            assert cell.twists == (printed_equation(number, *point, root),)
 
 
 # ---- regular rings -------------------------------------------------------------------------------
