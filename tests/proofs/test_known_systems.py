@@ -179,10 +179,7 @@ FURTHER = [
 
 
 def build(known: Known) -> SwitchedSystem:
-    system: dict[str, Any] = {"states": known.states.split(), "rhs": known.rhs}
-    if known.parameters:
-        system["parameters"] = dict(known.parameters)
-    return build_system({"system": system, "check": dict(known.check)}, "t", Path("t.toml"))
+    return built(known.rhs, known.parameters, known.states.split(), **known.check)
 
 
 @pytest.mark.usefixtures("without_reach")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -18,8 +17,8 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.cells import started, stated_cells
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, stability_hypotheses
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
-from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from tests.oracles.floats import midpoint
+from tests.plain import decided
 from tests.thorough import but, few
 
 # ---- Attraction of every start by a V on the whole space: against other points of rest, paths from afar, forged
@@ -47,10 +46,6 @@ LONG = [
     ["y - x/2 - Max(-1/2, Min(1/2, x - y/2))", "-x - y + Max(-1/4, Min(1/4, x/2 + y))"],
     ["y", "-x**3 - y + z", "-y - z**3"],
 ]
-
-
-def decided(rhs: Sequence[str]) -> StabilityResult:
-    return decide_system(ns.System(list("xyz"[: len(rhs)]), list(rhs)).system)
 
 
 def rounded(formula: sp.Expr) -> sp.Expr:

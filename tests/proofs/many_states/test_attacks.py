@@ -43,7 +43,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.certificates.inclusion import FloatInclusion, contradiction
 from tests.oracles.floats import Floats, velocity
 from tests.oracles.solver_questions import Questions, read, with_z3
-from tests.plain import built
+from tests.plain import built, decided
 from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import but, few, keep, thorough
 
@@ -441,10 +441,6 @@ def test_no_ray_is_found_of_others(states: list[str], rhs: list[str]) -> None:
 STEP, START, FAR = 1 / 512, 1e-3, 30.0
 
 
-def decided(rhs: Sequence[str], states: str = "xyzuvw") -> StabilityResult:
-    return decide_system(ns.System(list(states[: len(rhs)]), list(rhs)).system)
-
-
 @few(3)
 @pytest.mark.parametrize(
     ("rhs", "degree"),
@@ -564,7 +560,7 @@ def leaves(field: Callable[[Floats], Floats], start: Floats) -> bool:
 @pytest.mark.parametrize("seed", range(8))
 def test_paths_leave(seed: int) -> None:
     rhs, field = random_relay(seed)
-    result = decided(rhs, "xyzuv")
+    result = decided(rhs)
     assert result.verdict is Translation.UNSTABLE
     assert result.check()
     relay = high_degree_relay(result.scene, first_cells(result.scene))
