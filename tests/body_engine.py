@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import mujoco
 import numpy as np
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, contact_rule
-from nonsmooth.analysis.fields.contact_model import contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
@@ -151,35 +151,54 @@ def plate_engine(
     """The body of a scene laid onto all its wheels, which run ``scale`` times as fast; some may be lowered."""
     body = scene.body
     assert body is not None
-    rims = np.array([[*map(float, wheel.unit_direction), 0.0] for wheel in scene.wheels])
-    velocities = scale * np.array([float(wheel.speed) for wheel in scene.wheels])[:, None] * rims
-    friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels])
+    wheels = contact_model(replace(scene, body=None))
+    (shape, size), (c, s) = _geom(body), (float(entry) for entry in body.heading)
+    plate = Plate(shape, size, (float(body.centroid[0]), float(body.centroid[1])), float(np.arctan2(s, c)))
+    return laid_plate(replace(wheels, targets=scale * wheels.targets), plate, pose, timestep, time_constant, lowered)
+
+
+class Plate(NamedTuple):
+    """The shape of a plate, and where its middle is from its centre of mass."""
+
+    shape: mujoco.mjtGeom
+    size: list[float]
+    middle: tuple[float, float] = (0.0, 0.0)
+    turn: float = 0.0
+
+
+def laid_plate(
+    wheels: ContactModel,
+    plate: Plate,
+    pose: tuple[float, float, float],
+    timestep: float,
+    time_constant: float,
+    lowered: Floats | None = None,
+) -> PlateEngine:
+    """A plate laid onto wheels, each a sphere of its own."""
     spec = mujoco.MjSpec()
     spec.option.timestep, spec.option.gravity = timestep, [0, 0, -GRAVITY]
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 1e9  # the creep of friction is far below 1e-6
     spec.option.iterations, spec.option.tolerance = 200, 1e-14
     x, y, theta = pose
-    plate = spec.worldbody.add_body(name="plate", pos=[x, y, THICK], quat=[np.cos(theta / 2), 0, 0, np.sin(theta / 2)])
-    plate.add_freejoint()
-    plate.explicitinertial, plate.mass, plate.inertia = True, 1.0, [INERTIA / 2, INERTIA / 2, INERTIA]
-    plate.ipos, plate.iquat = [0, 0, 0], [1, 0, 0, 0]
-    shape, size = _geom(body)
-    c, s = (float(entry) for entry in body.heading)
-    turn = np.arctan2(s, c)
-    plate.add_geom(
+    body = spec.worldbody.add_body(name="plate", pos=[x, y, THICK], quat=[np.cos(theta / 2), 0, 0, np.sin(theta / 2)])
+    body.add_freejoint()
+    body.explicitinertial, body.mass, body.inertia = True, 1.0, [INERTIA / 2, INERTIA / 2, INERTIA]
+    body.ipos, body.iquat = [0, 0, 0], [1, 0, 0, 0]
+    body.add_geom(
         name="plate",
-        type=shape,
-        size=size,
-        pos=[*(float(entry) for entry in body.centroid), 0],
-        quat=[np.cos(turn / 2), 0, 0, np.sin(turn / 2)],
+        type=plate.shape,
+        size=plate.size,
+        pos=[*plate.middle, 0],
+        quat=[np.cos(plate.turn / 2), 0, 0, np.sin(plate.turn / 2)],
         contype=0,
         conaffinity=0,
     )
-    for k, wheel in enumerate(scene.wheels):
+    rims = np.column_stack([wheels.rims, np.zeros(wheels.wheels)])
+    velocities, friction = wheels.speeds[:, None] * rims, wheels.friction.reshape(-1, 2)
+    for k, position in enumerate(wheels.positions):
         depth = 0.0 if lowered is None else float(lowered[k])
-        place = [*(float(entry) for entry in wheel.position), -RADIUS - depth]
-        sphere = mujoco.mjtGeom.mjGEOM_SPHERE
+        sphere, place = mujoco.mjtGeom.mjGEOM_SPHERE, [*position, -RADIUS - depth]
         spec.worldbody.add_geom(
             name=f"wheel {k}", type=sphere, size=[RADIUS, 0, 0], pos=place, surfacevel=[*velocities[k], 0, 0, 0]
         )

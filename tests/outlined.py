@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Body, Disc, PolygonShape
+from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
+from tests.conftest import Arrays, WheelData
 from tests.oracles.floats import Floats
 
 Depths: TypeAlias = Callable[[Floats, Floats], Floats]  # of places (n, 2) at a pose
@@ -50,3 +54,22 @@ def polygon_depths(corners: Floats, places: Floats, pose: Floats) -> Floats:
 
 def under(depths: Floats) -> frozenset[int]:
     return frozenset(int(k) for k in np.flatnonzero(depths > 0))
+
+
+def carton(rule: str = "nearest") -> tuple[Scene, Depths]:
+    """The built-in carton, on all wheels of its table."""
+    scene = whole(load_scene("carton-on-6x6", rule=rule))
+    assert scene.body is not None
+    corners = np.array([[float(x) for x in corner] for corner in scene.body.vertices])
+    return scene, partial(polygon_depths, corners)
+
+
+def pushed_back(arrays: Arrays, rule: str = "ellipse") -> tuple[Scene, Depths]:
+    """Four wheels carry a plate to the right and up, onto a fifth of more grip that runs to the left."""
+    ways = [(10, 3), (10, 4), (12, 3), (11, 5)]
+    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    wheels = [WheelData(at, way, Fraction(1, 2)) for at, way in zip(corners, ways, strict=True)]
+    scene = arrays.scene([*wheels, WheelData((2, Fraction(3, 10)), (-10, 1), 2, (8, 4))])
+    half, high = Fraction(8, 5), Fraction(9, 5)
+    plate: list[Pair] = [(-half, -high), (half, -high), (half, high), (-half, high)]
+    return on(scene, polygon_of(scene, plate), rule=rule), partial(polygon_depths, np.array(plate, float))

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 
 def built(
-    rhs: Sequence[Any], parameters: Mapping[str, Any] | None = None, states: Sequence[str] = "xyz", **check: Any
+    rhs: Sequence[Any], parameters: Mapping[str, Any] | None = None, states: Sequence[str] = "xyzuvw", **check: Any
 ) -> SwitchedSystem:
     """A system.
 
@@ -28,6 +29,11 @@ def built(
     if parameters:
         system["parameters"] = dict(parameters)
     return build_system({"system": system, "check": check}, "t", Path("t.toml"))
+
+
+def decided(rhs: Sequence[Any], **check: Any) -> StabilityResult:
+    """What the whole search finds of a system."""
+    return decide_system(built(rhs, **check))
 
 
 def refused(record: Any) -> str:

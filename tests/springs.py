@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import minimize
 
 from tests.oracles.floats import Floats
 
@@ -36,3 +37,18 @@ def pressed(moments: Floats, heights: Floats, stiffness: Floats, centre: tuple[f
             share /= 2
         y = y - share * step
     raise AssertionError("the springs do not settle")
+
+
+def least_energy(places: Floats, stiffness: Floats, heights: Floats, centre: Floats) -> Floats:
+    """``min sum (N_i - k_i e_i)^2/(2 k_i)`` over the loads that balance, by a general method that knows no springs."""
+    moments = np.column_stack([np.ones(len(places)), places])
+    found = minimize(
+        lambda n: ((n - stiffness * heights) ** 2 / stiffness).sum() / 2,
+        np.full(len(places), 1 / len(places)),
+        jac=lambda n: n / stiffness - heights,
+        bounds=[(0, None)] * len(places),
+        constraints=[{"type": "eq", "fun": lambda n: n @ moments - [1.0, *centre], "jac": lambda n: moments.T}],
+        method="SLSQP",
+        options={"ftol": 1e-15, "maxiter": 400},
+    )
+    return np.asarray(found.x)

@@ -11,6 +11,10 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic.messages import removed
 
+ONE_VEHICLE = (
+    "vehicle: required one scene: run it for each; `make evidence` in a checkout compares all with measurements"
+)
+
 
 @pytest.fixture(autouse=True)
 def _old_names(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -20,57 +24,35 @@ def _old_names(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(removed.TABLES, "tarot", "state [friction]")
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("check four-wheel --guess", "--guess was removed: use --radius"),
+        ("divine", "the command divine was removed: toss a coin"),
+        (
+            "design four-wheel --front front.svg",
+            "--front was removed: use --maximize rate, then --maximize tolerance",
+        ),
+        ("simulate eq-3 --from 1,1 --mode heating", "--mode was removed: follow each mode as a [system] of its own"),
+        ("vehicle husky-a200 --allow-outside", "--allow-outside was removed: vehicles name no other files"),
+        (
+            "validate --only vehicles",
+            "the command validate was removed: run `make evidence` in a checkout of the repository, "
+            "or read its page docs/evidence.md",
+        ),
+        *((line, ONE_VEHICLE) for line in ("vehicle", "vehicle jackal rosbot", "vehicle --json")),
+    ],
+)
 def test_removed_options_and_commands_are_refused_with_the_way_to_do_without(
-    capsys: pytest.CaptureFixture[str],
+    capsys: pytest.CaptureFixture[str], line: str, said: str
 ) -> None:
-    assert run(app, ["check", "four-wheel", "--guess"]) == BAD_INPUT
-    assert capsys.readouterr() == ("", "nonsmooth: --guess was removed: use --radius\n")
-    assert run(app, ["divine"]) == BAD_INPUT
-    assert capsys.readouterr() == ("", "nonsmooth: the command divine was removed: toss a coin\n")
-
-
-def test_designs_have_no_front(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["design", "four-wheel", "--front", "front.svg"]) == BAD_INPUT
-    said = "nonsmooth: --front was removed: use --maximize rate, then --maximize tolerance\n"
-    assert capsys.readouterr() == ("", said)
+    assert run(app, line.split()) == BAD_INPUT
+    assert capsys.readouterr() == ("", f"nonsmooth: {said}\n")
 
 
 def test_other_mistakes_are_told_as_before(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(app, ["check", "four-wheel", "--guesses"]) == BAD_INPUT
     assert "see 'nonsmooth check --help'" in capsys.readouterr().err
-
-
-def test_a_removed_table_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    scene = tmp_path / "old.toml"
-    scene.write_text('name = "old"\n[[wheel]]\nposition = [1, 0]\nheading = "inward"\nspeed = 1\n[tarot]\ncards = 1\n')
-    assert run(app, ["check", str(scene)]) == BAD_INPUT
-    required = "tarot: required a scene without it: state [friction], received a table that was removed"
-    assert capsys.readouterr().err == f"nonsmooth: {scene}: {required}\n"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (
-            ["validate", "--only", "vehicles"],
-            "the command validate was removed: run `make evidence` in a checkout of the repository, "
-            "or read its page docs/evidence.md",
-        ),
-        *(
-            (
-                arguments,
-                "vehicle: required one scene: run it for each; "
-                "`make evidence` in a checkout compares all with measurements",
-            )
-            for arguments in (["vehicle"], ["vehicle", "jackal", "rosbot"], ["vehicle", "--json"])
-        ),
-    ],
-)
-def test_what_was_removed_names_the_way_to_do_without(
-    capsys: pytest.CaptureFixture[str], arguments: list[str], line: str
-) -> None:
-    assert run(app, arguments) == BAD_INPUT
-    assert capsys.readouterr() == ("", f"nonsmooth: {line}\n")
 
 
 MODES = """
@@ -85,28 +67,27 @@ name = "idle"
 rhs = ["10 - T"]
 """
 
+REMOVED = {
+    "tarot": ('[[wheel]]\nposition = [1, 0]\nheading = "inward"\nspeed = 1\n[tarot]\ncards = 1\n', "state [friction]"),
+    "mode": (
+        MODES,
+        "let one [system] rhs switch by the signs of formulas, or follow each mode as a [system] of its own",
+    ),
+    "network": (
+        '[system]\nstates = ["x"]\nrhs = ["u(x)"]\n[[network]]\nname = "u"\nfile = "net.onnx"\n',
+        "write its functions as formulas with relu in [system] rhs",
+    ),
+}
+
 
 @pytest.mark.parametrize("command", ["check", "simulate --from 15"])
-def test_systems_with_modes_are_refused(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    scene = tmp_path / "heater.toml"
-    scene.write_text(MODES)
+@pytest.mark.parametrize("table", REMOVED)
+def test_a_removed_table_is_named(table: str, command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text, without = REMOVED[table]
+    scene = tmp_path / "old.toml"
+    scene.write_text(text)
     assert run(app, [*command.split(), str(scene)]) == BAD_INPUT
-    without = "let one [system] rhs switch by the signs of formulas, or follow each mode as a [system] of its own"
-    required = f"mode: required a scene without it: {without}, received a table that was removed"
-    assert capsys.readouterr() == ("", f"nonsmooth: {scene}: {required}\n")
-
-
-def test_the_first_mode_of_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["simulate", "eq-3", "--from", "1,1", "--mode", "heating"]) == BAD_INPUT
-    assert capsys.readouterr() == ("", "nonsmooth: --mode was removed: follow each mode as a [system] of its own\n")
-
-
-def test_networks_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    scene = tmp_path / "loop.toml"
-    scene.write_text('[system]\nstates = ["x"]\nrhs = ["u(x)"]\n[[network]]\nname = "u"\nfile = "net.onnx"\n')
-    assert run(app, ["check", str(scene)]) == BAD_INPUT
-    without = "a scene without it: write its functions as formulas with relu in [system] rhs"
-    required = f"network: required {without}, received a table that was removed"
+    required = f"{table}: required a scene without it: {without}, received a table that was removed"
     assert capsys.readouterr() == ("", f"nonsmooth: {scene}: {required}\n")
 
 
@@ -120,8 +101,6 @@ def test_robot_descriptions_are_refused(tmp_path: Path, capsys: pytest.CaptureFi
     without = "a scene without it: place the wheels by track and wheel_base, or one by one in [[wheel]]"
     required = f"vehicle.urdf: required {without}, received a key that was removed"
     assert capsys.readouterr() == ("", f"nonsmooth: {scene}: {required}\n")
-    assert run(app, ["vehicle", "husky-a200", "--allow-outside"]) == BAD_INPUT
-    assert capsys.readouterr() == ("", "nonsmooth: --allow-outside was removed: vehicles name no other files\n")
 
 
 def test_films_for_which_ffmpeg_was_needed_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

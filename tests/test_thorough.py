@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from tests.thorough import thorough, unlike
+from tests.thorough import is_further, thorough, unlike
 
 TESTS = Path(__file__).parent
 
@@ -23,6 +26,16 @@ TESTS = Path(__file__).parent
 )
 def test_kept_cases_differ(names: str, number: int, kept: list[int]) -> None:
     assert unlike([set(name.split("-")) for name in names.split()], number) == kept
+
+
+def test_the_first_array_is_kept_under_every_rule() -> None:
+    cases: list[Any] = [
+        SimpleNamespace(nodeid=f"t.py::test_it[{seed}-{rule}]", callspec=SimpleNamespace(params={"seed": seed}))
+        for seed in (3, 1)
+        for rule in ("box", "ellipse")
+    ]
+    first: defaultdict[tuple[str, str], list[Any]] = defaultdict(list)
+    assert [is_further(case, first) for case in cases] == [False, False, True, True]
 
 
 def test_properties_inside_tests_have_all_their_examples() -> None:

@@ -1,6 +1,6 @@
 """Which cases ``make test`` runs, so that it stays short; ``make bench`` runs the others, which are marked `thorough`.
 
-1. A check over random arrays (a parameter of :data:`SEEDED`) keeps the first one.
+1. A check over random arrays (a parameter of :data:`SEEDED`) keeps the first one, with all its other parameters.
 2. A check of many long cases (:func:`few`) keeps as many as take about half a second together: its first, then those
    that have most in their names that no kept case has, such as another rule and another scene (:func:`unlike`).
 3. A test may say itself which of its cases are kept (:func:`keep`, :func:`but`), or be left to ``make bench`` as a
@@ -70,8 +70,9 @@ def examples(number: int) -> settings:
 def mark_further(items: Iterable[pytest.Item]) -> None:
     """Mark further random arrays, and of the checks with :func:`few` the cases that are not kept."""
     checks: defaultdict[str, list[pytest.Item]] = defaultdict(list)
+    first: dict[tuple[str, str], list[Any]] = defaultdict(list)
     for item in items:
-        if is_further(item):
+        if is_further(item, first):
             item.add_marker(thorough)
         elif item.get_closest_marker("thorough") is None and item.get_closest_marker("few") is not None:
             checks[check_of(item)].append(item)
@@ -107,8 +108,19 @@ def check_of(item: pytest.Item) -> str:
     return item.nodeid.partition("[")[0]
 
 
-def is_further(item: pytest.Item) -> bool:
-    """Whether a test is about a random array beyond the first ones of its check."""
+def is_further(item: pytest.Item, first: dict[tuple[str, str], list[Any]]) -> bool:
+    """Whether a test is about a random array beyond the first ones of its check, whatever its other parameters are.
+
+    Args:
+        item: the test.
+        first: the values of each parameter of a check that were met before, which grows.
+    """
     callspec = getattr(item, "callspec", None)
-    indices = {} if callspec is None else callspec.indices
-    return any(indices.get(name, 0) >= kept for name, kept in SEEDED.items())
+    params = {} if callspec is None else callspec.params
+    for name in SEEDED.keys() & params.keys():
+        met = first[check_of(item), name]
+        if params[name] not in met:
+            met.append(params[name])
+        if met.index(params[name]) >= SEEDED[name]:
+            return True
+    return False

@@ -36,7 +36,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.body_engine import inward_grid, with_random_body
 from tests.conftest import HALF, Arrays, WheelData
 from tests.oracles.floats import Floats
-from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, under
+from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of, pushed_back, under
 from tests.thorough import keep, thorough
 
 # ---- The path of a body with an outline against references that know nothing of it, geometry written anew.
@@ -204,18 +204,6 @@ def test_changes_come_when_another_integrator_says(
 
 
 # ---- sliding -------------------------------------------------------------------------------------
-
-
-def pushed_back(arrays: Arrays) -> tuple[Scene, Depths]:
-    """Four wheels carry a plate to the right and up, onto a fifth of more grip that runs to the left."""
-    ways = [(10, 3), (10, 4), (12, 3), (11, 5)]
-    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
-    wheels = [WheelData(at, way, Fraction(1, 2)) for at, way in zip(corners, ways, strict=True)]
-    fifth = WheelData((2, Fraction(3, 10)), (-10, 1), 2, (8, 4))
-    half, high = Fraction(8, 5), Fraction(9, 5)
-    scene = arrays.scene([*wheels, fifth])
-    plate: list[Pair] = [(-half, -high), (half, -high), (half, high), (-half, high)]
-    return on(scene, polygon_of(scene, plate)), partial(polygon_depths, np.array(plate, float))
 
 
 def chatter(motion: Motion, depths: Depths, start: Floats, until: float, steps: int) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -46,7 +47,7 @@ from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.conftest import Arrays, WheelData
 from tests.oracles.small_steps import Contacts, small_steps
-from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of
+from tests.outlined import Depths, Pair, carton, disc_depths, on, polygon_depths, polygon_of, pushed_back
 from tests.thorough import few, keep, thorough
 
 # ---- The path of a body with an outline under rules with cells, against small steps that know nothing of cells.
@@ -63,13 +64,6 @@ def followed(scene: Scene, start: tuple[float, float, float], until: float) -> T
     rule = contact_rule(scene.contact.rule)
     assert isinstance(rule, CellRule)
     return CellPath(whole(scene), rule).follow(start, until)
-
-
-def carton(rule: str) -> tuple[Scene, Depths]:
-    scene = whole(load_scene("carton-on-6x6", rule=rule))
-    assert scene.body is not None
-    corners = np.array([[float(x) for x in corner] for corner in scene.body.vertices])
-    return scene, partial(polygon_depths, corners)
 
 
 def assert_near_small_steps(scene: Scene, depths: Depths, start: tuple[float, float, float], path: Trajectory) -> None:
@@ -98,7 +92,7 @@ def test_wheels_enter_and_leave_as_in_small_steps(rule: str) -> None:
 
 
 def test_two_wheels_enter_at_once_where_all_is_symmetric() -> None:
-    scene, _ = carton("nearest")
+    scene, _ = carton()
     path = followed(scene, (1.3, 0.0, 0.0), 0.5)
     assert [event.surface for event in path.events if event.kind is EventKind.LEAVE] == ["wheel 18, 24 beside the body"]
     assert [event.surface for event in path.events if event.kind is EventKind.ENTER] == ["wheel 15, 21 under the body"]
@@ -122,18 +116,10 @@ def pushed_up(arrays: Arrays) -> tuple[Scene, Depths]:
     return plate, partial(polygon_depths, np.array(corners, float))
 
 
-def pushed_left(arrays: Arrays) -> tuple[Scene, Depths]:
-    """Four wheels carry a plate to the right, onto a fifth of more grip that runs to the left."""
-    ways = [(10, 3), (10, 4), (12, 3), (11, 5)]
-    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
-    wheels = [WheelData(at, way, Fraction(1, 2)) for at, way in zip(corners, ways, strict=True)]
-    scene = arrays.scene([*wheels, WheelData((2, Fraction(3, 10)), (-10, 1), 2, (8, 4))])
-    half, high = Fraction(8, 5), Fraction(9, 5)
-    plate: list[Pair] = [(-half, -high), (half, -high), (half, high), (-half, high)]
-    return on(scene, polygon_of(scene, plate), rule="box"), partial(polygon_depths, np.array(plate, float))
-
-
-SLIDES = {"nearest": (pushed_up, (0.0, 0.3, 0.0), 4), "box": (pushed_left, (0.3, -0.2, 0.0), 5)}
+SLIDES: dict[str, tuple[Callable[[Arrays], tuple[Scene, Depths]], tuple[float, float, float], int]] = {
+    "nearest": (pushed_up, (0.0, 0.3, 0.0), 4),
+    "box": (partial(pushed_back, rule="box"), (0.3, -0.2, 0.0), 5),
+}
 
 
 @few(1)
@@ -216,7 +202,7 @@ def test_a_path_is_the_same_in_every_unit_of_length(arrays: Arrays, length: Frac
 
 
 def test_a_start_that_tips_is_refused_in_one_line() -> None:
-    scene, _ = carton("nearest")
+    scene, _ = carton()
     with pytest.raises(ValueError, match="stands on its wheels, received one where it tips"):
         followed(scene, (2.9, 2.9, 0.0), 1.0)
 

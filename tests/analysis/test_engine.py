@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -29,6 +28,9 @@ from tests.body_engine import (
     SETTLING,
     SLOW,
     THICK,
+    Plate,
+    PlateEngine,
+    laid_plate,
     lifted_loads,
     plate_engine,
     pose_beside_engine,
@@ -43,20 +45,13 @@ from tests.thorough import few, keep, thorough
 
 # ---- Rule ellipse and full dynamics against MuJoCo, a rigid-body physics engine that knows nothing of either.
 #
-# What is modelled. The four-wheel array turned by 45 degrees: wheels at distance sqrt(2) on the axes, rims inward, so
-# that every rim lies along one of the engine's two friction axes (the tangents of its contact frame), which is how
-# the engine can have two coefficients per contact at all. A wheel is a sphere fixed in the world whose surface moves
-# with ``u d_i`` (``surfacevel``, a velocity that contacts see, with no motion of the geom). The body is a thin square
-# plate with a free joint in space, under gravity, one contact per wheel, with elliptic friction cones
-# (``cone="elliptic"``, condim 3). Contacts are soft: a spring and a damper each, alike for all wheels, from which the
-# loads follow; nobody tells the engine the loads. A high ``impratio`` makes friction hard, so that slow slip does not
-# creep. Wheels are slow because the engine's convex friction couples slip and normal force by its damping: at 1e-4
-# lengths per second that changes loads by a few parts in ten thousand, at 1e-3 by a per cent. What the engine has and
-# the model has not: springs that tilt the plate (some 1e-5 radians) and loads that move with acceleration.
+# What is modelled: the four-wheel array turned by 45 degrees, with wheels at distance sqrt(2) on the axes and rims
+# inward, under a thin square plate (:mod:`tests.body_engine` says how).  Wheels are slow because the engine's convex
+# friction couples slip and normal force by its damping: at 1e-4 lengths per second that changes loads by a few parts in
+# ten thousand, at 1e-3 by a per cent.
 
 GRAVITY = 9.81
 HALF = 3.0  # half side of the plate: it covers all wheels from everywhere
-RADIUS = 0.05  # of the spheres
 REST = 0.5  # seconds: fifty time constants of the contacts
 TWIST = 2e-3  # relative, of twists; the goal is 0.05, the largest seen 0.0007
 SHARE = 1e-3  # of the weight, of loads; 0.0003 was the largest seen
@@ -69,75 +64,15 @@ FRICTION = {"side 1/2": (1.0, 0.5), "side 1/10": (1.0, 0.1), "roll 1/2": (0.5, 1
 with_friction = pytest.mark.parametrize("friction", FRICTION.values(), ids=FRICTION)
 
 
-class Engine(NamedTuple):
-    """A plate on wheels in the engine."""
-
-    model: mujoco.MjModel
-    data: mujoco.MjData
-
-    def step(self, seconds: float) -> None:
-        for _ in range(round(seconds / self.model.opt.timestep)):
-            mujoco.mj_step(self.model, self.data)
-
-    @property
-    def pose(self) -> Floats:
-        """``(x, y, theta)``; the plate's tilt is of the order of 1e-5."""
-        position = self.data.qpos
-        return np.array([position[0], position[1], 2 * np.arctan2(position[6], position[3])])
-
-    @property
-    def twist(self) -> Floats:
-        """Spatial twist ``(v, omega)`` from the velocity of the centre of mass."""
-        x, y, _ = self.pose
-        (wx, wy, _), omega = self.data.qvel[:3], self.data.qvel[5]
-        return np.array([wx + omega * y, wy - omega * x, omega])
-
-    def loads(self) -> Floats:
-        """Normal forces of the wheels as shares of the weight."""
-        mujoco.mj_forward(self.model, self.data)
-        forces, force = np.zeros(self.model.npair), np.zeros(6)
-        for k, contact in enumerate(self.data.contact):
-            mujoco.mj_contactForce(self.model, self.data, k, force)
-            forces[min(contact.geom)] = force[0]
-        return forces / (self.model.body_mass[1] * GRAVITY)
-
-
 def array(friction: tuple[float, float], speed: float) -> ContactModel:
     """The four-wheel array turned by 45 degrees."""
     return ContactModel.build(-np.sqrt(2) * INWARD, INWARD, np.full(4, speed), friction)
 
 
-def engine(wheels: ContactModel, start: tuple[float, float], timestep: float, time_constant: float) -> Engine:
-    """The plate laid onto the wheels; the engine numbers the wheels' geoms first."""
-    spec = mujoco.MjSpec()
-    spec.option.timestep, spec.option.gravity = timestep, [0, 0, -GRAVITY]
-    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    spec.option.impratio = 1e7
-    plate = spec.worldbody.add_body(name="plate", pos=[*start, THICK])
-    plate.add_freejoint()
-    box = mujoco.mjtGeom.mjGEOM_BOX
-    plate.add_geom(name="plate", type=box, size=[HALF, HALF, THICK], mass=1.0, contype=0, conaffinity=0)
-    for k, (position, rim) in enumerate(zip(wheels.positions, wheels.rims, strict=True)):
-        name, velocity = f"wheel {k}", [*(wheels.speeds[k] * rim), 0, 0, 0, 0]
-        sphere = mujoco.mjtGeom.mjGEOM_SPHERE
-        spec.worldbody.add_geom(
-            name=name, type=sphere, size=[RADIUS, 0, 0], pos=[*position, -RADIUS], surfacevel=velocity
-        )
-        spec.add_pair(
-            geomname1="plate",
-            geomname2=name,
-            condim=3,
-            friction=[*_along_tangents(rim, wheels.mu_roll[k], wheels.mu_side[k]), 0, 0, 0],
-            solref=[time_constant, 1],
-            solimp=[0.5, 0.5, 1, 0.5, 2],
-        )
-    model = spec.compile()
-    return Engine(model, mujoco.MjData(model))
-
-
-def _along_tangents(rim: Floats, roll: float, side: float) -> tuple[float, float]:
-    """Coefficients along the tangents of a level contact: y first, then x."""
-    return (side, roll) if abs(rim[0]) > abs(rim[1]) else (roll, side)
+def engine(wheels: ContactModel, start: tuple[float, float], timestep: float, time_constant: float) -> PlateEngine:
+    """A square plate laid onto the wheels, which covers all of them from everywhere."""
+    plate = Plate(mujoco.mjtGeom.mjGEOM_BOX, [HALF, HALF, THICK])
+    return laid_plate(wheels, plate, (*start, 0.0), timestep, time_constant)
 
 
 def starts() -> list[tuple[float, float]]:
@@ -146,7 +81,7 @@ def starts() -> list[tuple[float, float]]:
     return [(float(x), float(y)) for x, y in points]
 
 
-def settled(friction: tuple[float, float], start: tuple[float, float]) -> tuple[Engine, ContactModel]:
+def settled(friction: tuple[float, float], start: tuple[float, float]) -> tuple[PlateEngine, ContactModel]:
     wheels = array(friction, speed=1e-4)
     plate = engine(wheels, start, timestep=1e-3, time_constant=0.01)
     plate.step(REST)
@@ -156,20 +91,6 @@ def settled(friction: tuple[float, float], start: tuple[float, float]) -> tuple[
 def relative_error(twist: Floats, measured: Floats) -> float:
     """Difference of twists over the largest entry of the measured one."""
     return float(np.abs(twist - measured).max() / np.abs(measured).max())
-
-
-@with_friction
-def test_rims_lie_along_the_engines_friction_axes(friction: tuple[float, float]) -> None:
-    plate, wheels = settled(friction, (0.1, 0.2))
-    plate.loads()
-    assert plate.data.ncon == wheels.wheels
-    for contact in plate.data.contact:
-        wheel = min(contact.geom)
-        tangents = contact.frame.reshape(3, 3)[1:, :2]
-        along = np.abs(tangents @ wheels.rims[wheel])
-        assert sorted(along) == pytest.approx([0, 1], abs=1e-3)
-        assert contact.friction[int(np.argmax(along))] == wheels.mu_roll[wheel]
-        assert contact.friction[int(np.argmin(along))] == wheels.mu_side[wheel]
 
 
 @with_friction
@@ -246,7 +167,7 @@ def test_the_certified_law_brings_the_body_home_in_the_engine(arrays: Arrays) ->
     for _ in range(round(seconds / 0.01)):
         products = twists @ plate.pose
         best = int(np.argmax(np.abs(products)))
-        plate.model.geom_surfacevel[:4, :2] = -gain * products[best] * speeds[best][:, None] * INWARD
+        plate.velocities[:] = -gain * products[best] * speeds[best][:, None] * plate.rims
         plate.step(0.01)
     bound = np.exp(-gain * float(feedback.kappa) * seconds)  # V' <= -2 k kappa V
     assert bound * start < 0.05  # so long that the certified rate alone halves the heading

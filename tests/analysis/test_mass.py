@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -39,12 +38,11 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
-from tests.analysis.test_body_path import pushed_back
 from tests.analysis.test_dynamics import random_model
 from tests.conftest import Arrays, WheelData
 from tests.oracles.heavy_bodies import HeavyTable, SprungBody
 from tests.oracles.small_steps import small_steps_of_mass
-from tests.outlined import Depths, Pair, on, polygon_depths, polygon_of
+from tests.outlined import Pair, carton, on, polygon_of, pushed_back
 from tests.thorough import few, keep, thorough
 
 # ---- A body with mass and an outline against small Euler steps, whose geometry, loads and forces are written anew.
@@ -57,13 +55,6 @@ POSE_ERROR = 1e-9
 def followed(scene: Scene, body: RigidBody, start: tuple[float, float, float], until: float) -> DynamicPath:
     array = whole(scene)
     return MassPath(contact_model(array), body, array).follow(start, until)
-
-
-def carton() -> tuple[Scene, Depths]:
-    scene = load_scene("carton-on-6x6")
-    assert scene.body is not None
-    corners = np.array([[float(x) for x in corner] for corner in scene.body.vertices])
-    return scene, partial(polygon_depths, corners)
 
 
 @pytest.mark.parametrize(("until", "steps"), keep(1, [(0.6, 1000), (0.8, 2000)]))
@@ -81,20 +72,9 @@ def test_wheels_enter_and_leave_as_in_small_steps(until: float, steps: int) -> N
         assert abs(depths(places[[wheel]], np.array(event.state))[0]) < POSE_ERROR
 
 
-def dragged(arrays: Arrays) -> tuple[Scene, Depths]:
-    """Four wheels carry a plate to the right and up, onto a fifth of more grip that runs to the left."""
-    ways = [(10, 3), (10, 4), (12, 3), (11, 5)]
-    corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
-    wheels = [WheelData(at, way, Fraction(1, 2)) for at, way in zip(corners, ways, strict=True)]
-    scene = arrays.scene([*wheels, WheelData((2, Fraction(3, 10)), (-10, 1), 2, (8, 4))])
-    half, high = Fraction(8, 5), Fraction(9, 5)
-    outline: list[Pair] = [(-half, -high), (half, -high), (half, high), (-half, high)]
-    return on(scene, polygon_of(scene, outline)), partial(polygon_depths, np.array(outline, float))
-
-
 @thorough  # the small one: test_wheels_enter_and_leave_as_in_small_steps
 def test_a_wheel_that_swings_across_the_edge_is_held_there(arrays: Arrays) -> None:
-    scene, depths = dragged(arrays)
+    scene, depths = pushed_back(arrays)
     start, until, masses = (0.3, -0.2, 0.0), 0.45, (0.01, 0.015)
     path = followed(scene, RigidBody(*masses), start, until)
     *swings, held = path.trajectory.events
@@ -415,16 +395,6 @@ def test_the_path_is_that_of_a_body_on_stiff_springs(seed: int) -> None:
     seen = sprung.follow(np.array(TALL_START[:2]), times)
     assert np.abs(seen - tall).max() < 3e-5
     assert np.abs(flat - tall).max() > 2e-4
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_jacobian_is_the_derivative_of_the_rate(seed: int) -> None:
-    model, rng, step = random_model(seed), np.random.default_rng(seed), 1e-6
-    equations = NewtonEuler(model, TALL, MovingLoads(model, np.zeros(2)), creep=0.1)
-    for _ in range(10):
-        state = rng.uniform(-0.2, 0.2, 6)
-        columns = [(equations(0, state + step * e) - equations(0, state - step * e)) / (2 * step) for e in np.eye(6)]
-        assert np.abs(equations.jacobian(0, state) - np.array(columns).T).max() < 1e-6
 
 
 def test_loads_balance_all_moments() -> None:

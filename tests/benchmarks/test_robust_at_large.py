@@ -15,10 +15,9 @@ from nonsmooth.proofs.robust.smooth_rules import SmoothDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from tests.benchmarks.conftest import Stopwatch
-from tests.proofs.robust.test_nearest_bounds import drawn_model as drawn
-from tests.proofs.robust.test_nearest_bounds import small_box, twists
+from tests.proofs.robust.drawn_arrays import drawn_model, small_box
+from tests.proofs.robust.test_nearest_bounds import twists
 from tests.proofs.robust.test_smooth_discs import box_of
-from tests.proofs.robust.test_smooth_discs import drawn as smooth_array
 
 ARRAYS, POINTS = 1_000, 5
 SLOPE_ARRAYS = 40
@@ -34,7 +33,7 @@ def test_no_array_breaks_the_disc(name: str, radius: str, stopwatch: Stopwatch) 
     assert found is not None
     slowest, moved = np.inf, 0.0
     for k in range(ARRAYS):
-        model = drawn(scene, within, rng, corner=k % 2 == 0)
+        model = drawn_model(scene, within, rng, corner=k % 2 == 0)
         angles = rng.uniform(0, 2 * np.pi, 2 * POINTS)
         sizes = np.r_[rng.uniform(float(found.radius), float(found.start), POINTS), np.full(POINTS, rests)]
         points = sizes[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -60,7 +59,7 @@ def farthest_outward(scene: Scene, box: Tolerance, most: float) -> float:
     sizes = most * np.linspace(0.02, 1.2, 60)
     points = (sizes[:, None, None] * rays).reshape(-1, 2)
     for _ in range(SLOPE_ARRAYS):
-        model = smooth_array(scene, box, rng, corner=True)
+        model = drawn_model(scene, box, rng, corner=True)
         motions = EllipseMinimizer().minimize(model, loads_at(model, points)).twists
         outward = ((points * motions[:, :2]).sum(axis=1) >= 0).reshape(len(sizes), -1).any(axis=1)
         farthest = max(farthest, float(sizes[outward].max(initial=0.0)))

@@ -75,3 +75,15 @@ def runge_kutta(rate: Callable[[Any], Any], z: Any, step: Any) -> Any:
     b = rate(z + step / 2 * a)
     c = rate(z + step / 2 * b)
     return z + step / 6 * (a + 2 * b + 2 * c + rate(z + step * c))
+
+
+def sizes_after(field: Callable[..., Any], starts: Floats, step: float, steps: int) -> Floats:
+    """Distances from the point of paths from starts (m, n), by Runge and Kutta with equal steps."""
+
+    def rate(places: Floats) -> Floats:
+        return np.stack(field(*places), axis=0)
+
+    z = starts.T.copy()
+    for _ in range(steps):
+        z = runge_kutta(rate, z, step)
+    return np.asarray(np.linalg.norm(z, axis=0))

@@ -28,7 +28,6 @@ ARRIVED = flint.arb(10) ** -75
 SAME_RATIO = flint.arb(10) ** -18  # two turns, or one turn and 1, that differ by less do not differ
 MOST_EVENTS = 400
 
-Rational: TypeAlias = Fraction
 Vector: TypeAlias = tuple[Any, Any]
 
 

@@ -80,7 +80,6 @@ HYPERBOLA = Published(
     2,
     6,
 )
-DISCS = [((-1.0, 1.0), 0.1), ((1.0, -1.0), 0.2)]  # of roa_1
 PUBLISHED = [VAN_DER_POL, NO_POLYNOMIAL, CUBIC, HYPERBOLA]
 
 GUIDE = ["-x**3 - x*z**2", "-y - x**2*y", "-z - 3*z/(z**2 + 1) + 3*x**2*z"]

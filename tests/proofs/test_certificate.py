@@ -442,6 +442,7 @@ FORGED: dict[str, tuple[tuple[Any, ...], Any, str]] = {
 }
 
 
+@few(10)  # each of these conditions refuses alone in the corpus, tests/certificates/array_conditions.py
 @pytest.mark.parametrize("name", FORGED)
 def test_forged_bounds_are_rejected(arrays: Arrays, name: str) -> None:
     path, data, why = FORGED[name]

@@ -348,22 +348,11 @@ def test_large_fields_are_refused_at_once(four_wheel: Record) -> None:
 Forge: TypeAlias = Callable[[Record], object]
 
 
-def swap(items: list[Any], i: int, j: int) -> None:
-    items[i], items[j] = items[j], items[i]
-
-
 def _split_point(c: Record) -> None:
     """Another name for a corner, used by one cell only."""
     corner = evidence(c)["cells"][0]["polygon"][0]
     evidence(c)["points"].append(evidence(c)["points"][corner])
     evidence(c)["cells"][0]["polygon"][0] = len(evidence(c)["points"]) - 1
-
-
-def _scaled_points(factor: str) -> Forge:
-    def forge(c: Record) -> None:
-        evidence(c)["points"] = [[str(Fraction(x) * Fraction(factor)), y, w] for x, y, w in evidence(c)["points"]]
-
-    return forge
 
 
 # Claims as the checker names them, where several forgeries violate one.
@@ -388,41 +377,24 @@ def nearer(cell: int) -> str:
     return f"cell {cell}: wheels by their distance, at every corner"
 
 
+# More of the same conditions are in the corpus, which each of them refuses alone.
 CELL_FORGERIES: dict[str, tuple[str, Forge]] = {
     "a cell is missing": (COVER, lambda c: evidence(c)["cells"].pop(3)),
     "a cell is there twice": (COVER, lambda c: evidence(c)["cells"].append(copy.deepcopy(evidence(c)["cells"][0]))),
     "no cells": (COVER, lambda c: evidence(c)["cells"].clear()),
-    "no points": (WEIGHTS, lambda c: evidence(c)["points"].clear()),
     "clockwise": (CONVEX, lambda c: evidence(c)["cells"][1]["polygon"].reverse()),
-    "all clockwise": (
-        "cell 0: a convex polygon, counterclockwise",
-        lambda c: [cell["polygon"].reverse() for cell in evidence(c)["cells"]],
-    ),
-    "a corner is missing": (CONVEX, lambda c: evidence(c)["cells"][1]["polygon"].pop()),
     "a corner is there twice": (
         CONVEX,
         lambda c: evidence(c)["cells"][1]["polygon"].append(evidence(c)["cells"][1]["polygon"][-1]),
-    ),
-    "a needle": (
-        CONVEX,
-        lambda c: evidence(c)["cells"][1]["polygon"].extend(evidence(c)["cells"][1]["polygon"][-2:-1]),
     ),
     "one point": (CONVEX, lambda c: evidence(c)["cells"][1].update(polygon=[0])),
     "no corner": ("well-formed data, not a IndexError", lambda c: evidence(c)["cells"][1].update(polygon=[])),
     "another name for a corner": (COVER, _split_point),
     "an unused point": (COVER, lambda c: evidence(c)["points"].append(["0", "1/4", "1"])),
-    "a negative denominator": (
-        WEIGHTS,
-        lambda c: evidence(c)["points"][1].__setitem__(slice(None), ["1/2", "1/2", "-1"]),
-    ),
     "denominator zero": (WEIGHTS, lambda c: evidence(c)["points"][1].__setitem__(2, "0")),
-    "cells stretched along x": (nearer(0), _scaled_points("2")),
-    "cells pressed along x": (nearer(1), _scaled_points("1/2")),
     "cells beyond the square": (COVER, lambda c: subject(c).update(radius="1/4")),
     "cells within the square": (COVER, lambda c: subject(c).update(radius="1")),
     "a square of size zero": (RADIUS, lambda c: subject(c).update(radius="0")),
-    "a square of negative size": (RADIUS, lambda c: subject(c).update(radius="-1/2")),
-    "another checked point": (nearer(0), lambda c: subject(c)["at"].__setitem__(0, "1/10")),
     "a negative index": (
         "a whole number from 0 to 8",
         lambda c: evidence(c)["cells"][1]["polygon"].__setitem__(0, evidence(c)["cells"][1]["polygon"][0] - 9),
@@ -442,17 +414,10 @@ CELL_FORGERIES: dict[str, tuple[str, Forge]] = {
         "cell 1: wheels that the rule takes",
         lambda c: evidence(c)["cells"][1].update(wheels=[1, 1]),
     ),
-    "three wheels": ("cell 1: wheels that the rule takes", lambda c: evidence(c)["cells"][1]["wheels"].append(2)),
     "four wheels": ("a list of at most 3 items", lambda c: evidence(c)["cells"][1].update(wheels=[1, 4, 3, 2])),
-    "wheels in another order": (nearer(1), lambda c: evidence(c)["cells"][1]["wheels"].reverse()),
     "no wheels": ("a list of some items", lambda c: evidence(c)["cells"][1].update(wheels=None)),
     "an unknown wheel": ("a whole number from 0 to 4", lambda c: evidence(c)["cells"][1].update(wheels=[1, 9])),
     "wheel zero": ("cell 1: wheels that the rule takes", lambda c: evidence(c)["cells"][1].update(wheels=[0, 1])),
-    "wheels and twists of another cell": (
-        nearer(0),
-        lambda c: evidence(c)["cells"][0].update({key: evidence(c)["cells"][4][key] for key in ("wheels", "twists")}),
-    ),
-    "load model under rule nearest": (RULE, lambda c: subject(c).update(loads="elastic")),
     "more friction across the rim": (
         f"cell 0: {TWISTS}",
         lambda c: [w.update(friction=["1/2", "1"]) for w in subject(c)["wheels"]],
@@ -463,10 +428,6 @@ CELL_FORGERIES: dict[str, tuple[str, Forge]] = {
     "wheels at one place": (
         nearer(0),
         lambda c: subject(c)["wheels"].append(copy.deepcopy(subject(c)["wheels"][0])),
-    ),
-    "a wheel nearer than those": (
-        nearer(0),
-        lambda c: subject(c)["wheels"].append({**subject(c)["wheels"][0], "position": ["0", "1/4"]}),
     ),
     "a nearer wheel with one row": (
         nearer(0),
@@ -666,7 +627,6 @@ def forge_law(law: Any) -> Forge:
 
 
 CLAUSE_FORGERIES: dict[str, tuple[str, Forge]] = {
-    "a larger disc": (DISC, lambda c: claim_disc(c, "1/2")),
     "a disc of size zero": (DISC, lambda c: claim_disc(c, "0")),
     "a disc that is not shown": (
         unshown("disc", {"squared_radius": "1/4", "decreases": "strictly"}),
@@ -674,7 +634,6 @@ CLAUSE_FORGERIES: dict[str, tuple[str, Forge]] = {
     ),
     "a faster arrival": (RATE, lambda c: claim_rate(c, "1000001/1000000")),
     "an arrival that takes for ever": ("a positive rate", lambda c: claim_rate(c, "0")),
-    "an arrival from no disc": ("a disc of starts that arrive", lambda c: evidence(c).update(disc=None)),
     "an arrival that is not shown": (
         unshown("arrival", {"squared_radius": "1/4", "rate": "2"}),
         lambda c: say(c, arrival={"squared_radius": "1/4", "rate": "2"}),
@@ -704,15 +663,8 @@ CLAUSE_FORGERIES: dict[str, tuple[str, Forge]] = {
     "no signs": (unshown("feedback", "stabilizable"), lambda c: proofs(c).pop("feedback")),
     "another sign": (INWARD, lambda c: proofs(c)["feedback"]["signs"].__setitem__(0, -1)),
     "a sign of nothing": (SIGNS, lambda c: proofs(c)["feedback"]["signs"].__setitem__(0, 0)),
-    "signs of another size": (SIGNS, forge_law({"signs": [2] * 8})),
     "signs as text": (SIGNS, forge_law({"signs": ["1"] * 8})),
     "signs as truth values": (SIGNS, forge_law({"signs": [True] * 8})),
-    "twists of another rule": (
-        "signs of translations, under rule nearest",
-        forge_law({"twists": [["1", "0", "0"]] * 3}),
-    ),
-    "a plane that does not hold all": ("a plane of all motions", forge_law({"plane": ["0", "0", "1"]})),
-    "a plane of nothing": ("a plane of all motions", forge_law({"plane": ["0", "0", "0"]})),
     "a law of an unknown kind": ("an object with the keys plane", forge_law({"law": []})),
     "two laws": ("an object with the keys signs", forge_law({"signs": [1] * 8, "plane": ["0", "0", "1"]})),
     "an unknown proof": (LEFT_OVER, lambda c: proofs(c).update(translation={})),

@@ -127,7 +127,7 @@ def test_a_spin_with_standing_rollers() -> None:
     assert (hard.situation, hard.equilibrium) == (Situation.SMOOTH, Equilibrium.HOLDS)
 
 
-@few(4)
+@few(2)
 @pytest.mark.parametrize("ratio", [Fraction(1, 50), Fraction(1, 2)])
 @pytest.mark.parametrize("angle", ["pi/4", "pi/3", "5*pi/12"])
 @pytest.mark.parametrize("count", [3, 4, 5, 6])

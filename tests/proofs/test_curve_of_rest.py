@@ -14,11 +14,12 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_deriv
 from nonsmooth.proofs.kernel_strategies import decide_beside_curve_of_rest
 from nonsmooth.proofs.many_states.rest_beside import _adjugate, curve_of_rest
 from nonsmooth.proofs.system_decision import checked_point
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 EPIDEMIC = (["S", "I"], ["-S*I", "S*I - I"])
 
 
+@few(3)
 @pytest.mark.parametrize(
     ("states", "rhs", "at", "curve"),
     [

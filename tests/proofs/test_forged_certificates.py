@@ -27,14 +27,13 @@ from tests.oracles.mutants import Attack, Hand, Record, is_number, leaves, other
 from tests.proofs import test_second_function as further
 from tests.proofs import test_square_roots as roots
 from tests.proofs.attacks import ATTACKS, in_one_state, of_ties
-from tests.thorough import but, thorough
+from tests.thorough import but, few, thorough
 
 # ---- Forged certificates of arrays that ask for as much work as they can: each is refused within some seconds.
 #
 # The limits are counted in work, not in time, so what is refused here is refused on every machine; the allowed
 # processor time is several times what an idle machine takes.
 
-SECONDS = 60.0  # of processor time; an idle machine takes 20 at most
 AT_ONCE = 10.0  # where nothing but the reading is asked for
 RANDOM = np.random.default_rng(1)
 FIRST = RANDOM.bit_generator.state  # from which every test begins, whichever ran before
@@ -238,7 +237,7 @@ FEW = {
     **{"irrational numbers": 10, "basin": 8, "basin, searched": 15, "escape": 8, "lyapunov, searched": 12},
     **{"circles, searched": 5, "triangles": 10},
 }
-SOME, MANY = 25, 10_000
+SOME, MANY = 15, 10_000
 
 
 FEWER = {
@@ -271,6 +270,7 @@ def test_many_mutants_are_rejected_or_true(name: str) -> None:
     assert found.rejected
 
 
+@few(10)
 @pytest.mark.parametrize("name", [name for name in ATTACKS if "searched" not in name and name != "further functions"])
 def test_oracles_see_what_is_claimed_falsely(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A checker that believes every claim that is well formed: the oracle contradicts one.

@@ -77,7 +77,7 @@ def test_formulas_scale_as_it_is_said() -> None:
 ARRIVING = [own for own, _, degree in KNOWN if degree.startswith("-")]
 
 
-@few(3)
+@few(2)
 @pytest.mark.parametrize("rhs", but([KNOWN[1][0]], ARRIVING))
 def test_every_start_arrives(rhs: list[str]) -> None:
     """Small steps from far away come as near as their chattering allows, and stay: linear decay would not."""

@@ -41,6 +41,7 @@ from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds
+from tests.proofs.answers.test_enclosed_clauses import BY_ANGLE, EXACT
 from tests.rounded_rings import RULES, contradiction, said_of_ring
 from tests.thorough import few, keep
 
@@ -269,25 +270,8 @@ def test_what_is_true_of_all_members_stays(tmp_path: Path, rule: str) -> None:
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 def test_an_equilibrium_of_the_rounded_member_alone_is_not_shown(tmp_path: Path, rule: str) -> None:
     """Three rims balance where they point along 3-4-5; one is stated by its angle, to sixteen digits."""
-    exact = """
-[friction]
-mu_roll = 5
-mu_side = 1
-[[wheel]]
-position = ["-3/5", "-4/5"]
-heading = {}
-[[wheel]]
-position = ["3/5", "4/5"]
-heading = [-3, -4]
-[[wheel]]
-position = ["4/5", "-3/5"]
-heading = [-4, 3]
-[[wheel]]
-position = ["-4/5", "3/5"]
-heading = [4, -3]
-"""
-    by_vectors = check_of(tmp_path, exact.format("[3, 4]"), rule)
-    by_angle = check_of(tmp_path, exact.format('"53.13010235415598 deg"'), rule)
+    by_vectors = check_of(tmp_path, EXACT.replace(BY_ANGLE, "[3, 4]"), rule)
+    by_angle = check_of(tmp_path, EXACT, rule)
     assert isinstance(by_vectors, SmoothCheck)
     assert isinstance(by_angle, SmoothCheck)
     assert by_vectors.equilibrium.verdict == by_angle.equilibrium.verdict == "holds"

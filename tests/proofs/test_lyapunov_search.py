@@ -164,11 +164,12 @@ def test_units_do_not_hide_a_region(load: Load) -> None:
     assert 1 - 2**-11 < float(region.level) * 10**14 < 1
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("first", "second", "lyapunov", "level"),
     [
-        ("-sign(x)", "-2*sign(y) + x", "Abs(x) + Abs(y)", Fraction(1, 2)),
         ("-x + y**2", "-y", "x**2 + 2*y**2", Fraction(1, 4)),
+        ("-sign(x)", "-2*sign(y) + x", "Abs(x) + Abs(y)", Fraction(1, 2)),
     ],
 )
 def test_regions_touch_the_border(load: Load, first: str, second: str, lyapunov: str, level: Fraction) -> None:
@@ -330,6 +331,7 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
 
 
+@few(2)
 @pytest.mark.parametrize("rhs", [["Abs(y)", "-y"], ["Abs(y)", "-y - y**3"], ["Abs(x + 2*y) - x", "-y"]])
 def test_energies_whose_numbers_must_agree(load: Load, rhs: list[str]) -> None:
     """``(x + Abs(y))**2 + y**2``: shorter numbers leave ``y**2`` alone, and others that V rises on thin cones."""
@@ -346,6 +348,7 @@ WEIGHED = {
 }
 
 
+@few(1)
 @pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize("name", WEIGHED)
 def test_energies_of_terms_of_several_degrees(name: str) -> None:

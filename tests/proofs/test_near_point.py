@@ -85,6 +85,7 @@ def certificate(system: SwitchedSystem, verdict: str) -> Record:
 LONG = ["turns inward, curved", "twisting outward", "slides home where it repels", "relay that is pushed"]
 
 
+@few(8)
 @pytest.mark.parametrize("name", but(LONG, KNOWN))
 def test_known_verdicts_are_shown_to_the_checker(name: str) -> None:
     rhs, verdict, theorem = KNOWN[name]

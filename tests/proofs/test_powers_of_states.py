@@ -65,7 +65,7 @@ KNOWN: list[tuple[list[str], Translation]] = [
 ]
 # Those of which a V is searched for seconds. Others of each verdict take less; the answers of a search are shown by
 # KNOWN[0] and KNOWN[7], leading terms by KNOWN[9] and the test of a turn below.
-LONG = (1, 4, 5, 6, 8, 10)
+LONG = (1, 4, 5, 6, 8, 9, 10)
 
 
 @pytest.mark.usefixtures("without_reach")
@@ -81,7 +81,7 @@ def test_known_systems_are_decided_and_agree_with_small_steps(rhs: list[str], tr
 
 
 @few(2)
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(1, 25))
 def test_random_systems_are_not_contradicted(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b, c, d = (f"({k}/4)" for k in rng.integers(-10, 11, 4))
@@ -178,6 +178,7 @@ SPACE: list[tuple[list[str], list[str], Translation, bool]] = [
 ]
 
 
+@few(3)
 @pytest.mark.parametrize(("rhs", "at", "truth", "has_certificate"), keep(len(SPACE) - 1, SPACE))
 def test_three_states(rhs: list[str], at: list[str], truth: Translation, has_certificate: bool) -> None:
     result = decide_system(built(rhs, equilibrium=at))

@@ -5,18 +5,14 @@ from __future__ import annotations
 import json
 import math
 import random
-import subprocess
-import sys
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from nonsmooth.proofs import checker
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
@@ -27,13 +23,14 @@ from tests.oracles.floats import value
 from tests.oracles.mutants import Record
 from tests.plain import built
 from tests.proofs.forged import with_deciding
-from tests.thorough import but, keep
+from tests.thorough import but, few, keep
 
 # ---- Systems in one state: against known truths, and against the formula in floats at points beside the equilibrium.
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 
 
+@few(9)
 @pytest.mark.parametrize(
     ("formula", "truth", "left", "right"),
     [
@@ -254,15 +251,6 @@ def test_many_switchings_are_few_cells() -> None:
     """8 surfaces have 9 cells, not 2^8, which are more than are taken."""
     relays = " + ".join(f"sign(x - {k}/20)" for k in range(1, 9))
     assert claims(certificate_of(decide_system(built([f"-99*x - ({relays})/9*x**2"]))), "stability") == [str(ATTRACTS)]
-
-
-def test_the_checker_needs_nothing_else(tmp_path: Path) -> None:
-    file = tmp_path / "c.json"
-    file.write_text(json.dumps(certificate_of(decide_system(built(["-x + 8*x**3"])))), encoding="utf-8")
-    line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(file)]
-    done = subprocess.run(line, capture_output=True, text=True, check=False, timeout=60)
-    assert (done.returncode, done.stdout.splitlines()[0]) == (0, "valid")
-    assert "tends to the point" in done.stdout
 
 
 # ---- what is false -------------------------------------------------------------------------------

@@ -132,6 +132,7 @@ def test_both_checkers_count_waves_alike(side: tuple[str, str], order: int) -> N
     assert [[part.terms for part in field] for field in own] == as_fractions
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("name", SHORT)
 def test_both_checkers_agree_on_mutants(name: str, seed: int) -> None:

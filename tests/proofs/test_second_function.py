@@ -104,7 +104,7 @@ BENDING = {
 }
 
 
-@few(4)
+@few(3)
 @pytest.mark.parametrize("name", keep(8, [*ATTRACTING, *BENDING]))
 def test_what_attracts_is_certified(name: str) -> None:
     rhs, function, states = {**ATTRACTING, **BENDING}[name]

@@ -51,9 +51,7 @@ from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, sc
 from tests.built_in import decided, planar_systems
 from tests.oracles.floats import value, velocity
 from tests.proofs.conftest import Load
-from tests.thorough import examples, few, keep, thorough
-
-RANDOM = examples(60)
+from tests.thorough import few, keep, thorough
 
 
 def float_field(scene: SwitchedSystem, x: float, y: float) -> tuple[float, float]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -432,22 +434,35 @@ def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
         assert find_quadratic(build_fan(partition)) is None
 
 
+def paths_home(partition: Partition, found: Any, kinematics: Kinematics) -> Iterator[tuple[float, float, Any]]:
+    """From all around, at nine tenths of the region's distance: how far, when a path arrives, and its state then."""
+    (a, b), level = (float(x) for x in found.shape), float(found.level)
+    field = array_field(partition, kinematics)
+    for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False) + 0.01:
+        x, y = np.cos(angle), np.sin(angle)
+        distance = 0.9 * np.sqrt(level / ((1 + a) * x * x + 2 * b * x * y + (1 - a) * y * y))
+        until = float(found.arrival_per_distance) * distance + 1
+        path = simulate(field, (distance * x, distance * y, 0), until)
+        ends = [(piece.end, np.array(piece.state(piece.end - piece.start))) for piece in path.pieces]
+        moment, state = next((t, state) for t, state in ends if np.hypot(*state[:2]) < ARRIVED)
+        assert moment is not None
+        yield float(distance), float(moment), state
+
+
 @pytest.mark.parametrize("seed", QUADRATIC_SEEDS)
 def test_the_time_of_arrival_is_bounded_and_not_by_much_more_than_the_longest_path(arrays: Arrays, seed: int) -> None:
-    """Paths of both kinematics from all around, at nine tenths of the region's distance in each direction."""
+    """Paths of both kinematics; along leading-order solutions the turn is bounded too: at the point all these drift."""
     partition = build_nearest_partition(arrays.cocircular(seed))
-    _, found = decided(arrays, seed)
-    (a, b), level = (float(x) for x in found.shape), float(found.level)
+    result, found = decided(arrays, seed)
+    assert decide_rotation(partition, result).verdict is Rotation.UNSTABLE
+    turning = rotation_bound(partition, result)
+    assert turning is not None
     bound, longest = float(found.arrival_per_distance), 0.0
     for kinematics in (Kinematics.LEADING, Kinematics.EXACT):
-        field = array_field(partition, kinematics)
-        for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False) + 0.01:
-            x, y = np.cos(angle), np.sin(angle)
-            distance = 0.9 * np.sqrt(level / ((1 + a) * x * x + 2 * b * x * y + (1 - a) * y * y))
-            path = simulate(field, (distance * x, distance * y, 0), bound * distance + 1)
-            ends = [(piece.end, np.array(piece.state(piece.end - piece.start))) for piece in path.pieces]
-            moment = next(t for t, state in ends if np.hypot(*state[:2]) < ARRIVED)
+        for distance, moment, state in paths_home(partition, found, kinematics):
             longest = max(longest, moment / distance)
+            if kinematics is Kinematics.LEADING:
+                assert abs(state[2]) <= float(turning) * distance + ARRIVED
     assert longest <= bound * (1 + ARRIVED)
     assert bound <= LOOSE * longest
 
@@ -458,24 +473,3 @@ def test_a_forged_time_of_arrival_is_refused(arrays: Arrays, seed: int) -> None:
     swift = found.swift or found.descent
     assert not evidence_holds(replace(found, swift=replace(swift, decay=swift.decay * 2)))
     assert not evidence_holds(replace(found, swift=replace(swift, shape=(Fraction(1), Fraction(0)))))
-
-
-@pytest.mark.parametrize("seed", QUADRATIC_SEEDS)
-def test_the_decay_bounds_time_and_rotation_until_paths_arrive(arrays: Arrays, seed: int) -> None:
-    """From a start in the region, by events along leading-order solutions; at the point itself all these drift."""
-    partition = build_nearest_partition(arrays.cocircular(seed))
-    result, found = decided(arrays, seed)
-    assert decide_rotation(partition, result).verdict is Rotation.UNSTABLE
-    turning = rotation_bound(partition, result)
-    assert turning is not None
-    (a, b), level = (float(x) for x in found.shape), float(found.level)
-    field = array_field(partition, Kinematics.LEADING)
-    for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False) + 0.01:
-        x, y = np.cos(angle), np.sin(angle)
-        distance = 0.9 * np.sqrt(level / ((1 + a) * x * x + 2 * b * x * y + (1 - a) * y * y))
-        time = float(found.arrival_per_distance) * distance
-        path = simulate(field, (distance * x, distance * y, 0), time + 1)
-        ends = [(piece.end, np.array(piece.state(piece.end - piece.start))) for piece in path.pieces]
-        moment, state = next((t, state) for t, state in ends if np.hypot(*state[:2]) < ARRIVED)
-        assert moment <= time + ARRIVED
-        assert abs(state[2]) <= float(turning) * distance + ARRIVED

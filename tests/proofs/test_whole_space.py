@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -18,8 +17,8 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.cells import started, stated_cells
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, stability_hypotheses
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
-from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from tests.oracles.floats import midpoint
+from tests.plain import decided
 from tests.thorough import but, few
 
 # ---- Attraction of every start by a V on the whole space: against other points of rest, paths from afar, forged
@@ -49,15 +48,12 @@ LONG = [
 ]
 
 
-def decided(rhs: Sequence[str]) -> StabilityResult:
-    return decide_system(ns.System(list("xyz"[: len(rhs)]), list(rhs)).system)
-
-
 def rounded(formula: sp.Expr) -> sp.Expr:
     """A sign without a jump, on which an integrator would chatter."""
     return formula.replace(sp.sign, lambda x: x / sp.sqrt(x**2 + WIDTH**2))
 
 
+@few(4)
 @pytest.mark.parametrize("rhs", but(LONG, GLOBAL), ids="; ".join)
 def test_every_start_arrives(rhs: list[str]) -> None:
     result = decided(rhs)

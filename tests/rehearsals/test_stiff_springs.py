@@ -11,7 +11,6 @@ from functools import cache
 import numpy as np
 import pytest
 from flint import arb
-from scipy.optimize import minimize
 
 from nonsmooth.analysis.bodies.many_paths import ManyPaths
 from nonsmooth.analysis.bodies.mass_path import MassPath
@@ -35,6 +34,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.rehearsals.stiff_springs import StiffSprings
+from tests.springs import least_energy
 
 STIFFNESS = (1, 3, 2, 5, 1, 2)
 NAMES = ["four-wheel", "ring-6", "off-center"]
@@ -54,21 +54,10 @@ def places(scene: Scene) -> Floats:
     return np.random.default_rng(0).dirichlet(np.full(len(wheels), 0.4), 12) @ wheels
 
 
-def least_energy(scene: Scene, place: Floats, springs: Sequence[int] = STIFFNESS) -> Floats:
-    """``min sum N_i^2/(2 k_i)`` over the loads that balance, by a general method that knows no springs."""
-    wheels = np.array([[1.0, *(float(x) for x in wheel.position)] for wheel in scene.wheels])
-    stiffness = np.array(springs[: len(wheels)], float)
-    balance = {"type": "eq", "fun": lambda n: n @ wheels - [1.0, *place], "jac": lambda n: wheels.T}
-    found = minimize(
-        lambda n: (n * n / stiffness).sum() / 2,
-        np.full(len(wheels), 1 / len(wheels)),
-        jac=lambda n: n / stiffness,
-        bounds=[(0, None)] * len(wheels),
-        constraints=[balance],
-        method="SLSQP",
-        options={"ftol": 1e-14, "maxiter": 400},
-    )
-    return np.asarray(found.x)
+def energy_least(scene: Scene, place: Floats, springs: Sequence[int] = STIFFNESS) -> Floats:
+    """Loads of springs of equal height."""
+    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    return least_energy(places, np.array(springs[: len(places)], float), np.zeros(len(places)), place)
 
 
 def test_the_model_is_one_short_class() -> None:
@@ -81,7 +70,7 @@ def test_floats_find_the_least_energy(name: str) -> None:
     points = places(scene)
     for place, loads in zip(points, loads_at(contact_model(scene), points), strict=True):
         assert loads.min() >= 0
-        np.testing.assert_allclose(loads, least_energy(scene, place), atol=1e-6)
+        np.testing.assert_allclose(loads, energy_least(scene, place), atol=1e-6)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -181,7 +170,7 @@ def test_the_loads_of_many_bodies_have_the_least_energy() -> None:
     for row, centre, own, under in zip(found, centres, wheels, carrying, strict=True):
         alone = with_only(scene, [scene.wheels[k] for k in own[under]])
         stiffness = [STIFFNESS[k % len(STIFFNESS)] for k in own[under]]
-        np.testing.assert_allclose(row[under], least_energy(alone, centre, stiffness), atol=1e-6)
+        np.testing.assert_allclose(row[under], energy_least(alone, centre, stiffness), atol=1e-6)
 
 
 def test_paths_and_maps_of_a_body_on_unequal_springs_end_alike() -> None:

@@ -96,18 +96,6 @@ def test_three_states_are_followed_and_judged(invoke: Invoke, tmp_path: Path) ->
     assert "V is not positive at (" in refuted.out
 
 
-def test_a_certificate_is_written_and_verified(invoke: Invoke, tmp_path: Path) -> None:
-    assert invoke("check", "four-wheel", "--certificate", "four-wheel.json").status == 0
-    status, text, err = invoke("verify", "four-wheel.json")
-    assert (status, text.splitlines()[0], err) == (0, "valid: all claims hold", "")
-    target = tmp_path / "four-wheel.json"
-    forged = target.read_text().replace('"asymptotically stable"', '"unstable"')
-    assert forged != target.read_text()
-    target.write_text(forged)
-    rejected = 'rejected: required evidence of the claim {"translation": "unstable"}\n'
-    assert invoke("verify", "four-wheel.json") == (1, rejected, "")
-
-
 @pytest.mark.parametrize("options", ["--rule all --certificate all.json", "--certificate four-wheel.txt"])
 def test_bad_output_is_refused_before_the_work(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, options: str) -> None:
     def work(*_: object, **__: object) -> None:
@@ -309,19 +297,6 @@ def test_a_point_to_check_has_a_number_for_each_state(invoke: Invoke) -> None:
     refused = invoke(*common, "--at", "0,0")
     assert refused.status == 2
     assert "required 3 numbers, one for each state, received 2" in refused.err
-
-
-@pytest.mark.parametrize("option", [("--require", "pose"), ("--no-prune",)])
-@pytest.mark.parametrize("scenes", [("eq-4",), ("four-wheel", "eq-4")])
-def test_a_plain_system_has_no_answers_to_require_and_no_wheels_to_prune(
-    invoke: Invoke, scenes: tuple[str, ...], option: tuple[str, ...]
-) -> None:
-    """A guard that asks for the pose of a plain system would be passed by the stability of a point."""
-    refused = invoke("check", *scenes, *option)
-    assert refused.status == 2
-    assert refused.err == (
-        f"nonsmooth: eq-4: required an array of wheels for {option[0]}, received a plain switched system\n"
-    )
 
 
 # ---- Facts of plain systems and audits: one list gives the rows of the terminal and the keys of JSON.

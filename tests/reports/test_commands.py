@@ -97,14 +97,6 @@ def test_numbers_are_compared_and_not_their_text(invoke: Invoke, change: Change)
     assert invoke("verify", "c.json", "four-wheel").status == 0
 
 
-def test_a_certificate_without_any_claim_is_rejected(invoke: Invoke) -> None:
-    invoke("check", "four-wheel", "--certificate", "c.json")
-    certificate = json.loads(Path("c.json").read_text(encoding="utf-8"))
-    certificate["statement"]["claims"] = []
-    Path("c.json").write_text(json.dumps(certificate), encoding="utf-8")
-    assert invoke("verify", "c.json")[:2] == (1, "rejected: required a claim\n")
-
-
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("option", [["--rule", "box"], ["--radius", "1"], ["--at", "0,0"]])
 def test_options_of_a_scene_need_a_scene(invoke: Invoke, option: list[str]) -> None:
@@ -242,18 +234,6 @@ def test_files(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.C
     assert json.loads((tmp_path / "stress.json").read_text())["rows"][1]["error"] is None
 
 
-@pytest.mark.parametrize("suffix", keep(0, ["svg", "png", "pdf"]))  # the small one: test_files
-def test_pictures_of_equal_rows_are_equal(
-    suffix: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with_rows(monkeypatch, GOOD, SILENT, BAD)
-    first, again = (tmp_path / f"{name}.{suffix}" for name in ("first", "again"))
-    for target in (first, again):
-        assert run(app, ["stress", "four-wheel", "-o", str(target)]) == 1
-    capsys.readouterr()
-    assert first.read_bytes() == again.read_bytes()
-
-
 def test_an_interrupt_keeps_what_is_finished(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -275,26 +255,6 @@ def test_a_number_that_is_none_is_null(monkeypatch: pytest.MonkeyPatch, capsys: 
 
 
 # ---- ``nonsmooth vehicle``: records, files, refusals, and the same in Python ---------------------
-
-
-@pytest.mark.parametrize("arguments", [("husky-a200",), ("tracked-base", "--rule", "nearest"), ("swerve-base",)])
-def test_views_fit_80_columns(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    out = invoke("vehicle", *arguments).out
-    assert max(len(line) for line in out.splitlines()) <= 80
-
-
-@few(1)
-@pytest.mark.parametrize(
-    ("scene", "suffix"),
-    [("husky-a200", ".svg"), ("husky-a200", ".json"), ("mecanum-base", ".svg"), ("husky-a200", ".csv")],
-)
-def test_files_are_reproducible(invoke: Invoke, tmp_path: Path, scene: str, suffix: str) -> None:
-    file = tmp_path / f"v{suffix}"
-    assert invoke("vehicle", scene, "-o", file.name).status == 0
-    first = file.read_bytes()
-    assert invoke("vehicle", scene, "-o", file.name).status == 0
-    assert file.read_bytes() == first
 
 
 def test_rounding_is_no_slip_in_a_picture(invoke: Invoke, tmp_path: Path) -> None:
@@ -524,21 +484,6 @@ def test_a_body_with_an_outline(shape: str) -> None:
     body = Body(outline, (field(Fraction(1, 10)), field(Fraction(-1, 20))), heading)
     start = field(Fraction(4, 5)), field(Fraction(-3, 5))
     assert path_error(export_world(replace(scene, body=body), start)) < LIFTED
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("four-wheel",), 'required "ellipse", the friction of the engine (or --rule ellipse)'),
-        (("ring-5", "--rule", "ellipse"), "required friction axes along or across that of wheel 1"),
-        (("ring-3", "--rule", "oval"), "'oval' is not one of"),
-        (("roller-bed", "--rule", "roller"), 'required "ellipse"'),
-    ],
-)
-def test_what_the_engine_has_no_means_for_is_refused(invoke: Invoke, arguments: tuple[str, ...], said: str) -> None:
-    done = invoke("export", *arguments, "--frame", "world")
-    assert done.status == 2
-    assert said in " ".join(done.err.split())
 
 
 def test_the_command_writes_the_file(invoke: Invoke, tmp_path: Path) -> None:

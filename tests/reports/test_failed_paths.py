@@ -219,20 +219,6 @@ def test_how_each_path_ends(invoke: Invoke) -> None:
     assert "the time is over" not in out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("four-wheel", "--fail", "7"), "--fail: required wheels among 1-4, or any, received '7'"),
-        (("four-wheel", "--fail", "any", "--feedback"), "--feedback: required the open loop"),
-        (("four-wheel", "--fail", "any", "--method", "dynamics"), "--method: required the open loop"),
-    ],
-)
-def test_what_cannot_fail_is_refused(invoke: Invoke, arguments: tuple[str, ...], said: str) -> None:
-    done = invoke("simulate", *arguments, "--from", "0.1,0.1,0")
-    assert done.status == 2
-    assert said in done.err
-
-
 # ---- ``--fail 1`` on check and sweep -------------------------------------------------------------
 
 

@@ -87,14 +87,6 @@ def test_a_gif_has_its_frames_and_is_small(
     assert file.stat().st_size < LARGEST_GIF
 
 
-@thorough
-def test_equal_input_gives_equal_films(tmp_path: Path) -> None:
-    path = ns.load("ring-3").simulate((0.05, 0.02, 0.1), until=0.2)
-    first = {s: path.animate(tmp_path / f"a{s}").read_bytes() for s in (".gif", ".html")}
-    again = {s: path.animate(tmp_path / f"b{s}").read_bytes() for s in (".gif", ".html")}
-    assert first == again
-
-
 def test_a_film_of_a_law_under_friction_sets_is_refused_before_the_work(invoke: Invoke) -> None:
     common = ("simulate", "ring-6", "--rule", "ellipse", "--from", "0,0,0.1", "--feedback", "-o", "path.html")
     with patch("nonsmooth.reports.simulations.simulate._run_array", side_effect=AssertionError):

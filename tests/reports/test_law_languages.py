@@ -341,7 +341,8 @@ def test_the_program_keeps_speed_limits_by_one_factor(arrays: Arrays, rule: str)
 # ---- what the header says ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["four-wheel nearest", "ring-5 nearest", "four-wheel box", "ring-5 box", "shaped"])
+@few(3)
+@pytest.mark.parametrize("name", ["four-wheel nearest", "ring-5 box", "four-wheel box", "ring-5 nearest", "shaped"])
 def test_the_largest_speed_is_as_printed(arrays: Arrays, name: str) -> None:
     """On the border of the certified region no wheel is asked for more, and some for nearly as much."""
     check, law_name, _ = case(arrays, name)
@@ -481,25 +482,6 @@ def test_the_command_writes_every_language(invoke: Invoke, tmp_path: Path) -> No
         assert (tmp_path / f"law{ending}").read_text(encoding="utf-8") == program
     assert invoke("check", "four-wheel", "--law", "printed.st", "--law-name", "printed").status == 0
     assert "NOT certified" in (tmp_path / "printed.st").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("four-wheel-side", "--law", "a.c"), "required a certified feedback law; the feedback clause says"),
-        (("four-wheel", "--law", "a.txt"), ".c, .st"),
-        (("four-wheel", "--law-name", "printed"), "--law-name: required --law, received none"),
-        (("ring-5", "--rule", "ellipse", "--law", "a.c", "--law-name", "printed"), "required rule nearest"),
-        (("four-wheel-side", "--law", "a.c", "--law-name", "printed"), "required a roll row in third place"),
-    ],
-)
-def test_what_cannot_be_written_is_refused(
-    invoke: Invoke, tmp_path: Path, arguments: tuple[str, ...], said: str
-) -> None:
-    done = invoke("check", *arguments)
-    assert done.status == 2
-    assert said in done.err
-    assert not list(tmp_path.iterdir())
 
 
 def test_no_line_ends_within_the_name_of_a_wheel() -> None:

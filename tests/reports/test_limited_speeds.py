@@ -34,7 +34,7 @@ from nonsmooth.reports.output.console import run
 from nonsmooth.reports.simulations.paths import ArrayPath, PathResult
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from tests.oracles.floats import Floats
-from tests.thorough import few, keep, thorough
+from tests.thorough import few, keep
 
 SLACK = 1e-9  # of V and times along integrated paths
 SLOW: dict[str, Any] = {"field": {"kind": "radial", "speed": "1/100"}}  # speeds of the open loop, below every limit
@@ -320,15 +320,6 @@ def test_paths_say_when_speeds_end_in_every_format(tmp_path: Path, capsys: pytes
     assert run(app, (*simulate, "-o", str(picture))) == 0
     assert b"speeds u_i" in picture.read_bytes() or b"DejaVu" in picture.read_bytes()
     capsys.readouterr()
-
-
-@thorough  # the small one: tests/reports/test_path_ends.py, test_pictures
-def test_speeds_are_drawn_alike_twice(tmp_path: Path) -> None:
-    first, again = (tmp_path / name for name in ("first.svg", "again.svg"))
-    for picture in (first, again):
-        loop = ("simulate", "four-wheel", "--from", "0.1,0.15,0.3", "--feedback", "--gain", "3", "--until", "4")
-        assert run(app, (*loop, "-o", str(picture))) == 0
-    assert first.read_bytes() == again.read_bytes()
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")

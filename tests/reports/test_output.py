@@ -9,10 +9,12 @@ import re
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TypeAlias
+from typing import IO, TypeAlias
 
 import pytest
 
@@ -220,6 +222,41 @@ def test_new_files_follow_the_umask_and_old_ones_keep_their_mode(tmp_path: Path)
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["new", "old"]
 
 
+# ---- Equal input gives equal files, which are whole, and no others ---------------------------------
+
+DRAWN = [
+    ("partition ring-5", ".svg"),
+    ("partition ring-5", ".png"),
+    ("partition ring-5", ".pdf"),
+    ("vehicle husky-a200", ".svg"),
+    ("vehicle mecanum-base", ".svg"),
+    ("simulate four-wheel-side --grid 3 --until 0.3", ".svg"),  # starts that never arrive, or are not unique
+    ("simulate conveyor-3 --grid 7 --until 0.3", ".png"),
+    ("simulate saddle --grid 7 --until 0.3", ".pdf"),  # more ends than there are colors
+    ("simulate ring-3 --from 0.05,0.02,0.1 --until 0.2", ".gif"),
+    ("simulate ring-3 --from 0.05,0.02,0.1 --until 0.2", ".html"),
+    ("simulate four-wheel --from 0.1,0.15,0.3 --feedback --gain 3 --until 4", ".svg"),
+    ("stress line-of-equilibria", ".svg"),
+    ("stress line-of-equilibria", ".pdf"),
+]
+BEGINNINGS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF", ".gif": b"GIF8", ".html": b"<!DOCTYPE html>"}
+
+
+@few(4)
+@pytest.mark.parametrize(("line", "suffix"), DRAWN)
+def test_equal_input_gives_equal_files(invoke: Invoke, tmp_path: Path, line: str, suffix: str) -> None:
+    file = tmp_path / f"drawn{suffix}"
+    assert invoke(*line.split(), "-o", file.name).status == 0
+    first = file.read_bytes()
+    assert invoke(*line.split(), "-o", file.name).status == 0
+    assert file.read_bytes() == first
+    assert [entry.name for entry in tmp_path.iterdir()] == [file.name]
+    assert first.startswith(BEGINNINGS[suffix])
+    assert len(first) > 5_000
+    if suffix == ".svg":
+        assert ET.fromstring(first).tag.endswith("svg")
+
+
 # ---- ``--allow-outside``: every command that reads a scene keeps its table of wheels in the scene's folder without
 # it.
 
@@ -270,22 +307,30 @@ HASTY = (
 )
 
 
-def on_terminal(monkeypatch: pytest.MonkeyPatch, patience: float) -> str:
-    """What two steps leave on a pseudo-terminal, cleared at the end."""
+@contextmanager
+def terminal(monkeypatch: pytest.MonkeyPatch, patience: float = 0.0) -> Iterator[tuple[IO[str], list[str]]]:
+    """A pseudo-terminal as standard error, and, at the end, all that was written to it."""
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(progress_module, "PATIENCE", patience)
     monkeypatch.setattr(progress_module, "TICK", 0.01)
     leader, follower = os.openpty()
+    shown: list[str] = []
     with os.fdopen(follower, "w") as stream:
         monkeypatch.setattr(sys, "stderr", stream)
+        yield stream, shown
+    shown.append(terminal_text(leader))
+    os.close(leader)
+
+
+def on_terminal(monkeypatch: pytest.MonkeyPatch, patience: float) -> str:
+    """What two steps leave there, cleared at the end."""
+    with terminal(monkeypatch, patience) as (stream, shown):
         with steps("count wheels") as announce:
             time.sleep(0.1)
             announce("count cells")
             time.sleep(0.1)
         stream.write("end")
-    shown = terminal_text(leader)
-    os.close(leader)
-    return shown
+    return shown[0]
 
 
 def test_steps_are_named_in_turn_and_the_line_is_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -306,49 +351,29 @@ def test_seconds_are_seen_where_the_step_is_wider_than_the_terminal(monkeypatch:
 
 
 def test_an_error_ends_the_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(progress_module, "PATIENCE", 0.0)
-    leader, follower = os.openpty()
-    with os.fdopen(follower, "w") as stream:
-        monkeypatch.setattr(sys, "stderr", stream)
-        with pytest.raises(KeyError):
-            failing_step()
-    shown = terminal_text(leader)
-    os.close(leader)
-    assert shown.endswith(CLEAR_LINE)
-
-
-def failing_step() -> None:
-    """A step that has been shown when it fails."""
-    with steps("count wheels"):
+    """Of a step that has been shown when it fails."""
+    with terminal(monkeypatch) as (_, shown), suppress(KeyError), steps("count wheels"):
         time.sleep(0.1)
         raise KeyError
+    assert shown[0].endswith(CLEAR_LINE)
 
 
 def test_what_the_work_tells_is_shown_and_moves(monkeypatch: pytest.MonkeyPatch) -> None:
     """From any depth, within a step inside another; the outer step is named again afterwards."""
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(progress_module, "PATIENCE", 0.0)
-    monkeypatch.setattr(progress_module, "TICK", 0.01)
-    leader, follower = os.openpty()
-    with os.fdopen(follower, "w") as stream:
-        monkeypatch.setattr(sys, "stderr", stream)
-        with steps("simulate"):
-            with steps("path"):
-                for count in (1, 2):
-                    tell_count(count, 2, "starts")
-                    time.sleep(0.1)
-            tell("film")
-            time.sleep(0.1)
-            end_progress()
-            stream.write("output")
-            tell("nothing more")
-            time.sleep(0.1)
-    shown = terminal_text(leader)
-    os.close(leader)
-    places = [shown.index(said) for said in ("path: 1 of 2 starts (0 s)", "path: 2 of 2", "simulate: film (0 s)")]
+    with terminal(monkeypatch) as (stream, shown), steps("simulate"):
+        with steps("path"):
+            for count in (1, 2):
+                tell_count(count, 2, "starts")
+                time.sleep(0.1)
+        tell("film")
+        time.sleep(0.1)
+        end_progress()
+        stream.write("output")
+        tell("nothing more")
+        time.sleep(0.1)
+    places = [shown[0].index(said) for said in ("path: 1 of 2 starts (0 s)", "path: 2 of 2", "simulate: film (0 s)")]
     assert places == sorted(places)
-    assert shown.endswith(f"{CLEAR_LINE}output")
+    assert shown[0].endswith(f"{CLEAR_LINE}output")
 
 
 def test_only_the_innermost_listener_hears() -> None:
@@ -499,22 +524,15 @@ def test_every_command_that_can_take_long_shows_moving_seconds(command: str, mon
         time.sleep(0.35)
         raise RefusedError("enough")
 
-    monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(type(study), "run", slow)
-    monkeypatch.setattr(progress_module, "PATIENCE", 0.1)
-    monkeypatch.setattr(progress_module, "TICK", 0.02)
     fast = SimpleNamespace(monotonic=lambda: 10 * time.monotonic())
     monkeypatch.setattr(progress_module, "time", fast)
-    leader, follower = os.openpty()
-    with os.fdopen(follower, "w") as stream:
-        monkeypatch.setattr(sys, "stderr", stream)
+    with terminal(monkeypatch, patience=0.1) as (_, shown):
         assert run(app, [command, *ASKED[command]]) == 2
-    shown = terminal_text(leader)
-    os.close(leader)
-    seconds = [int(found) for found in re.findall(rf"{command} \((\d+) s\)", shown)]
+    seconds = [int(found) for found in re.findall(rf"{command} \((\d+) s\)", shown[0])]
     assert seconds[0] <= 2
     assert len(set(seconds)) > 1
-    assert "enough" in shown.rpartition(CLEAR_LINE)[2]
+    assert "enough" in shown[0].rpartition(CLEAR_LINE)[2]
 
 
 def terminal_text(leader: int) -> str:

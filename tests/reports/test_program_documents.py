@@ -8,6 +8,7 @@ import math
 import re
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -72,16 +73,14 @@ def described(schema: str) -> set[str]:
     return {word for words in re.findall(r"`([^`]*)`", row) for word in re.findall(r"\w+", words)}
 
 
-def clause(name: str) -> set[str]:
-    """The keys of a clause, from the table of clauses."""
-    (row,) = re.findall(rf"^\| `{name}` \| (.*) \|$", DESIGN_PAGE.split("The clauses, beside")[1], re.MULTILINE)
+def keys_of(name: str, table: str) -> set[str]:
+    """The keys of a clause or an answer, from their table."""
+    (row,) = re.findall(rf"^\| `{name}` \| (.*) \|$", DESIGN_PAGE.split(table)[1], re.MULTILINE)
     return set(re.findall(r"`(\w+)`", row)) | {"verdict", "reason"}
 
 
-def answer(name: str) -> set[str]:
-    """The keys of an answer, from the table of answers."""
-    (row,) = re.findall(rf"^\| `{name}` \| (.*) \|$", DESIGN_PAGE.split("The `answers` of a check")[1], re.MULTILINE)
-    return set(re.findall(r"`(\w+)`", row)) | {"verdict", "reason"}
+clause = partial(keys_of, table="The clauses, beside")
+answer = partial(keys_of, table="The `answers` of a check")
 
 
 def printed(capsys: pytest.CaptureFixture[str], command: str) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence.published_systems import astray, in_simplices
-from tests.oracles.floats import Floats, runge_kutta
+from tests.oracles.floats import Floats, sizes_after
 from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke
 from tests.thorough import keep, thorough
@@ -110,17 +110,10 @@ def drawn(basin: CertifiedBasin, count: int, seed: int = 1) -> Floats:
     return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
 
 
-def sizes_after(name: str, starts: Floats, time: float) -> Floats:
-    """Distances from the point after some time, by Runge and Kutta with equal steps."""
+def ends_of(name: str, starts: Floats, time: float) -> Floats:
+    """Distances from the point after some time."""
     _, _, field, step, *_ = SYSTEMS[name]
-
-    def rate(z: Floats) -> Floats:
-        return np.stack(field(*z), axis=0)
-
-    z = starts.T.copy()
-    for _ in range(int(time / step)):
-        z = runge_kutta(rate, z, step)
-    return np.linalg.norm(z, axis=0)
+    return sizes_after(field, starts, step, int(time / step))
 
 
 @cache
@@ -151,7 +144,7 @@ def test_starts_in_triangles_come_home(name: str) -> None:
     result, basin = coarse_basin_of(name)
     assert basin.share >= SYSTEMS[name][4]
     assert_cover_once(basin)
-    assert sizes_after(name, drawn(basin, 100), 8.0).max() < 0.1
+    assert ends_of(name, drawn(basin, 100), 8.0).max() < 0.1
     record = json.loads(json.dumps(result.to_dict()))["basin"]
     assert len(record["simplices"]) == len(basin.simplices)
     assert len(record["vertices"]) == len(record["values"]) == len(basin.corners)
@@ -166,7 +159,7 @@ def test_best_regions_are_large(name: str) -> None:
     """The share is sampled; ten thousand starts are followed."""
     _, basin = basin_of(name, "best")
     assert basin.share >= SYSTEMS[name][5]
-    assert sizes_after(name, drawn(basin, 10_000), 120.0).max() < 0.05
+    assert ends_of(name, drawn(basin, 10_000), 120.0).max() < 0.05
 
 
 def assert_cover_once(basin: CertifiedBasin) -> None:

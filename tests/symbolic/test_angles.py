@@ -356,21 +356,15 @@ def test_a_bare_number_where_no_unit_is_known_is_refused_with_both_spellings() -
 
 
 @pytest.mark.parametrize("word", WORDS)
-def test_a_heading_of_a_scene(word: str, tmp_path: Path) -> None:
+def test_a_heading_of_a_scene_and_of_a_table(word: str, tmp_path: Path) -> None:
     wheels = "".join(f'[[wheel]]\nposition = [{x}, {y}]\nheading = "{word}"\nspeed = 1\n' for x, y in PLACES)
-    (tmp_path / "scene.toml").write_text(HEAD + wheels, encoding="utf-8")
-    scene = load_scene(tmp_path / "scene.toml")
-    for wheel in scene.wheels:
-        assert tuple(map(float, wheel.unit_direction)) == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)), abs=1e-15)
-
-
-@pytest.mark.parametrize("word", WORDS)
-def test_a_heading_of_a_table(word: str, tmp_path: Path) -> None:
     rows = "".join(f"{x},{y},{word},1\n" for x, y in PLACES)
     (tmp_path / "wheels.csv").write_text(f"x,y,heading,speed\n{rows}", encoding="utf-8")
-    (tmp_path / "scene.toml").write_text(f'{HEAD}[wheels]\nfile = "wheels.csv"\n', encoding="utf-8")
-    wheel = load_scene(tmp_path / "scene.toml").wheels[0]
-    assert tuple(map(float, wheel.unit_direction)) == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)), abs=1e-15)
+    for table in (wheels, '[wheels]\nfile = "wheels.csv"\n'):
+        (tmp_path / "scene.toml").write_text(HEAD + table, encoding="utf-8")
+        for wheel in load_scene(tmp_path / "scene.toml").wheels:
+            found = tuple(map(float, wheel.unit_direction))
+            assert found == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)), abs=1e-15)
 
 
 # ---- Units of a scene: labels, and speeds that a file states in another unit of length -----------

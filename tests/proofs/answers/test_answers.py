@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
 from sympy import Matrix
 
 import nonsmooth as ns
@@ -47,6 +46,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import listening
 from tests.built_in import whole_check
+from tests.springs import least_energy
 from tests.thorough import few, keep
 
 # ---- The answers to a builder's questions, beside paths that know nothing of the clauses they come from.
@@ -330,22 +330,6 @@ def test_loads_by_a_table_do_not_matter_where_a_rule_needs_none() -> None:
 MEASURED = [8, 9, 11, 10, 7, 6]  # of springs of unequal height under PLACES
 
 
-def least_energy(places: list[tuple[int, int]], heights: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Loads of springs of stiffness one, ``min sum (N_i - e_i)^2/2`` over those that balance, by a general method."""
-    moments = np.array([(1.0, *place) for place in places])
-    balance = {"type": "eq", "fun": lambda n: n @ moments - [1.0, *centre], "jac": lambda n: moments.T}
-    solved = minimize(
-        lambda n: ((n - heights) ** 2).sum() / 2,
-        np.full(len(places), 1 / len(places)),
-        jac=lambda n: n - heights,
-        bounds=[(0, None)] * len(places),
-        constraints=[balance],
-        method="SLSQP",
-        options={"ftol": 1e-15, "maxiter": 400},
-    )
-    return np.asarray(solved.x)
-
-
 @pytest.mark.parametrize("failed", range(6))
 def test_springs_of_measured_loads_press_without_a_wheel_as_the_least_energy_says(failed: int) -> None:
     scene = array(PLACES, "ellipse", loads={"kind": "measured", "values": MEASURED}).scene
@@ -356,7 +340,9 @@ def test_springs_of_measured_loads_press_without_a_wheel_as_the_least_energy_say
     found = loads_at(contact_model(rest), centres)
     assert (found == 0).any()  # some wheels lift off
     for centre, loads in zip(centres, found, strict=True):
-        np.testing.assert_allclose(loads, least_energy(places, heights, centre), atol=1e-6)
+        np.testing.assert_allclose(
+            loads, least_energy(np.array(places), np.ones(len(places)), heights, centre), atol=1e-6
+        )
 
 
 @pytest.mark.parametrize(("rule", "wheels"), keep(1, [("box", (5, 6)), ("ellipse", (6,)), ("ellipse", (5, 6))]))

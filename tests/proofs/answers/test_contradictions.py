@@ -303,6 +303,7 @@ def test_one_mixture_of_tied_motions_that_leaves_where_the_paths_drawn_come_home
     assert said == "leaves"
 
 
+@few(1)
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("seed", range(4))
 def test_right_verdicts_are_never_contradicted(family: str, seed: int) -> None:

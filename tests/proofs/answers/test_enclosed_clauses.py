@@ -198,7 +198,7 @@ def test_clauses_of_symmetric_tables_are_those_of_forces_in_forty_digits(seed: i
         confirm(table, check)
 
 
-@pytest.mark.parametrize(("seed", "rule"), keep(2, [(s, r) for s in (3, 0, 7, 9) for r in ("ellipse", "roller")]))
+@pytest.mark.parametrize(("seed", "rule"), keep(1, [(s, r) for s in (3, 0, 7, 9) for r in ("ellipse", "roller")]))
 def test_clauses_at_enclosed_points_are_those_of_forces_in_forty_digits(seed: int, rule: str) -> None:
     table = MeasuredTable.random(seed, rule, off=3.0)
     check = checked(table, at_best=True)
@@ -232,6 +232,7 @@ def test_a_point_that_is_only_near_is_no_equilibrium() -> None:
     assert check_smooth(near).equilibrium.verdict == "fails"
 
 
+BY_ANGLE = '"53.13010235415598 deg"'
 EXACT = """
 [friction]
 mu_roll = 5

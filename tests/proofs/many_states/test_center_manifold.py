@@ -210,7 +210,7 @@ BENT = {  # manifolds y = x^2 + ... beside u' = a u^m, m > 4
 }
 
 
-@few(2)
+@few(1)
 @pytest.mark.parametrize("rhs", but([list(BENT)[-1]], BENT))  # the semidefinite programs of three states take 15 s
 def test_manifolds_that_bend_beside_slow_fields(rhs: str) -> None:
     """V' is of lowest weight along the manifold: no squares of the states show that it falls there."""
@@ -286,6 +286,7 @@ def test_the_energy_of_springs_without_a_linear_part_is_kept() -> None:
     assert sympy.simplify(sympy.sympify(found.formula.text) / energy).is_constant()
 
 
+@few(3)
 @pytest.mark.parametrize(
     ("rhs", "at"),
     [

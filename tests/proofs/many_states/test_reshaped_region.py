@@ -16,7 +16,7 @@ from nonsmooth.proofs.many_states.reshaped_region import EFFORTS, SearchEffort, 
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, find_region_of_another_function
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
-from tests.oracles.floats import Floats, runge_kutta, value
+from tests.oracles.floats import Floats, sizes_after, value
 from tests.plain import built
 from tests.thorough import keep
 
@@ -119,19 +119,6 @@ def known(name: str) -> Found:
     return found(NAMES[:3], SYSTEMS[name][0])
 
 
-def sizes_after(name: str, starts: Floats) -> Floats:
-    """Distances from the point, by Runge and Kutta with equal steps."""
-    _, field = SYSTEMS[name]
-
-    def rate(places: Floats) -> Floats:
-        return np.stack(field(*places), axis=0)
-
-    z = starts.T.copy()
-    for _ in range(STEPS):
-        z = runge_kutta(rate, z, STEP)
-    return np.linalg.norm(z, axis=0)
-
-
 @pytest.mark.parametrize("name", keep(1, reversed(SYSTEMS)))
 def test_every_start_comes_home(name: str) -> None:
     """From all over the region, most starts near its border."""
@@ -141,7 +128,10 @@ def test_every_start_comes_home(name: str) -> None:
     starts = places[own.values(places) < 1]
     outer = np.argsort(-own.values(starts))[:STARTS]
     assert len(outer) == STARTS
-    assert sizes_after(name, starts[outer]).max() < 1e-2 * np.linalg.norm(starts[outer], axis=1).max()
+    assert (
+        sizes_after(SYSTEMS[name][1], starts[outer], STEP, STEPS).max()
+        < 1e-2 * np.linalg.norm(starts[outer], axis=1).max()
+    )
 
 
 @pytest.mark.parametrize("name", keep(1, reversed(SYSTEMS)))

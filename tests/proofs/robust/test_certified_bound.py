@@ -12,7 +12,6 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -30,7 +29,8 @@ from tests.array_certificates import check_certificate, said, say, subject
 from tests.built_in import checked
 from tests.oracles.floats import Floats
 from tests.oracles.rebuilt_arrays import Decoder, assert_still_true, rebuilt
-from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, small_box, table, velocities, with_box
+from tests.proofs.robust.drawn_arrays import drawn_model, small_box
+from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
 from tests.proofs.robust.test_smooth_discs import box_of
 from tests.thorough import few, keep, thorough
 
@@ -202,7 +202,7 @@ NAMES = ("ring-5", "spiral-30", "saddle", "conveyor-3")
 
 def case(name: str, factor: Fraction = Fraction(1)) -> tuple[Scene, Tolerance, DrivenFeedback]:
     scene = load_scene(name, rule="box")
-    box = small_box(scene, factor)
+    box = small_box(scene).times(factor)
     return replace(scene, tolerances=box), box, cast("DrivenFeedback", checked(name, "box").results["feedback"])
 
 
@@ -213,22 +213,6 @@ def commanded(scene: Scene, twist: Floats) -> Floats:
     rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in centred.wheels])
     at = twist[:2] + twist[2] * np.column_stack([-places[:, 1], places[:, 0]])
     return np.asarray((rims * at).sum(axis=1))
-
-
-def drawn_laws(scene: Scene, box: Tolerance, speeds: Floats, rng: np.random.Generator, *, corner: bool) -> ContactModel:
-    def shift(*size: int) -> Floats:
-        return rng.choice([-1.0, 1.0], size) if corner else rng.uniform(-1, 1, size)
-
-    wheels = scene.recentred().wheels
-    n = len(wheels)
-    places = np.array([[float(x) for x in w.position] for w in wheels]) + float(box.position) * shift(n, 2)
-    angles = np.array([np.arctan2(float(y), float(x)) for x, y in (w.unit_direction for w in wheels)])
-    angles = angles + np.pi * float(box.heading) * shift(n)
-    roll = np.array([float(w.friction.roll) for w in wheels]) * (1 + float(box.mu_roll) * shift(n))
-    side = np.array([float(w.friction.side) for w in wheels]) * (1 + float(box.mu_side) * shift(n))
-    rims = np.column_stack([np.cos(angles), np.sin(angles)])
-    true = speeds * (1 + float(box.speed) * shift(n))
-    return ContactModel.build(places, rims, true, np.column_stack([roll, side]))
 
 
 @few(1)
@@ -248,7 +232,7 @@ def test_no_array_of_the_box_is_slower(name: str) -> None:
         products = twists @ g
         m = int(np.argmax(np.abs(products)))
         command = -products[m] * np.array([*twists[m][:2], twists[m][2] / length])
-        model = drawn_laws(scene, box, commanded(scene, command), rng, corner=k % 2 == 0)
+        model = drawn_model(scene.recentred(), box, rng, corner=k % 2 == 0, speeds=commanded(scene, command))
         near = 1e-9 * g[None, :2]
         moved = BoxHighs().minimize(model, loads_at(model, near)).twists[0] * np.array([1, 1, length])
         assert g @ moved <= -float(loop.rate) * (g @ g) + 1e-7
@@ -308,10 +292,7 @@ def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str,
         g = rng.normal(size=3)
         products = twists @ g
         m = int(np.argmax(np.abs(products)))
-        model = drawn_laws(own, own.tolerances, -products[m] * speeds[m], rng, corner=k % 2 == 0)
-        if rule == "roller":
-            roll, side = model.friction.reshape(-1, 2).T
-            model = replace(model, friction=np.repeat(roll, 2), cuts=np.minimum(side / roll, 1.0))
+        model = drawn_model(own.recentred(), own.tolerances, rng, corner=k % 2 == 0, speeds=-products[m] * speeds[m])
         moved = EllipseMinimizer().minimize(model, loads_at(model, 1e-9 * g[None, :2])).twists[0]
         assert g @ moved <= -float(loop.rate) * (g @ g) + 1e-6
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -30,6 +30,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.plane import between
 from tests.conftest import Arrays as Builders
 from tests.oracles.floats import Floats
+from tests.proofs.robust.drawn_arrays import drawn_model, small_box
 from tests.thorough import few, keep, thorough
 
 # ---- Bounds for every array of a box, against arrays drawn from it: corners of the box, and paths of bodies.
@@ -266,32 +267,6 @@ def test_the_entry_that_binds_is_that_without_which_the_factor_grows_most(
 PROGRAM_ROUNDING = 1e-7
 
 
-def small_box(scene: Scene, factor: Fraction = Fraction(1)) -> Tolerance:
-    def share(top: int, bottom: int) -> object:
-        return scene.field(Fraction(top, bottom))
-
-    own = Tolerance(share(1, 1000), Fraction(1, 1800), share(1, 500), share(1, 100), share(1, 100), share(0, 1))  # type: ignore[arg-type]
-    return own.times(factor)
-
-
-def drawn_model(scene: Scene, within: Tolerance, rng: np.random.Generator, *, corner: bool) -> ContactModel:
-    """One array of the box, a corner of it or one inside, written anew in floats."""
-
-    def shift(*size: int) -> Floats:
-        return rng.choice([-1.0, 1.0], size) if corner else rng.uniform(-1, 1, size)
-
-    n = len(scene.wheels)
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-    directions = [[float(x) for x in wheel.unit_direction] for wheel in scene.wheels]
-    angles = np.array([np.arctan2(b, a) for a, b in directions]) + np.pi * float(within.heading) * shift(n)
-    speeds = np.array([float(wheel.speed) for wheel in scene.wheels]) * (1 + float(within.speed) * shift(n))
-    roll = np.array([float(wheel.friction.roll) for wheel in scene.wheels]) * (1 + float(within.mu_roll) * shift(n))
-    side = np.array([float(wheel.friction.side) for wheel in scene.wheels]) * (1 + float(within.mu_side) * shift(n))
-    rims = np.column_stack([np.cos(angles), np.sin(angles)])
-    places = places + float(within.position) * shift(n, 2)
-    return ContactModel.build(places, rims, speeds, np.column_stack([roll, side]))
-
-
 def twists(model: ContactModel, points: Floats) -> Floats:
     return BoxHighs().minimize(model, loads_at(model, points)).twists
 
@@ -354,7 +329,7 @@ def test_every_body_within_the_rest_disc_stays_where_it_is(name: str) -> None:
 def test_without_tolerances_the_rest_disc_is_that_of_the_closed_form() -> None:
     """The four-wheel array rests where ``|x| + |y| <= mu_S/mu_R``: a disc of radius ``sqrt(1/8)``."""
     scene = load_scene("four-wheel", rule="box").recentred()
-    rule, none = BoxRingProof(scene), small_box(scene, Fraction(0))
+    rule, none = BoxRingProof(scene), small_box(scene).times(Fraction(0))
     exact = 8**-0.5
     assert exact * 0.95 < float(rule.rest_radius(none, Fraction(1, 2))) <= exact
     assert rule.rest_radius(none, Fraction(1, 5)) == Fraction(1, 5)
@@ -366,7 +341,7 @@ def test_a_larger_box_breaks_what_is_said() -> None:
     radius = float(BoxRingProof(scene).rest_radius(small_box(scene), Fraction(1, 2)))
     rng, angles = np.random.default_rng(4), np.pi / 4 * np.arange(8)
     points = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    models = [drawn_model(scene, small_box(scene, Fraction(20)), rng, corner=True) for _ in range(20)]
+    models = [drawn_model(scene, small_box(scene).times(Fraction(20)), rng, corner=True) for _ in range(20)]
     assert max(np.abs(twists(model, points)).max() for model in models) > 1e-3
 
 
@@ -437,3 +412,20 @@ def test_a_root_from_above_is_close_and_above_beyond_floats_too(root: Fraction) 
     """A tolerance of 1e-160 was followed for ever, one of 1e160 ended in an OverflowError."""
     found = root_above(root * root)
     assert root <= found <= root * (1 + Fraction(1, 2**38))
+
+
+WIDE: dict[str, Any] = {
+    "position": 1,
+    "heading": Fraction(49, 100),
+    "speed": Fraction(99, 100),
+    "mu_roll": Fraction(9, 10),
+}
+
+
+@pytest.mark.parametrize("entry", WIDE)
+def test_each_tolerance_alone_may_be_too_wide_for_a_disc(entry: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rims that point almost anywhere, stand almost still, or hardly grip, and wheels at other places."""
+    scene, _ = disc_of("four-wheel", "13/20", monkeypatch)
+    wide: Any = WIDE[entry] if entry == "heading" else scene.field(WIDE[entry])
+    box = replace(small_box(scene).times(Fraction(0)), **{entry: wide})
+    assert BoxRingProof(scene).disc(box, Fraction(13, 20)) is None

@@ -13,7 +13,7 @@ import pytest
 from flint import arb
 from scipy.optimize import root
 
-from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_sets
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
@@ -29,13 +29,13 @@ from nonsmooth.proofs.robust.rings import RingProof, TouchingRings
 from nonsmooth.proofs.robust.smooth_rules import SmoothDisc, equilibrium_box
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
-from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
 from tests.oracles.floats import Floats
 from tests.outlined import on, polygon_of
+from tests.proofs.robust.drawn_arrays import drawn_model, small_box
 from tests.thorough import few, keep, thorough
 
 # ---- Equilibria of every array of a box under rules without cells, against arrays drawn from it and solved in
@@ -43,37 +43,6 @@ from tests.thorough import few, keep, thorough
 
 
 SLACK = 1e-6  # of the wheels' distance: a zero of a field of numerical minimizers
-
-
-def small_box(scene: Scene) -> Tolerance:
-    def share(top: int, bottom: int) -> object:
-        return scene.field(Fraction(top, bottom))
-
-    return Tolerance(share(1, 1000), Fraction(1, 1800), share(1, 500), share(1, 100), share(1, 100), share(0, 1))  # type: ignore[arg-type]
-
-
-def drawn(scene: Scene, box: Tolerance, rng: np.random.Generator, *, corner: bool) -> ContactModel:
-    """One array of the box, a corner of it or one inside."""
-
-    def shift(size: tuple[int, ...]) -> Floats:
-        return rng.choice([-1.0, 1.0], size) if corner else rng.uniform(-1, 1, size)
-
-    n = len(scene.wheels)
-    places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-    places = places + float(box.position) * shift((n, 2))
-    directions = [[float(x) for x in wheel.unit_direction] for wheel in scene.wheels]
-    angles = np.array([np.arctan2(b, a) for a, b in directions]) + np.pi * float(box.heading) * shift((n,))
-    speeds = np.array([float(wheel.speed) for wheel in scene.wheels]) * (1 + float(box.speed) * shift((n,)))
-    roll = np.array([float(wheel.friction.roll) for wheel in scene.wheels]) * (1 + float(box.mu_roll) * shift((n,)))
-    side = np.array([float(wheel.friction.side) for wheel in scene.wheels]) * (1 + float(box.mu_side) * shift((n,)))
-    rims = np.column_stack([np.cos(angles), np.sin(angles)])
-    if scene.contact.rule == "ellipse":
-        return ContactModel.build(places, rims, speeds, np.column_stack([roll, side]))
-    rolls = [(wheel.friction.rule or scene.contact.rule) == "roller" for wheel in scene.wheels]
-    across, cuts = np.where(rolls, roll, side), np.where(rolls, np.minimum(side / roll, 1.0), 1.0)
-    model = ContactModel.build(places, rims, speeds, np.column_stack([roll, across]))
-    sets = [FrictionSet(*axes) for axes in zip(roll, across, cuts, strict=True)]
-    return with_friction_sets(model, sets)
 
 
 def velocity(model: ContactModel, c: Floats) -> Floats:
@@ -121,7 +90,7 @@ def assert_each_attracts(scene: Scene, count: int, tolerances: Tolerance | None 
     assert found is not None
     reach, rng = float(found.squared) ** 0.5, np.random.default_rng(2)
     for k in range(count):
-        model = drawn(scene, box, rng, corner=k % 2 == 0)
+        model = drawn_model(scene, box, rng, corner=k % 2 == 0)
         solved = root(lambda c, model=model: velocity(model, c), np.zeros(2), tol=1e-10)
         place = solved.x
         assert np.hypot(*velocity(model, place)) < 1e-5
@@ -142,7 +111,7 @@ def test_the_bound_is_not_far_from_what_arrays_do() -> None:
     assert found is not None
     rng, farthest = np.random.default_rng(4), 0.0
     for _ in range(60):
-        model = drawn(scene, box, rng, corner=True)
+        model = drawn_model(scene, box, rng, corner=True)
         farthest = max(farthest, float(np.hypot(*root(lambda c, model=model: velocity(model, c), np.zeros(2)).x)))
     assert 0.4 * float(found.squared) ** 0.5 < farthest <= float(found.squared) ** 0.5 + SLACK
 
@@ -301,7 +270,7 @@ def test_bodies_are_there_in_the_sum_of_the_times_of_the_rings(nearby: tuple[Sce
     assert disc.time_to(disc.radius) < (disc.start - disc.radius) / min(disc.rates)
     rng, step = np.random.default_rng(6), float(disc.time_to(disc.radius)) / 40
     for corner in (True, False):
-        model = drawn(scene, box_of(scene, NEAR), rng, corner=corner)
+        model = drawn_model(scene, box_of(scene, NEAR), rng, corner=corner)
         angles = rng.uniform(0, 2 * np.pi, 8)
         places = float(disc.start) * np.column_stack([np.cos(angles), np.sin(angles)])
         for _ in range(40):
@@ -323,7 +292,7 @@ def assert_nearer_outside(scene: Scene, disc: TouchingRings, share: Fraction) ->
     """At places on the disc's border and beyond it, for corners of the box and arrays inside it, ring by ring."""
     rng = np.random.default_rng(5)
     for k in range(DRAWN):
-        model = drawn(scene, box_of(scene, share), rng, corner=k % 3 != 0)
+        model = drawn_model(scene, box_of(scene, share), rng, corner=k % 3 != 0)
         radii = np.r_[float(disc.radius), rng.uniform(float(disc.radius), float(disc.start), PLACES - 1)]
         angles = rng.uniform(0, 2 * np.pi, PLACES)
         places = radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -377,7 +346,7 @@ def test_the_disc_reaches_further_than_the_equilibrium() -> None:
     assert equilibrium_box(scene, box) is None
     rng, farthest = np.random.default_rng(8), 0.0
     for _ in range(DRAWN):
-        model = drawn(scene, box, rng, corner=True)
+        model = drawn_model(scene, box, rng, corner=True)
         angles = rng.uniform(0, 2 * np.pi, PLACES)
         for radius in (0.05, 0.08):
             places = radius * np.column_stack([np.cos(angles), np.sin(angles)])
