@@ -415,8 +415,9 @@ def _inverse(*rows: tuple[arb, arb, arb]) -> list[tuple[arb, arb, arb]] | None:
     Powers of two make its diagonal about one: so elimination takes its rows in the same order, and loses as little, in
     every unit of length.
     """
-    sizes = [arb(2) ** -(math.frexp(float(row[k].mid()))[1] // 2) for k, row in enumerate(rows)]
-    scale = arb_mat([[size if k == c else arb(0) for c in range(3)] for k, size in enumerate(sizes)])
+    scale = arb_mat(3, 3)
+    for k, row in enumerate(rows):
+        scale[k, k] = arb(2) ** -(math.frexp(float(row[k].mid()))[1] // 2)
     try:
         inverse = scale * (scale * arb_mat([list(row) for row in rows]) * scale).inv() * scale
     except ZeroDivisionError:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import arb, arb_mat
 from scipy.optimize import minimize
 
 import nonsmooth as ns
@@ -24,7 +25,7 @@ from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.boxes.linearization import linearize
 from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point
 from nonsmooth.proofs.clauses.at_point.held_wheels import are_strict, held_forces
-from nonsmooth.proofs.clauses.at_point.mass import MassLimit
+from nonsmooth.proofs.clauses.at_point.mass import MassLimit, Pencil, mass_limits
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
@@ -369,6 +370,20 @@ def test_paths_beside_the_limit(share: float, grows: bool) -> None:
     late = [np.hypot(*path.state(t)[:2]) for t in np.linspace(50.0, 60.0, 50)]
     early = [np.hypot(*path.state(t)[:2]) for t in np.linspace(0.0, 10.0, 50)]
     assert (max(late) > max(early)) == grows
+
+
+def test_masses_are_looked_at_equally_far_in_every_unit_of_length() -> None:
+    """Moments, which are a thousand times as large in millimetres, do not say how far."""
+
+    def limits(unit: int) -> tuple[Fraction, Fraction | None]:
+        damping = arb_mat([[arb(1) / unit, 0, 0], [0, arb(1) / unit, 0], [0, 0, unit]])
+        stiffness = arb_mat([[arb(1) / unit, 0], [0, arb(1) / unit], [arb(3) / 10, 0]])
+        found = mass_limits(Pencil(damping, stiffness, arb_mat([[1, 0, 0], [0, 1, 0], [0, 0, unit**2]])))
+        assert found is not None
+        return found
+
+    assert limits(1) == (10**6, None)
+    assert limits(1000) == (10**3, None)
 
 
 def test_speeds_count_as_the_root_of_the_mass() -> None:

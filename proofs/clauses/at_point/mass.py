@@ -228,8 +228,12 @@ def _least_positive_root(determinant: arb_poly) -> float | None:
 
 
 def _far(pencil: Pencil) -> Fraction:
-    """A power of ten far above ``C_xx^2/|K|``, the order of the mass at which friction damps critically."""
-    damping, pull = float(pencil.damping[0, 0].mid()), max(abs(float(e.mid())) for e in pencil.stiffness.entries())
+    """A power of ten far above ``C_xx^2/|K|``, the order of the mass at which friction damps critically.
+
+    K without moments, whose size depends on the unit of length.
+    """
+    pull = max(abs(float(pencil.stiffness[row, column].mid())) for row in range(2) for column in range(2))
+    damping = float(pencil.damping[0, 0].mid())
     return Fraction(10) ** (round(math.log10(damping) * 2 - math.log10(pull)) + FAR)
 
 
