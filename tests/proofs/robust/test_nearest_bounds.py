@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -412,3 +412,20 @@ def test_a_root_from_above_is_close_and_above_beyond_floats_too(root: Fraction) 
     """A tolerance of 1e-160 was followed for ever, one of 1e160 ended in an OverflowError."""
     found = root_above(root * root)
     assert root <= found <= root * (1 + Fraction(1, 2**38))
+
+
+WIDE: dict[str, Any] = {
+    "position": 1,
+    "heading": Fraction(49, 100),
+    "speed": Fraction(99, 100),
+    "mu_roll": Fraction(9, 10),
+}
+
+
+@pytest.mark.parametrize("entry", WIDE)
+def test_each_tolerance_alone_may_be_too_wide_for_a_disc(entry: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rims that point almost anywhere, stand almost still, or hardly grip, and wheels at other places."""
+    scene, _ = disc_of("four-wheel", "13/20", monkeypatch)
+    wide: Any = WIDE[entry] if entry == "heading" else scene.field(WIDE[entry])
+    box = replace(small_box(scene).times(Fraction(0)), **{entry: wide})
+    assert BoxRingProof(scene).disc(box, Fraction(13, 20)) is None
