@@ -382,8 +382,8 @@ def test_masses_are_looked_at_equally_far_in_every_unit_of_length() -> None:
         assert found is not None
         return found
 
-    assert limits(1) == (10**6, None)
-    assert limits(1000) == (10**3, None)
+    assert limits(1) == (Fraction(10**6), None)
+    assert limits(1000) == (Fraction(10**3), None)
 
 
 def test_speeds_count_as_the_root_of_the_mass() -> None:
