@@ -5,6 +5,7 @@ For cells with constant twist, under both kinematics; all starts are followed to
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
@@ -160,9 +161,14 @@ def places_reached(partition: Partition, places: Sequence[RestPlace], ends: Sett
         if place.place is EquilibriumPlace.CENTRE:
             # an orbit inside a cell with one twist is a circle about the point where that twist vanishes
             cell = next(cell for cell in partition.cells if cell.index == place.cells[0])
-            at |= circles & (_distance(ends.points, cell.polygon.vertices) == 0)
+            at |= circles & (_distance(ends.points, place.points) <= _clearance(cell.polygon, place.points[0]) + within)
         reached[at & (reached < 0)] = k
     return reached
+
+
+def _clearance(polygon: Polygon, point: Point) -> float:
+    """Distance of a point inside a polygon from its border."""
+    return min(float(side.slack(point)) / math.hypot(*map(float, side.normal)) for side in polygon.sides)
 
 
 def _distance(points: Floats, corners: Sequence[Point]) -> Floats:

@@ -88,6 +88,13 @@ def random_file(tmp_path: Path) -> str:
     return str(file)
 
 
+def test_orbits_that_touch_the_border_of_their_cell_circle_about_its_centre() -> None:
+    """Rounding told a third of them from the others, which do the same."""
+    goes = destinations_of(check_cells(load_scene("spiral-30", rule="box")))
+    assert goes is not None
+    assert [(one.goal, one.share) for one in goes.found] == [(Goal.PIVOT, 1.0)]
+
+
 def test_an_array_beside_its_point_brings_bodies_to_its_middle() -> None:
     first = destinations("off-center").found[0]
     assert (first.goal, first.position) == (Goal.POINT, Position.COMES_HOME)
