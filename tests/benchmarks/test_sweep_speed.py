@@ -15,7 +15,7 @@ SCENES = 40  # of each of the two that are compared
 RATIO = 1.5  # of a check in a warm worker to one in this process
 MEASURED, WHOLE = 500, 10_000  # scenes that are run, and that are asked about
 FEW = 100  # of them in this process
-SECONDS = 100  # for the whole, of each of two processors
+SECONDS = 80  # for the whole, of each of two processors
 
 
 def work() -> Work:
