@@ -9,12 +9,13 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import product
+from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
 import sympy as sp
-from flint import fmpq_mat
+from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 from scipy.optimize import linprog, nnls
 
@@ -239,6 +240,37 @@ def test_forged_results_are_refused() -> None:
 )
 def test_spectra(matrix: list[list[int]], spectrum: Spectrum) -> None:
     assert spectrum_of(fmpq_mat(matrix), linear=True) is spectrum
+
+
+# Matrices by their eigenvalues: on the left of the imaginary axis, on it, and on the right, some very near to it.
+TINY = Fraction(1, 10**30)
+LEFT = ([[-1]], [[-TINY]], [[-TINY, 1], [-1, -TINY]])
+ON_AXIS = ([[0]], [[0, 1], [-1, 0]], [[0, TINY], [-TINY, 0]])
+GROWING = ([[0, 1], [0, 0]], [[0, 1, 1, 0], [-1, 0, 0, 1], [0, 0, 0, 1], [0, 0, -1, 0]])
+RIGHT = ([[1]], [[TINY]], [[TINY, 1], [-1, TINY]])
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_spectra_by_their_eigenvalues(seed: int) -> None:
+    """Blocks of each kind, in a random basis, which is not orthogonal."""
+    random = Random(seed)
+    kinds = [random.choice((LEFT, LEFT, ON_AXIS, GROWING, RIGHT)) for _ in range(random.randint(1, 3))]
+    blocks = sp.diag(*(sp.Matrix(random.choice(kind)) for kind in kinds))
+    basis = sp.eye(blocks.rows)
+    for _ in range(2 * blocks.rows):  # shears, whose product is regular
+        i, j = random.randrange(blocks.rows), random.randrange(blocks.rows)
+        basis = basis if i == j else basis.elementary_row_op("n->n+km", k=random.choice((-2, 1, 3)), row1=i, row2=j)
+    mixed = basis * blocks * basis.inv()
+    matrix = fmpq_mat([[fmpq(int(value.p), int(value.q)) for value in mixed.row(k)] for k in range(mixed.rows)])
+    if RIGHT in kinds:
+        expected = Spectrum.UNSTABLE
+    elif GROWING in kinds:
+        expected = Spectrum.GROWING
+    else:
+        expected = Spectrum.NEUTRAL if ON_AXIS in kinds else Spectrum.HURWITZ
+    assert spectrum_of(matrix, linear=True) is expected
+    on_axis = expected in (Spectrum.NEUTRAL, Spectrum.GROWING)
+    assert spectrum_of(matrix, linear=False) is (Spectrum.UNDECIDED if on_axis else expected)
 
 
 def _values(surface: Polynomial, points: NDArray[np.float64]) -> NDArray[np.float64]:
