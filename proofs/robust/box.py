@@ -108,7 +108,9 @@ class BoxWheel:
         (x, y), (a, b), (roll, side) = self.place, self.axis, forces
         at_x, at_y = vx - omega * y, vy + omega * x
         along, across = a * at_x + b * at_y, a * at_y - b * at_x
-        spread = abs(omega) * self.step * (abs(roll * a - side * b) + abs(roll * b + side * a)) * UNIT
+        fx, fy = roll * a - side * b, roll * b + side * a  # turned by eta, as the wheel is:
+        turned = abs(self.cosine * fx - self.sine * fy) + abs(self.cosine * fy + self.sine * fx)
+        spread = abs(omega) * self.step * turned * UNIT
         return self.cosine * (roll * along + side * across) + self.sine * (roll * across - side * along) + spread
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -18,7 +19,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust import nearest, rings
-from nonsmooth.proofs.robust.box import BoxRingProof
+from nonsmooth.proofs.robust.box import BoxRingProof, box_wheels
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece, polygon_about, ring
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
@@ -412,6 +413,30 @@ def test_a_root_from_above_is_close_and_above_beyond_floats_too(root: Fraction) 
     """A tolerance of 1e-160 was followed for ever, one of 1e160 ended in an OverflowError."""
     found = root_above(root * root)
     assert root <= found <= root * (1 + Fraction(1, 2**38))
+
+
+@pytest.mark.parametrize("name", ["four-wheel-side", "ring-5"])
+def test_slips_and_powers_of_drawn_wheels_lie_in_those_of_the_box(name: str) -> None:
+    """Each number of a wheel counts: places, headings, speeds, and both frictions."""
+    scene, rng = standing(load_scene(name, rule="box")), np.random.default_rng(4)
+    box = small_box(scene).times(Fraction(40))
+    wheels = box_wheels(scene, box)
+    for _ in range(300):
+        model, twist = drawn_model(scene, box, rng, corner=True), rng.normal(size=3)
+        moved, forces = (model.rows @ twist).reshape(-1, 2), rng.normal(size=(len(wheels), 2))
+        slips, frictions = moved - model.targets.reshape(-1, 2), model.friction.reshape(-1, 2)
+        for k, wheel in enumerate(wheels):
+            balls = tuple(map(arb, twist.tolist()))
+            roll, side = map(arb, forces[k].tolist())
+            assert_in(wheel.slips(balls), slips[k])
+            assert_in([wheel.power((roll, side), balls)], forces[k : k + 1] @ moved[k])
+            assert_in([a * b for a, b in zip(wheel.shares, wheel.nominal, strict=True)], frictions[k])
+
+
+def assert_in(balls: Sequence[arb], values: Floats) -> None:
+    """Whether balls hold numbers, but for the rounding of these."""
+    for ball, value in zip(balls, values.tolist(), strict=True):
+        assert (ball + arb(0, ROUNDING)).contains(arb(value))
 
 
 WIDE: dict[str, Any] = {
