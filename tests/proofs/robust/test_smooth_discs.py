@@ -20,7 +20,7 @@ from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.proofs.robust.array_forces import ellipse_force, roller_force
+from nonsmooth.proofs.robust.array_forces import PieceForces, ellipse_force, roller_force
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof, decide_robust
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.proofs.robust.nearest import inner_radius
@@ -480,3 +480,37 @@ def test_no_minimum_is_guessed_where_the_last_step_ends_without_curvature(tmp_pa
     )
     piece = AnnulusPiece(Fraction(75, 2), Fraction(40), Fraction(1, 32), Fraction(1, 32))
     assert PlaneMinima(load_scene(str(tmp_path / "five.toml"))).on_plane(piece, 0.05) is None
+
+
+# ---- Forces on a quadrangle, against those of arrays drawn from the box at places drawn from it.
+
+
+@pytest.mark.parametrize("name", ["four-wheel-side", "ring-5"])
+def test_powers_and_wrenches_of_drawn_arrays_lie_in_those_of_the_box(name: str) -> None:
+    """With the same twist and the ellipse's force ``mu^2 s / |mu s|``, written anew."""
+    scene, rng = standing(load_scene(name, rule="ellipse")).recentred(), np.random.default_rng(1)
+    for width in (Fraction(1, 64), Fraction(1, 8)) * 15:
+        box = small_box(scene).times(1 / (64 * width))  # small where the quadrangle is large
+        bound = SmoothDisc(scene).over(box)
+        assert bound is not None
+        piece = AnnulusPiece(Fraction(1, 5) - width, Fraction(1, 4), Fraction(int(rng.integers(64)), 64), width)
+        middle = 2 * np.pi * float(piece.start + piece.width / 2)
+        frame = np.array([[np.cos(middle), np.sin(middle)], [-np.sin(middle), np.cos(middle)]])
+        twist = rng.normal(size=3)  # along the frame
+        own = [Intervals.of(np.array([[value]])) for value in twist]
+        pieces = PieceForces.of(bound, [piece])
+        forces = pieces.forces((own[0], own[1], own[2]))
+        enclosed = (pieces.power(forces, (own[0], own[1], own[2])), *pieces.wrench(forces))
+        for _ in range(20):
+            model = drawn_model(scene, box, rng, corner=bool(rng.integers(2)))
+            angle = 2 * np.pi * (float(piece.start) + rng.uniform(0, float(width)))
+            place = rng.uniform(float(piece.inner), 0.25) * np.array([np.cos(angle), np.sin(angle)])
+            rows, mu = model.rows.reshape(-1, 2, 3), model.friction.reshape(-1, 2)
+            moved = rows @ np.array([*(twist[:2] @ frame), twist[2]])
+            slips = moved - model.targets.reshape(-1, 2)
+            force = loads_at(model, place[None])[0][:, None] * mu**2 * slips
+            force /= np.linalg.norm(mu * slips, axis=1)[:, None]
+            wrench = np.einsum("kj,kji->i", force, rows)
+            values = ((force * moved).sum(), *(frame @ wrench[:2]), wrench[2])
+            for interval, value in zip(enclosed, values, strict=True):
+                assert interval.low[0, 0] - 1e-9 <= value <= interval.high[0, 0] + 1e-9
