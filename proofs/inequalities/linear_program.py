@@ -110,7 +110,7 @@ def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequen
 
     For three rows the basis B alone decides: with ``det = det B``, the weights are ``det(B with the target in place of
     column k)/det`` and the multipliers ``y = prices_B B^-1``; all signs are those of numerators times that of det.
-    Exact pivots take three times as long, and over many square roots they divide by long sums.
+    Exact pivots take longer, and over many square roots they divide by long sums.
     """
     basis = _float_basis(columns, target, prices)
     if basis is None:

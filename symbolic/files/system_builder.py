@@ -338,8 +338,8 @@ def _require_zero_arguments(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for such an argument.
     """
+    states = system.displaced(system.states)
     for wave in system.waves:
-        states = system.displaced(system.states)
         try:
             arguments = [system.argument_of(wave, states, lambda _, side=side: side) for side in (1, -1)]  # type: ignore[misc]
         except ExpressionError:
