@@ -3,13 +3,19 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
-# The package alone, as a user needs it; and with what the tests need.
+# An environment with a pip of today; the package alone, as a user needs it; with what the tests need; what lints it.
+ENVIRONMENT := .venv/environment
 PACKAGE := .venv/package
 INSTALLED := .venv/installed
+LINTERS := .venv/linters
 # pip would compile every file of every package, one after the other: that took a third of its time. Files are compiled
 # where they are first imported, by every worker of the tests; those that all import, which are many, only once, while
 # pip installs the rest.
-PIP_INSTALL := $(BIN)/python -m pip install -qq --no-compile --disable-pip-version-check -c constraints.txt
+PIP_INSTALL := $(BIN)/python -m pip install -qq --no-compile --disable-pip-version-check --no-warn-conflicts \
+    -c constraints.txt
+# Large wheels that the tests alone need: unpacked on the second core while the package and what it needs are installed.
+LARGE := .venv/large
+LARGE_WHEELS := debugpy ipython jedi mujoco-core playwright z3-solver
 COMPILE := $(BIN)/python -m compileall -q -x /tests/
 COMPILED := symbolic analysis proofs reports \
     $(addprefix .venv/lib/python*/site-packages/,cvxpy fontTools jinja2 matplotlib numpy pydantic rich scipy sympy typer)
@@ -77,13 +83,13 @@ tools: ## try to install Chromium and LaTeX, in which tests open the reports (De
 	@rm -f $(TOOLS)
 	@$(MAKE) --no-print-directory $(TOOLS)
 
-lint: $(INSTALLED) ## ruff and mypy, changing nothing
+lint: $(INSTALLED) $(LINTERS) ## ruff and mypy, changing nothing
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/mypy tests
 
-format: $(INSTALLED) ## format the code and mend what ruff can mend
+format: $(LINTERS) ## format the code and mend what ruff can mend
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
@@ -144,7 +150,8 @@ $(TOOLS): | $(INSTALLED)
 	fi
 	@touch $@
 
-$(INSTALLED): $(PACKAGE)
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(MAKE) --no-print-directory -j2 $(PACKAGE) $(LARGE)
 	@echo "Installing what the tests need into .venv (a minute, without a word) ..."
 	@$(COMPILE) $(COMPILED) & $(PIP_INSTALL) --no-build-isolation -e '.[test]' && wait
 	@touch $@
@@ -156,7 +163,19 @@ $(LOWEST)/installed: pyproject.toml constraints-lowest.txt
 	    --no-build-isolation -e . pytest pytest-xdist hypothesis
 	@touch $@
 
-$(PACKAGE): pyproject.toml constraints.txt
+$(LINTERS): $(PACKAGE)
+	@$(PIP_INSTALL) --no-build-isolation -e '.[lint]'
+	@touch $@
+
+$(LARGE): $(ENVIRONMENT)
+	@$(PIP_INSTALL) --no-deps $(LARGE_WHEELS)
+	@touch $@
+
+$(PACKAGE): $(ENVIRONMENT)
+	@$(PIP_INSTALL) --no-build-isolation -e .
+	@touch $@
+
+$(ENVIRONMENT): pyproject.toml constraints.txt
 	@command -v $(PYTHON) > /dev/null || { \
 	    echo "error: $(PYTHON) was not found; install Python >= 3.11, or name one: make PYTHON=python3.11" >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
@@ -167,6 +186,6 @@ $(PACKAGE): pyproject.toml constraints.txt
 	         "on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }
 	@echo "Installing into .venv (only now, and when pyproject.toml or constraints.txt change): a minute or two, without a word ..."
 	@$(PYTHON) -m venv .venv
-	@$(PIP_INSTALL) setuptools wheel
-	@$(PIP_INSTALL) --no-build-isolation -e .
+	@# Python 3.11 brings a pip that takes twice as long to choose versions.
+	@$(PIP_INSTALL) -U pip setuptools wheel || $(PIP_INSTALL) setuptools wheel
 	@touch $@

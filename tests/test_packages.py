@@ -17,7 +17,7 @@ from tests.sources import PACKAGES, ROOT, Import, sources, summary_of, text_of, 
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
 IMPORTED_AS = {"python-flint": "flint", "mujoco-core": "mujoco", "z3-solver": "z3", "pillow": "PIL"}
-RUN_AS_COMMANDS = {"pytest-xdist", "mypy", "ruff", "pre-commit", "ipykernel"}  # for the tests, but imported by none
+RUN_AS_COMMANDS = {"pytest-xdist", "ipykernel"}  # for the tests, but imported by none
 STANDS_ALONE = "proofs/checker/"  # runs without the package, so its modules name each other by relative imports
 EVALUATES_TEXT = {"eval", "exec", "sympify", "parse_expr"}
 TOLERANCE_NAMES = {"isclose", "allclose", "tol", "atol", "rtol", "tolerance"}
