@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import pytest
 
-from nonsmooth.reports.cli import app
+from nonsmooth.reports import cli
 from nonsmooth.reports.output.console import run
 from tests.browser import chromium
 
@@ -36,6 +37,14 @@ class Outcome(NamedTuple):
 Invoke: TypeAlias = Callable[..., Outcome]
 
 
+@pytest.fixture(scope="package", autouse=True)
+def commands() -> Iterator[None]:
+    """Each command is made of its function once, not once a call."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cli, "_made", cache(cli._made))
+        yield
+
+
 @pytest.fixture
 def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Invoke:
     """Run the command line in an empty folder."""
@@ -43,7 +52,7 @@ def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyte
 
     def call(*arguments: str) -> Outcome:
         capsys.readouterr()
-        status = run(app, arguments)
+        status = run(cli.app, arguments)
         return Outcome(status, *capsys.readouterr())
 
     return call
