@@ -100,14 +100,18 @@ def is_code(token: tokenize.TokenInfo) -> bool:
     return token.type in {tokenize.NAME, tokenize.NUMBER, tokenize.OP}
 
 
+STRING_STARTS, STRING_ENDS = (
+    {kind for kind, name in tokenize.tok_name.items() if name.endswith(end)} for end in ("STRING_START", "STRING_END")
+)
+
+
 def outside_f_strings(found: Iterable[tokenize.TokenInfo]) -> Iterator[tokenize.TokenInfo]:
     """Tokens without those of f-strings, which Python splits since 3.12 (and t-strings since 3.14)."""
     depth = 0
     for token in found:
-        kind = tokenize.tok_name[token.type]
-        if kind.endswith("STRING_START"):
+        if token.type in STRING_STARTS:
             depth += 1
-        elif kind.endswith("STRING_END"):
+        elif token.type in STRING_ENDS:
             depth -= 1
         elif depth == 0:
             yield token
