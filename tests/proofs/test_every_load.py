@@ -308,6 +308,7 @@ def test_linear_fields_are_decided_both_ways(arrays: Arrays) -> None:
 
 
 @few(1)
+@pytest.mark.usefixtures("without_law")
 @pytest.mark.parametrize("name", ["off-center", "elliptic", "grid-4x4"])
 @pytest.mark.parametrize("rule", ["ellipse", "box"])
 def test_the_witness_fails_as_a_known_load(name: str, rule: str) -> None:

@@ -236,6 +236,7 @@ def test_rows_are_checks_one_by_one() -> None:
         assert outcome["level"] == (None if region is None else region["level"])
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_the_border_of_a_linear_system_is_where_its_eigenvalues_cross() -> None:
     system = {"states": ["x", "y"], "rhs": ["y - x", "k*x - 2*y"], "parameters": {"k": 0}}
     found = swept(system, {"k": "0:4:3"}, Means(borders=True))
@@ -285,6 +286,7 @@ def test_files_of_all_kinds(invoke: Invoke, tmp_path: Path) -> None:
         assert b"asymptotically stable" in (tmp_path / "picture.svg").read_bytes()
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_in_python() -> None:
     system = ns.System(["x"], INTERVAL["rhs"], parameters={"k": 4})
     found = system.sweep(k="1:5:3")
