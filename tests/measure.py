@@ -100,18 +100,15 @@ def is_code(token: tokenize.TokenInfo) -> bool:
     return token.type in {tokenize.NAME, tokenize.NUMBER, tokenize.OP}
 
 
-STRING_STARTS, STRING_ENDS = (
-    {kind for kind, name in tokenize.tok_name.items() if name.endswith(end)} for end in ("STRING_START", "STRING_END")
-)
-
-
 def outside_f_strings(found: Iterable[tokenize.TokenInfo]) -> Iterator[tokenize.TokenInfo]:
     """Tokens without those of f-strings, which Python splits since 3.12 (and t-strings since 3.14)."""
+    names = tokenize.tok_name.items()
+    starts, ends = ({kind for kind, name in names if name.endswith(end)} for end in ("STRING_START", "STRING_END"))
     depth = 0
     for token in found:
-        if token.type in STRING_STARTS:
+        if token.type in starts:
             depth += 1
-        elif token.type in STRING_ENDS:
+        elif token.type in ends:
             depth -= 1
         elif depth == 0:
             yield token
