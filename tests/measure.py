@@ -102,13 +102,12 @@ def is_code(token: tokenize.TokenInfo) -> bool:
 
 def outside_f_strings(found: Iterable[tokenize.TokenInfo]) -> Iterator[tokenize.TokenInfo]:
     """Tokens without those of f-strings, which Python splits since 3.12 (and t-strings since 3.14)."""
-    names = tokenize.tok_name.items()
-    starts, ends = ({kind for kind, name in names if name.endswith(end)} for end in ("STRING_START", "STRING_END"))
     depth = 0
     for token in found:
-        if token.type in starts:
+        kind = tokenize.tok_name[token.type]
+        if kind.endswith("STRING_START"):
             depth += 1
-        elif token.type in ends:
+        elif kind.endswith("STRING_END"):
             depth -= 1
         elif depth == 0:
             yield token
