@@ -25,7 +25,7 @@ from typing import Any, NamedTuple, Protocol
 
 from nonsmooth.reports.output.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base, program_hash
-from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcome_of, refused
+from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcomes_of, refused
 from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError
 from nonsmooth.symbolic.files.key_paths import Path
 
@@ -57,18 +57,23 @@ class Work(NamedTuple):
 
     def outcome(self, entries: Sequence[Entry]) -> Outcome:
         """Check one scene, or one cell."""
-        if self.cells:
-            return cell_outcome(self.base, self.paths, entries)
-        return outcome_of(self.base, self.paths, entries, failures=self.failures)
+        return self.outcomes([entries])[0]
 
     def outcomes(self, scenes: Sequence[Sequence[Entry]]) -> list[Outcome]:
-        """Check the first of these scenes, as many as are begun within :data:`JOB` seconds."""
-        found, end = [], time.monotonic() + JOB
-        for entries in scenes:
-            found.append(self.outcome(entries))
-            if time.monotonic() >= end:
-                break
-        return found
+        """Check the first of these scenes or cells, as many as are begun within :data:`JOB` seconds."""
+        begun = _begun_in_time(scenes)
+        if self.cells:
+            return [cell_outcome(self.base, self.paths, entries) for entries in begun]
+        return outcomes_of(self.base, self.paths, begun, failures=self.failures)
+
+
+def _begun_in_time(scenes: Iterable[Sequence[Entry]]) -> Iterator[Sequence[Entry]]:
+    """The first one, and the others until :data:`JOB` seconds have passed."""
+    end = time.monotonic() + JOB
+    for entries in scenes:
+        yield entries
+        if time.monotonic() >= end:
+            return
 
 
 class Finished(NamedTuple):
@@ -109,9 +114,9 @@ class Pace:
     def __init__(self) -> None:
         self.scenes = 1
 
-    def learn(self, job: Sequence[Task], checked: int) -> None:
-        """From a job, and how many of its scenes were checked."""
-        self.scenes = min(checked if checked < len(job) else 2 * checked, MOST)
+    def learn(self, given: int, checked: int) -> None:
+        """From a job: how many scenes were given, and how many of them were checked, one at least."""
+        self.scenes = min(checked if checked < given else 2 * checked, MOST)
 
 
 class InProcess:
@@ -132,11 +137,12 @@ class InProcess:
 
     def finished(self) -> Iterator[Finished]:
         """See :class:`Workers`."""
-        job = tuple(self._waiting)
-        found = self._work.outcomes([task.entries for task in job]) if job else []
-        self._waiting = deque(job[len(found) :])
-        self._pace.learn(job, len(found))
-        yield from map(Finished, job, found)
+        while self._waiting:
+            job = tuple(self._waiting)
+            found = self._work.outcomes([task.entries for task in job])
+            self._waiting = deque(job[len(found) :])
+            self._pace.learn(len(job), len(found))
+            yield from map(Finished, job, found)
 
     def close(self) -> None:
         """See :class:`Workers`."""
@@ -186,7 +192,7 @@ class ProcessPool:
                 for task in job:
                     yield from self._mourned(task)
             else:
-                self._pace.learn(job, len(found))
+                self._pace.learn(len(job), len(found))
                 self.submit(job[len(found) :])
                 for task, outcome in zip(job, found, strict=False):
                     self._died.pop(task, None)
