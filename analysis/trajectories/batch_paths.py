@@ -44,7 +44,7 @@ NONE = -1  # where there is no cell or edge
 OnRow: TypeAlias = Callable[[int, int], None]
 
 
-class Region(NamedTuple):
+class JoinedField(NamedTuple):
     """A field among others, and the numbers of its first cell, edge and corner in the row of all."""
 
     field: ConstantField
@@ -317,19 +317,19 @@ class BatchPaths:
             self.unique[together] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
             self._finish(together, path.reason, place)
 
-    def _region_of(self, path: int) -> Region:
+    def _region_of(self, path: int) -> JoinedField:
         return self.regions[self.region[path]]
 
 
-def _in_a_row(fields: Sequence[ConstantField]) -> Iterator[Region]:
+def _in_a_row(fields: Sequence[ConstantField]) -> Iterator[JoinedField]:
     cell = edge = corner = 0
     for field in fields:
-        yield Region(field, Turns(field, signs_of(field)), cell, edge, corner)
+        yield JoinedField(field, Turns(field, signs_of(field)), cell, edge, corner)
         cell, edge = cell + len(field.flows), edge + len(field.cells.edges)
         corner += len(field.cells.corners)
 
 
-def _slacks(region: Region) -> tuple[float, float, float, float, float]:
+def _slacks(region: JoinedField) -> tuple[float, float, float, float, float]:
     """What counts as zero of lengths, speeds, their products and rates, and which distances from corners are small."""
     signs = region.turns.signs
     return region.field.cells.slack, signs.speed_slack, signs.product_slack, signs.rate_slack, region.turns.small
@@ -393,7 +393,7 @@ class CellArrays(NamedTuple):
         return cls(flows, tied, normals, offsets, borders, points, starts, ends, directions, beside, sides)
 
     @classmethod
-    def joined(cls, regions: Sequence[Region]) -> Self:
+    def joined(cls, regions: Sequence[JoinedField]) -> Self:
         """Those of several fields, numbered in a row."""
         arrays = [cls.of(region.field) for region in regions]
         if len(arrays) == 1:

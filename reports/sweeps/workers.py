@@ -105,7 +105,7 @@ class Workers(Protocol):
         ...
 
 
-class Pace:
+class JobSize:
     """How many scenes make a job.
 
     Twice as many as were checked in the last one, or as many where it came back with some that were not.
@@ -123,13 +123,13 @@ class InProcess:
     """One job after the other, here."""
 
     def __init__(self, work: Work) -> None:
-        self._work, self._pace = work, Pace()
+        self._work, self._size = work, JobSize()
         self._waiting: deque[Task] = deque()
 
     @property
     def room(self) -> int:
         """One job at a time, so that other sweeps find the next scenes free."""
-        return self._pace.scenes - len(self._waiting)
+        return self._size.scenes - len(self._waiting)
 
     def submit(self, tasks: Iterable[Task]) -> None:
         """See :class:`Workers`."""
@@ -141,7 +141,7 @@ class InProcess:
             job = tuple(self._waiting)
             found = self._work.outcomes([task.entries for task in job])
             self._waiting = deque(job[len(found) :])
-            self._pace.learn(len(job), len(found))
+            self._size.learn(len(job), len(found))
             yield from map(Finished, job, found)
 
     def close(self) -> None:
@@ -156,7 +156,7 @@ class ProcessPool:
     """
 
     def __init__(self, work: Work, count: int) -> None:
-        self._work, self._count, self._pace = work, count, Pace()
+        self._work, self._count, self._size = work, count, JobSize()
         self._running: dict[Future[list[Outcome]], tuple[Task, ...]] = {}
         self._died: dict[Task, int] = {}  # to be tried again, alone, and how many workers each has cost
         self._loop = asyncio.new_event_loop()
@@ -167,12 +167,12 @@ class ProcessPool:
     @property
     def room(self) -> int:
         """None while something is tried again."""
-        return 0 if self._died else (self._count * AHEAD - len(self._running)) * self._pace.scenes
+        return 0 if self._died else (self._count * AHEAD - len(self._running)) * self._size.scenes
 
     def submit(self, tasks: Iterable[Task]) -> None:
         """See :class:`Workers`."""
         waiting = iter(tasks)
-        while job := tuple(islice(waiting, self._pace.scenes)):
+        while job := tuple(islice(waiting, self._size.scenes)):
             self._running[asyncio.run_coroutine_threadsafe(self._outcomes(job), self._loop)] = job
 
     def finished(self) -> Iterator[Finished]:
@@ -192,7 +192,7 @@ class ProcessPool:
                 for task in job:
                     yield from self._mourned(task)
             else:
-                self._pace.learn(len(job), len(found))
+                self._size.learn(len(job), len(found))
                 self.submit(job[len(found) :])
                 for task, outcome in zip(job, found, strict=False):
                     self._died.pop(task, None)
