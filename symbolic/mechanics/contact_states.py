@@ -93,7 +93,8 @@ def solve_rows(rows: tuple[Row, Row, Row]) -> ContactState | None:
     determinant = inner(rows[0].normal, columns[0])
     if not determinant:
         return None
-    return ContactState(rows, _twist(rows, columns, determinant.inverse()))
+    inverse = determinant.inverse()
+    return ContactState(rows, _twist(rows, columns, inverse), (columns, inverse))
 
 
 def _twist(rows: tuple[Row, Row, Row], columns: tuple[Triple, Triple, Triple], inverse: Number) -> Twist:
