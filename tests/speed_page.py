@@ -215,7 +215,7 @@ PAIRS = (
         "feedback inequalities of four wheels, eight cones",
         "Z3",
         feedback_beside_z3,
-        120,
+        150,
         150,
         "test_feedback_speed",
     ),

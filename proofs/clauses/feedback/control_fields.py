@@ -328,6 +328,11 @@ class ControlLyapunov:
         mixed = f" {'-' if f < 0 else '+'} ({abs(2 * f)}) x y" if f else ""
         return f"({1 + e}) x^2{mixed} + ({1 - e}) y^2 + ({self.weight}) theta^2"
 
+    @cached_property
+    def lightness(self) -> Fraction:
+        """``1/w``, which every cone asks for."""
+        return 1 / self.weight
+
     @property
     def length(self) -> Fraction | None:
         """The length l with ``V = |c|^2 + l^2 theta^2``; None where there is no such rational."""
