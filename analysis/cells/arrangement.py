@@ -26,7 +26,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import Filtered, Form, OnDemand, Three, known_sign, meet, whole_numbers
+from nonsmooth.analysis.cells.outline import Filtered, Form, Three, known_sign, meet, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -61,7 +61,7 @@ NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # the other coordinates, in turn
 Lexicographic: TypeAlias = tuple[int, int]
 
 
-class SlopeOfD(OnDemand[Affine]):
+class SlopeOfD(Form):
     """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction.
 
     Attributes:
@@ -162,6 +162,8 @@ class Arrangement:
         whole: see above.
         is_exact: whether no number stands for others close by.
         error: of the affine forms in floats, in units of the sums of absolute terms.
+        corners: of the load region, as rows ``(1, x, y)``.
+        reach: the largest absolute values of these.
     """
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
@@ -191,6 +193,7 @@ class Arrangement:
         # of affine forms: floats are not trusted with numbers that stand for others close by
         self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else math.nan
         self.corners = float_corners(region.polygon.vertices)
+        self.reach = np.abs(self.corners).max(axis=0)
         self._vertices: dict[bytes, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
         self._ways: dict[tuple[int, int], Three] = {}

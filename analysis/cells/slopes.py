@@ -66,14 +66,20 @@ class Slopes:
     def __getitem__(self, number: int) -> SlopeOfD:
         """A slope, of which the exact form is built once."""
         if number not in self._known:
-            values, error = self._numbers[number], self._arrangement.error
-            sizes = self._bounds[number].tolist() if error else [abs(value) for value in values]
-            filtered = Filtered.bounded(values, sizes, error)
             first, second = self._pairs[number // 2]
             self._known[number] = SlopeOfD(
-                (first, second), 1 - number % 2 * 2, filtered, lambda: self._built((first, second))[number % 2]
+                (first, second),
+                1 - number % 2 * 2,
+                self.filtered(number),
+                lambda: self._built((first, second))[number % 2],
             )
         return self._known[number]
+
+    def filtered(self, number: int) -> Filtered:
+        """The same in floats or whole numbers."""
+        values, error = self._numbers[number], self._arrangement.error
+        sizes = self._bounds[number].tolist() if error else [*map(abs, values)]
+        return Filtered.bounded(values, sizes, error)
 
     def _built(self, pair: tuple[int, int]) -> tuple[Affine, Affine]:
         return self._arrangement.slopes_along(pair, self._signs)
@@ -99,18 +105,18 @@ class Slopes:
         sure = certainty(self._values[numbers], self._bounds[numbers], places, sizes) > 1
         return numbers[~sure.all(axis=1)].tolist()
 
-    def sides_of(self, corners: Floats) -> list[int]:
-        """Numbers of the slopes that seem to bound the cell in a polygon, found by cutting it in floats."""
-        outline: list[Corner] = [(x, y, -1) for _, x, y in corners.tolist()]
-        reach = np.abs(corners).max(axis=0)
-        doubts = (self._bounds @ reach * FLOAT_DOUBT).tolist()
+    def sides(self) -> list[int]:
+        """Numbers of the slopes that seem to bound the cell, found by cutting the load region in floats."""
+        outline: list[Corner] = [(x, y, -1) for _, x, y in self._arrangement.corners.tolist()]
+        reach = self._arrangement.reach
+        doubts = (self._bounds @ (reach * FLOAT_DOUBT)).tolist()
         for number in self.possible:
             a, b, c = self._numbers[number]
             values = [a + b * x + c * y for x, y, _ in outline]
             if min(values, default=0.0) < -doubts[number]:
                 outline = _clipped(outline, values, number)
         around = zip(outline, [*outline[1:], *outline[:1]], strict=True)
-        least = max(reach[1:]) * SHORTEST
+        least = max(reach[1:].tolist()) * SHORTEST
         return sorted({k for (x, y, k), (u, v, _) in around if k >= 0 and abs(u - x) + abs(v - y) > least})
 
     def at(self, point: Floats, sizes: Floats | None = None) -> tuple[int | None, list[int]]:
