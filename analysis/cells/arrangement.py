@@ -203,6 +203,8 @@ class Arrangement:
     @cached_property
     def exact_normals(self) -> list[Filtered] | None:
         """Whole multiples of all normals, where there are any."""
+        if self.whole:
+            return [Filtered.bounded(line, [*map(abs, line)], 0) for line in self.numbers(self.normals)]
         lines = [Filtered.of(row.normal) for row in self.rows]
         return None if any(line.error for line in lines) else lines
 
@@ -228,11 +230,12 @@ class Arrangement:
             holding: numbers of rows that are known to hold there.
         """
         i, j, k = basis
-        edges = (self.rates(pair) for pair in ((j, k), (k, i), (i, j)))
-        rates, sizes = zip(*edges, strict=True)
-        rhs, determinant = self.rhs[list(basis)], float(rates[0][i])
+        first, second = [j, k, i], [k, i, j]
+        rates = self.directions(first, second) @ self.normals.T
+        rhs, determinant = self.rhs.take(basis), float(rates[0, i])
         residuals = (rhs @ rates - self.rhs * determinant) * math.copysign(1.0, determinant)
         if not self.whole:
+            sizes = self.direction_sizes(first, second) @ self.sizes.T
             bounds = np.abs(rhs) @ sizes + np.abs(self.rhs) * sizes[0][i]
             clear = np.abs(residuals) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL
             clear &= abs(determinant) > sizes[0][i] * FLOAT_DOUBT + SMALLEST_NORMAL
@@ -243,6 +246,14 @@ class Arrangement:
         for n in [] if self.whole else np.isnan(residuals).nonzero()[0].tolist():
             signs[n] = 0 if n in holding else self.rows[n].residual(found.twist).sign()
         return self._vertices.setdefault(signs.tobytes(), found)
+
+    def directions(self, first: Indices | list[int], second: Indices | list[int]) -> Floats:
+        """``a_k x a_l`` of pairs of rows by their numbers, in floats, shape (m, 3)."""
+        return np.asarray((self.crossing.take(first, 0) @ self.normals.take(second, 0)[:, :, None])[:, :, 0])
+
+    def direction_sizes(self, first: Indices | list[int], second: Indices | list[int]) -> Floats:
+        """Their sums of absolute terms, which bound the errors."""
+        return np.asarray((self.crossing_sizes.take(first, 0) @ self.sizes.take(second, 0)[:, :, None])[:, :, 0])
 
     def edge(self, pair: tuple[int, int]) -> Triple:
         """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""

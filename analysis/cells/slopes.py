@@ -48,13 +48,13 @@ class Slopes:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
         sure = certainty(table.values, table.bounds[:, None], arrangement.corners)
-        possible: Mask = np.any(~(sure > 1), axis=2)
-        kept = table.distinct(np.flatnonzero(possible.any(axis=1)))
-        self._pairs: list[list[int]] = table.pairs[kept].tolist()
-        self._values = table.values[kept].reshape(-1, 3)
-        self._bounds = table.bounds[kept].repeat(2, axis=0)
+        possible: Mask = (~(sure > 1)).any(axis=2)
+        kept = table.distinct(possible.any(axis=1).nonzero()[0])
+        self._pairs: list[list[int]] = table.pairs.take(kept, 0).tolist()
+        self._values = table.values.take(kept, 0).reshape(-1, 3)
+        self._bounds = table.bounds.take(kept, 0).repeat(2, axis=0)
         self._numbers = arrangement.numbers(self._values)
-        self.possible: list[int] = possible[kept].ravel().nonzero()[0].tolist()
+        self.possible: list[int] = possible.take(kept, 0).ravel().nonzero()[0].tolist()
         self._known: dict[int, SlopeOfD] = {}
 
     def __len__(self) -> int:
@@ -153,15 +153,15 @@ class _PairTable:
 
     def __init__(self, arrangement: Arrangement, signs: Indices) -> None:
         self.arrangement = arrangement
-        (tight,) = (signs == 0).nonzero()
+        (tight,) = (signs == 0).nonzero()  # few, most often: `take` is then much quicker than an index of numbers
         self.tight = len(tight)
-        self.pairs = tight[_pairs(self.tight)]
+        self.pairs = tight.take(_pairs(self.tight))
         normals, weights = arrangement.normals, arrangement.float_weights
         first, second = self.pairs.T
-        self.directions = (arrangement.crossing[first] @ normals[second, :, None])[:, :, 0]
-        self.sizes = (arrangement.crossing_sizes[first] @ arrangement.sizes[second, :, None])[:, :, 0]
-        rows = np.ascontiguousarray(normals[tight].T)
-        parts = [np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)]
+        self.directions = arrangement.directions(first, second)
+        self.sizes = arrangement.direction_sizes(first, second)
+        rows, own = np.ascontiguousarray(normals.take(tight, 0).T), weights.take(tight, 0)
+        parts = [np.abs(block @ rows) @ own for block in blocks(self.directions)]
         kept = np.concatenate(parts) if len(parts) > 1 else parts[0]
         along = self.directions @ ((normals.T * signs) @ weights)
         self.values = np.empty((len(kept), 2, 3))
@@ -172,7 +172,7 @@ class _PairTable:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
         if self.arrangement.exact_normals is not None:
             firsts: dict[Three, int] = {}
-            for k, (first, second) in zip(numbers.tolist(), self.pairs[numbers].tolist(), strict=True):
+            for k, (first, second) in zip(numbers.tolist(), self.pairs.take(numbers, 0).tolist(), strict=True):
                 firsts.setdefault(self.arrangement.way(first, second), k)
             firsts.pop((0, 0, 0), None)
             return np.array(list(firsts.values()), dtype=int)
