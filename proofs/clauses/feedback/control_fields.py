@@ -18,7 +18,6 @@ from functools import cached_property
 from math import isqrt
 from typing import Any, NamedTuple, SupportsFloat, TypeAlias
 
-from nonsmooth.analysis.cells.equilibria import shared_sides
 from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, clipped_by, square
@@ -267,6 +266,8 @@ class InputRanks(NamedTuple):
 
 def input_ranks(partition: Partition) -> InputRanks:
     """Ranks for a centred partition of a rule that keeps rows."""
+    from nonsmooth.analysis.cells.equilibria import shared_sides
+
     zero = partition.scene.field.zero
     cells = {cell.index: _rank(cell) for cell in partition.cells}
     sides = {(s.first.index, s.second.index): _rank(s.first, s.second) for s in shared_sides(partition)}
