@@ -20,7 +20,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -107,8 +107,7 @@ class Vertex:
         return tight_rows(self.signs)
 
 
-@dataclass(frozen=True)
-class Beside:
+class Beside(NamedTuple):
     """Just beside a point: at ``point + epsilon outward`` for all small epsilon > 0.
 
     Attributes:
@@ -123,8 +122,7 @@ class Beside:
     line: Affine | None = None
 
 
-@dataclass(frozen=True)
-class FilteredPlace:
+class FilteredPlace(NamedTuple):
     """The same by floats or whole numbers, exact on demand.
 
     Attributes:

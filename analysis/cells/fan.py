@@ -253,8 +253,7 @@ class Growth(Enum):
     TIE = "tie"
 
 
-@dataclass(frozen=True)
-class ConeCrossing:
+class ConeCrossing(NamedTuple):
     """From ray to ray through a cone: ``s' = gain s^order`` to leading order, s in units of the rays' vectors.
 
     Attributes:

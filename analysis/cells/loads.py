@@ -13,10 +13,9 @@ collinear wheels the loads are undetermined: both are refused.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpz
@@ -62,8 +61,7 @@ class CollinearLoadError(LoadError):
     """A line of wheels that carries the whole load, where beside it no loads are found."""
 
 
-@dataclass(frozen=True)
-class LoadRegion:
+class LoadRegion(NamedTuple):
     """A polygon on which every load is affine: ``N_i(c) = forces[i] . (1, c)``, zero for idle wheels.
 
     Attributes:

@@ -48,8 +48,8 @@ class Slopes:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
         sure = certainty(table.values, table.bounds[:, None], arrangement.corners)
-        possible: Mask = (~(sure > 1)).any(axis=2)
-        kept = table.distinct(possible.any(axis=1).nonzero()[0])
+        possible: Mask = np.logical_or.reduce(~(sure > 1), axis=2)
+        kept = table.distinct(np.logical_or.reduce(possible, axis=1).nonzero()[0])
         self._pairs: list[list[int]] = table.pairs.take(kept, 0).tolist()
         self._values = table.values.take(kept, 0).reshape(-1, 3)
         self._bounds = table.bounds.take(kept, 0).repeat(2, axis=0)

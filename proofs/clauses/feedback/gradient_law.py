@@ -44,7 +44,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import isqrt
 from operator import add
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb
 
@@ -165,8 +165,7 @@ def _minors(form: Form, kappa: Any, lightness: Any) -> tuple[Any, ...]:
     return corner, s11, s22, s12, s11 * s22 - s12 * s12
 
 
-@dataclass(frozen=True)
-class FeedbackRate:
+class FeedbackRate(NamedTuple):
     """Certified ``V' <= -2 k kappa V`` near the equilibrium.
 
     Attributes:
@@ -290,8 +289,7 @@ def _largest(cone: ConeRate, lightness: float) -> float:
 # ---- the region --------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class LevelRegion:
+class LevelRegion(NamedTuple):
     """All (c, theta) with ``V < level``."""
 
     lyapunov: ControlLyapunov

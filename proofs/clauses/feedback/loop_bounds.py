@@ -40,7 +40,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -78,8 +78,7 @@ TOO_WRONG = "the errors are too large for the disc in which the law is certified
 # ---- speeds of rims ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class WheelSpeed:
+class WheelSpeed(NamedTuple):
     """Under the law with gain k no rim is faster than ``k (by_root sqrt(V) + by_level V)``.
 
     Attributes:
@@ -195,8 +194,7 @@ class UltimateBound:
     gain: Fraction | None = None
 
 
-@dataclass(frozen=True)
-class _Law:
+class _Law(NamedTuple):
     """Rational bounds of a law.
 
     Attributes:
