@@ -37,12 +37,10 @@ Where loads are unknown, motions are only near the xi_l, no longer than some M',
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
 
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
@@ -53,7 +51,7 @@ from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane import XY
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -124,25 +122,29 @@ def wheel_speed(feedback: AnyFeedback, scene: Scene) -> WheelSpeed | None:
 
 def _fastest(data: InputCell, lyapunov: ControlLyapunov) -> float:
     """The largest ``(P c, w theta) . g`` over sqrt(V) of both fields of a cell."""
-    corners = np.array([[float(x), float(y)] for x, y in data.cell.polygon.vertices])
-    return max(_largest_product(corners, np.array([float(entry) for entry in g]), lyapunov) for g in data.fields)
+    corners = [(float(x), float(y)) for x, y in data.cell.polygon.vertices]
+    return max(_largest_product(corners, [float(entry) for entry in g], lyapunov) for g in data.fields)
 
 
-def _largest_product(corners: Floats, field: Floats, lyapunov: ControlLyapunov) -> float:
+def _largest_product(corners: Sequence[XY], field: Sequence[float], lyapunov: ControlLyapunov) -> float:
     """The largest ``(P c, w theta) . g`` over sqrt(V), for c in the directions of a cell with these corners.
 
     For c along e it is ``sqrt((g_c . P e)^2/(e . P e) + w g_theta^2)``, which is largest along g_c or against it, and
     where all corners are on one side of that line at one of them.  What floats leave open counts as on the line.
     """
-    e, f = map(float, lyapunov.shape)
-    metric, push = np.array([[1 + e, f], [f, 1 - e]]), field[:2]
-    beside = corners[:, 0] * push[1] - corners[:, 1] * push[0]
-    doubt = float(FEW_ROUNDINGS) * np.hypot(*corners.T) * math.hypot(*push)
-    nonzero = corners.any(axis=1)
-    is_beside = (beside > doubt)[nonzero].all() or (beside < -doubt)[nonzero].all()
-    directions = corners if is_beside else [*corners, push]
-    along = [(push @ metric @ way) ** 2 / (way @ metric @ way) for way in directions if way.any()]
-    return math.sqrt(max(along, default=0.0) + float(lyapunov.weight) * field[2] ** 2)
+    (e, f), (a, b, turn) = map(float, lyapunov.shape), field
+    push = math.hypot(a, b)
+    lengths = [math.hypot(x, y) for x, y in corners]
+    ways = [(x / size, y / size) for (x, y), size in zip(corners, lengths, strict=True) if size]
+    beside, doubt = [x * b - y * a for x, y in ways], float(FEW_ROUNDINGS) * push
+    if push and min(beside) <= doubt and max(beside) >= -doubt:
+        ways.append((a / push, b / push))
+    along = 0.0
+    for x, y in ways:
+        p, q = (1 + e) * x + f * y, f * x + (1 - e) * y
+        product = a * p + b * q
+        along = max(along, product * product / (x * p + y * q))
+    return math.sqrt(along + float(lyapunov.weight) * turn * turn)
 
 
 def certified_error(feedback: AnyFeedback) -> Fraction | None:
