@@ -40,7 +40,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
@@ -76,8 +76,7 @@ TOO_WRONG = "the errors are too large for the disc in which the law is certified
 # ---- speeds of rims ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class WheelSpeed:
+class WheelSpeed(NamedTuple):
     """Under the law with gain k no rim is faster than ``k (by_root sqrt(V) + by_level V)``.
 
     Attributes:
@@ -202,8 +201,7 @@ class UltimateBound:
     gain: Fraction | None = None
 
 
-@dataclass(frozen=True)
-class _Law:
+class _Law(NamedTuple):
     """Rational bounds of a law.
 
     Attributes:
