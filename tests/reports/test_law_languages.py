@@ -239,7 +239,9 @@ def test_every_language_is_the_law_of_the_simulation(arrays: Arrays, name: str, 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_what_is_no_number_gets_no_speed(language: Language, rule: str, tmp_path: Path) -> None:
     """Of a pose that was lost, or a gain: wheels at rest in region 0, errors in Python."""
-    law = ns.load("four-wheel").check(rule=rule).law()
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    law = array.check(rule=rule).law()
     good = (0.1, 0.05, 0.2, 1.0)
     lost = [(*good[:k], value, *good[k + 1 :]) for k in range(4) for value in (math.nan, math.inf, -math.inf)]
     for pose in lost:
