@@ -28,6 +28,7 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.console import json_text, write, write_json, write_views
 from nonsmooth.reports.output.files import PICTURES, output_path, write_whole
 from nonsmooth.symbolic.messages.notebook import html_table
+from nonsmooth.symbolic.messages.scene_error import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -186,8 +187,16 @@ class Result(ABC):
 
 
 def own_axes(ax: Axes | None) -> Axes:
-    """The axes given, or those of a new figure that a notebook shows."""
+    """The axes given, or those of a new figure that a notebook shows.
+
+    Raises:
+        ValueError: for what is no axes.
+    """
     if ax is not None:
+        from matplotlib.axes import Axes
+
+        if not isinstance(ax, Axes):
+            raise ValueError(f"ax: required axes of Matplotlib, received {shown(ax)}")
         return ax
     from matplotlib import pyplot as plt
 
