@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, function_facts, row_fact, text_fact, unsaid
 from nonsmooth.proofs.kernel.quotients import quotient_text
 from nonsmooth.proofs.systems.derivatives import Supremum
-from nonsmooth.proofs.systems.domain import DecayKind, DecayRate, Domain, ReshapedRegion, SublevelRegion, cube_text
+from nonsmooth.proofs.systems.domain import (
+    DecayKind,
+    DecayRate,
+    Domain,
+    ReshapedRegion,
+    SublevelRegion,
+    cube_text,
+    disturbance_letter,
+)
 from nonsmooth.proofs.systems.findings import (
     DERIVATIVES,
     DecidedSystem,
@@ -328,8 +336,9 @@ def gain_words(reach: Reach, states: Sequence[str]) -> str:
     gain, domain = reach.gain, reach.gain_domain
     if gain is None or domain is None:
         raise TypeError("required a gain")
-    where = f"{_potential_words(gain.rate, states)}{gain} on {domain.text(states)}"
-    return "; ".join(filter(None, (where, gain.on_starts)))
+    letter = disturbance_letter(states)
+    where = f"{_potential_words(gain.rate, states)}{gain.inequality(letter)} on {domain.text(states)}"
+    return "; ".join(filter(None, (where, gain.on_starts(letter))))
 
 
 def _potential_words(rate: DecayRate, states: Sequence[str]) -> str:

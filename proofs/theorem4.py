@@ -9,11 +9,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias, TypeVar, cast
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
-from nonsmooth.analysis.cells.equilibria import RestPlace, find_equilibria
 from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.clauses.authority import Authority, roll_authority
@@ -39,6 +38,7 @@ from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.equilibria import RestPlace
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 
 # ---- the verdict with the evidence of every clause -----------------------------------------------
@@ -48,8 +48,7 @@ if TYPE_CHECKING:
 # is not a refutation, so it makes it ``undecided``, and so does a point that is not shown to be an equilibrium.
 
 
-@dataclass(frozen=True)
-class Contradiction:
+class Contradiction(NamedTuple):
     """Two statements of this program about one array that cannot both be true.
 
     Attributes:
@@ -401,6 +400,8 @@ def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:
     if not work.partition.complete:
         work.skip("search for other equilibria", 1, "cells away from the point were not built")
         return None
+    from nonsmooth.analysis.cells.equilibria import find_equilibria
+
     try:
         with work_limit(work.scene.field, SEARCH_UNITS):
             before = work.scene.field.rounded_signs

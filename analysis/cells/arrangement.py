@@ -20,13 +20,13 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import Filtered, Form, OnDemand, Three, known_sign, meet, whole_numbers
+from nonsmooth.analysis.cells.outline import Filtered, Form, Three, known_sign, meet, whole_numbers
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -61,7 +61,7 @@ NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # the other coordinates, in turn
 Lexicographic: TypeAlias = tuple[int, int]
 
 
-class SlopeOfD(OnDemand[Affine]):
+class SlopeOfD(Form):
     """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction.
 
     Attributes:
@@ -107,8 +107,7 @@ class Vertex:
         return tight_rows(self.signs)
 
 
-@dataclass(frozen=True)
-class Beside:
+class Beside(NamedTuple):
     """Just beside a point: at ``point + epsilon outward`` for all small epsilon > 0.
 
     Attributes:
@@ -123,8 +122,7 @@ class Beside:
     line: Affine | None = None
 
 
-@dataclass(frozen=True)
-class FilteredPlace:
+class FilteredPlace(NamedTuple):
     """The same by floats or whole numbers, exact on demand.
 
     Attributes:
@@ -162,6 +160,8 @@ class Arrangement:
         whole: see above.
         is_exact: whether no number stands for others close by.
         error: of the affine forms in floats, in units of the sums of absolute terms.
+        corners: of the load region, as rows ``(1, x, y)``.
+        reach: the largest absolute values of these.
     """
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
@@ -191,6 +191,7 @@ class Arrangement:
         # of affine forms: floats are not trusted with numbers that stand for others close by
         self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else math.nan
         self.corners = float_corners(region.polygon.vertices)
+        self.reach = np.abs(self.corners).max(axis=0)
         self._vertices: dict[bytes, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
         self._ways: dict[tuple[int, int], Three] = {}
@@ -200,6 +201,8 @@ class Arrangement:
     @cached_property
     def exact_normals(self) -> list[Filtered] | None:
         """Whole multiples of all normals, where there are any."""
+        if self.whole:
+            return [Filtered.bounded(line, [*map(abs, line)], 0) for line in self.numbers(self.normals)]
         lines = [Filtered.of(row.normal) for row in self.rows]
         return None if any(line.error for line in lines) else lines
 
@@ -225,11 +228,12 @@ class Arrangement:
             holding: numbers of rows that are known to hold there.
         """
         i, j, k = basis
-        edges = (self.rates(pair) for pair in ((j, k), (k, i), (i, j)))
-        rates, sizes = zip(*edges, strict=True)
-        rhs, determinant = self.rhs[list(basis)], float(rates[0][i])
+        first, second = [j, k, i], [k, i, j]
+        rates = self.directions(first, second) @ self.normals.T
+        rhs, determinant = self.rhs.take(basis), float(rates[0, i])
         residuals = (rhs @ rates - self.rhs * determinant) * math.copysign(1.0, determinant)
         if not self.whole:
+            sizes = self.direction_sizes(first, second) @ self.sizes.T
             bounds = np.abs(rhs) @ sizes + np.abs(self.rhs) * sizes[0][i]
             clear = np.abs(residuals) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL
             clear &= abs(determinant) > sizes[0][i] * FLOAT_DOUBT + SMALLEST_NORMAL
@@ -240,6 +244,14 @@ class Arrangement:
         for n in [] if self.whole else np.isnan(residuals).nonzero()[0].tolist():
             signs[n] = 0 if n in holding else self.rows[n].residual(found.twist).sign()
         return self._vertices.setdefault(signs.tobytes(), found)
+
+    def directions(self, first: Indices | list[int], second: Indices | list[int]) -> Floats:
+        """``a_k x a_l`` of pairs of rows by their numbers, in floats, shape (m, 3)."""
+        return np.asarray((self.crossing.take(first, 0) @ self.normals.take(second, 0)[:, :, None])[:, :, 0])
+
+    def direction_sizes(self, first: Indices | list[int], second: Indices | list[int]) -> Floats:
+        """Their sums of absolute terms, which bound the errors."""
+        return np.asarray((self.crossing_sizes.take(first, 0) @ self.sizes.take(second, 0)[:, :, None])[:, :, 0])
 
     def edge(self, pair: tuple[int, int]) -> Triple:
         """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""

@@ -79,6 +79,7 @@ def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partitio
         nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
     """
     require_rank(rows_with_friction(scene), "friction: required rows")
+    domain = domain or square(scene.check.equilibrium, scene.check.radius)
     cells: list[Cell] = []
     before: Vertex | None = None
     with affordable(scene, PARTITION_UNITS, STEP):
@@ -87,7 +88,6 @@ def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partitio
             before = walk.first(before)
             for found in walk.cells(before):
                 cells.append(WalkedCell(len(cells) + 1, walk, found))
-    domain = domain or square(scene.check.equilibrium, scene.check.radius)
     return Partition(scene, "box", domain, tuple(cells), len(scene.wheels))
 
 
@@ -228,7 +228,7 @@ class _Walk:
         """The vertex's cell: where no slope is negative."""
         outline: Outline | None = self._whole
         slopes = self.slopes(vertex)
-        likely = [k for k in slopes.sides_of(self.arrangement.corners) if k not in slopes.flat]
+        likely = [k for k in slopes.sides() if k not in slopes.flat]
         for number in likely:
             outline = outline and outline.clipped(_side(slopes[number]))
         if outline is None:
@@ -237,7 +237,7 @@ class _Walk:
         if len(others) > FEW:  # what is positive at all corners is so on all parts
             others = slopes.doubtful([corner.filtered for corner in outline.corners], others)
         for number in others:
-            if outline is not None and not outline.keeps(slopes[number].filtered):
+            if outline is not None and not outline.keeps(slopes.filtered(number)):
                 outline = outline.clipped(_side(slopes[number]))
         return outline
 

@@ -21,13 +21,14 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers import plane_arrays
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, minus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 2.0**-29
 # Length relative to the size of the domain: a float point comes from a handful of operations on coordinates of that
 # size, so it lies within some 2^-49 of the line or corner that it was computed to reach; four bits are added.
 PLACE_SLACK = 2.0**-45
+SIDES_AT_ONCE = 64  # whose distances from all corners are held at once
 
 
 class InCell(NamedTuple):
@@ -226,12 +227,13 @@ def tile(polygons: Sequence[Polygon], domain: Polygon, size: float) -> bool:
 def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], list[list[list[Step]]]]:
     """Distinct corners, and for each side of each polygon its steps from corner to corner."""
     points, numbers = _corners(polygons, size)
-    places = float_points(points)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return points, [
-            [list(pairwise(stops)) for stops in _stops(points, places, own, polygon.sides, size)]
-            for polygon, own in zip(polygons, numbers, strict=True)
-        ]
+    sides = [
+        (first, last, side)
+        for polygon, own in zip(polygons, numbers, strict=True)
+        for (first, last), side in zip(around(own), polygon.sides, strict=True)
+    ]
+    stops = _stops(points, sides, size)
+    return points, [[list(pairwise(next(stops))) for _ in own] for own in numbers]
 
 
 def _corner(number: int, point: Point, edges: Sequence[Edge]) -> Corner:
@@ -260,29 +262,46 @@ def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], lis
     return points, numbers
 
 
-def _stops(
-    points: Sequence[Point], places: Floats, own: Sequence[int], sides: Sequence[HalfPlane], size: float
-) -> Iterator[list[int]]:
-    """For each side of a polygon with its own corners: the corners on it, from its first vertex to its last.
+def _stops(points: Sequence[Point], sides: Sequence[tuple[int, int, HalfPlane]], size: float) -> Iterator[list[int]]:
+    """For each side, from a corner to a corner: the corners on it, from its first one to its last."""
+    places = float_points(points)
+    for begin in range(0, len(sides), SIDES_AT_ONCE):
+        some = sides[begin : begin + SIDES_AT_ONCE]
+        close = _close(places, np.array([(first, last) for first, last, _ in some]), size)
+        for (first, last, side), own in zip(some, close, strict=True):
+            yield [first, *_between(points, first, last, side, own), last]
 
-    Floats exclude what is certainly elsewhere: beyond their range (where they are not numbers) nothing is.
+
+def _close(places: Floats, ends: Indices, size: float) -> list[list[int]]:
+    """For each side from ``ends[k, 0]`` to ``ends[k, 1]`` the other corners that are not certainly elsewhere.
+
+    Beyond the range of floats, where they are not numbers, nothing is.
     """
-    begin, along = places[own], places[[*own[1:], *own[:1]]] - places[own]
-    offset = places - begin[:, None]
-    squared = plane_arrays.dot(along, along)[:, None]
-    doubt = SAME_CORNER_DOUBT * size * (np.sqrt(squared) + size)
-    beside, reach = plane_arrays.cross(along[:, None], offset), plane_arrays.dot(along[:, None], offset)
-    elsewhere = (np.abs(beside) > doubt) | (reach < -doubt) | (reach > squared + doubt)
-    for (first, last), side, on in zip(around(own), sides, ~elsewhere, strict=True):
-        start, end = points[first], points[last]
-        r = minus(end, start)
-        between = [
-            k
-            for k in np.flatnonzero(on).tolist()
-            if k not in (first, last)
-            and not sign(side.slack(points[k]))
-            and sign(dot(r, minus(points[k], start))) > 0
-            and sign(dot(r, minus(end, points[k]))) > 0
-        ]
-        between.sort(key=lambda k, r=r: dot(r, points[k]))  # type: ignore[misc]
-        yield [first, *between, last]
+    with np.errstate(over="ignore", invalid="ignore"):
+        along = places[ends[:, 1]] - places[ends[:, 0]]
+        offset = places - places[ends[:, 0], None]
+        squared = plane_arrays.dot(along, along)[:, None]
+        doubt = SAME_CORNER_DOUBT * size * (np.sqrt(squared) + size)
+        beside, reach = plane_arrays.cross(along[:, None], offset), plane_arrays.dot(along[:, None], offset)
+        elsewhere = (np.abs(beside) > doubt) | (reach < -doubt) | (reach > squared + doubt)
+    np.put_along_axis(elsewhere, ends, True, axis=1)
+    found: list[list[int]] = [[] for _ in ends]
+    for side, corner in np.argwhere(~elsewhere).tolist():
+        found[side].append(corner)
+    return found
+
+
+def _between(points: Sequence[Point], first: int, last: int, side: HalfPlane, close: Sequence[int]) -> list[int]:
+    """Those of a few corners that lie between the ends of a side, in its direction."""
+    if not close:
+        return []
+    start, end = points[first], points[last]
+    r = minus(end, start)
+    on = [
+        k
+        for k in close
+        if not sign(side.slack(points[k]))
+        and sign(dot(r, minus(points[k], start))) > 0
+        and sign(dot(r, minus(end, points[k]))) > 0
+    ]
+    return sorted(on, key=lambda k: dot(r, points[k]))

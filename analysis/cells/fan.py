@@ -145,8 +145,7 @@ def rays_of(fan: Sequence[S]) -> Iterator[tuple[Point, S, S]]:
 # (:mod:`nonsmooth.analysis.trajectories.closed_forms`).
 
 
-@dataclass(frozen=True)
-class Signs:
+class Signs(NamedTuple):
     """Signs of what is compared around a point; a value within its slack counts as zero.
 
     Slacks, all zero for exact numbers: of speeds (length/time), of rates at which velocities turn and at which the body
@@ -253,8 +252,7 @@ class Growth(Enum):
     TIE = "tie"
 
 
-@dataclass(frozen=True)
-class ConeCrossing:
+class ConeCrossing(NamedTuple):
     """From ray to ray through a cone: ``s' = gain s^order`` to leading order, s in units of the rays' vectors.
 
     Attributes:

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from math import comb
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, require_support
 from nonsmooth.analysis.cells.polygon import square
@@ -164,8 +164,7 @@ class SpringLoads(LoadPolytope):
         return total
 
 
-@dataclass(frozen=True)
-class LoadSet:
+class LoadSet(NamedTuple):
     """The loads that a scene leaves open at its point.
 
     Attributes:

@@ -13,10 +13,9 @@ collinear wheels the loads are undetermined: both are refused.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpz
@@ -62,8 +61,7 @@ class CollinearLoadError(LoadError):
     """A line of wheels that carries the whole load, where beside it no loads are found."""
 
 
-@dataclass(frozen=True)
-class LoadRegion:
+class LoadRegion(NamedTuple):
     """A polygon on which every load is affine: ``N_i(c) = forces[i] . (1, c)``, zero for idle wheels.
 
     Attributes:
@@ -103,8 +101,12 @@ def load_regions(scene: Scene, holding: Point | None = None, domain: Polygon | N
         forms = tuple(model.forms(exact_moments(scene), range(len(scene.wheels)), EXACT) or ())
         _require_positive(scene, forms, domain)
         return (LoadRegion(domain, forms, frozenset(w.index for w in scene.wheels)),)
+    regions = _Regions(scene, domain)
+    everywhere = regions.of(regions.every)
+    if everywhere is not None and everywhere.polygon is domain:  # no load is negative at its corners: it is supported
+        return (everywhere,)
     require_support(scene, domain)
-    return _elastic_regions(scene, domain, holding)
+    return _elastic_regions(regions, holding)
 
 
 def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
@@ -164,11 +166,17 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
 
 
 class _Regions:
-    """The load regions of a square by their sets of loaded wheels, each built once; None for sets without area."""
+    """The load regions of a square by their sets of loaded wheels, each built once; None for sets without area.
+
+    Raises:
+        LoadError: for too many wheels with too long coordinates.
+    """
 
     def __init__(self, scene: Scene, domain: Polygon) -> None:
         self.scene, self.domain = scene, domain
         self.model, self.moments = load_model(scene), exact_moments(scene)
+        _require_short(self.moments)
+        self.every = frozenset(range(len(self.moments)))
         self.positions = places_of(scene.wheels)
         self.forms = cache(partial(self.model.forms, self.moments, arithmetic=EXACT))
         self._known: dict[frozenset[int], LoadRegion | None] = {}
@@ -198,11 +206,9 @@ class _Regions:
 
     def first(self, start: Point) -> frozenset[int]:
         """The loaded wheels of a region at a point, most often all."""
-        _require_short(self.moments)
-        every = frozenset(range(len(self.moments)))
-        forms = self.forms(every)
+        forms = self.forms(self.every)
         if forms is not None and all(sign(value_at(form, start)) >= 0 for form in forms):
-            return every
+            return self.every
         try:
             return _loads_at(self.model, self.moments, start)[0]
         except CollinearLoadError:
@@ -232,7 +238,7 @@ class _Regions:
         return None, False
 
 
-def _elastic_regions(scene: Scene, domain: Polygon, holding: Point | None) -> tuple[LoadRegion, ...]:
+def _elastic_regions(regions: _Regions, holding: Point | None) -> tuple[LoadRegion, ...]:
     """Walk from the region where the search starts to its neighbours until the square (or the point) is covered.
 
     Where floats proposed a neighbour the areas of all regions must add up.
@@ -240,7 +246,7 @@ def _elastic_regions(scene: Scene, domain: Polygon, holding: Point | None) -> tu
     Raises:
         CollinearLoadError: where they do not.
     """
-    regions = _Regions(scene, domain)
+    domain = regions.domain
     found: dict[frozenset[int], LoadRegion] = {}
     waiting, is_whole = [regions.first(domain.centre if holding is None else holding)], True
     while waiting:
@@ -256,9 +262,9 @@ def _elastic_regions(scene: Scene, domain: Polygon, holding: Point | None) -> tu
     if is_whole:
         return tuple(found.values())
     if holding is not None:
-        every = _elastic_regions(scene, domain, None)
+        every = _elastic_regions(regions, None)
         return tuple(region for region in every if region.polygon.contains(holding))
-    if sum((region.polygon.area for region in found.values()), scene.field.zero) != domain.area:
+    if sum((region.polygon.area for region in found.values()), regions.scene.field.zero) != domain.area:
         raise CollinearLoadError(ALL_AT_ONCE)
     return tuple(found.values())
 

@@ -131,8 +131,12 @@ class OnDemand(Generic[Exact]):
         return self.build()
 
 
-Form: TypeAlias = OnDemand[Affine]
-OutlineCorner: TypeAlias = OnDemand[Point]
+class Form(OnDemand[Affine]):
+    """An affine form."""
+
+
+class OutlineCorner(OnDemand[Point]):
+    """A corner of an outline."""
 
 
 @dataclass(eq=False)

@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import tee
+from typing import TYPE_CHECKING
 
 from flint import arb
 
-from nonsmooth.analysis.cells.cell_complex import CellComplex, build_complex, tile
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.mechanics.constraints import Row, Twist, independent
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
@@ -21,6 +21,9 @@ from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.cell_complex import CellComplex
 
 # An exact area divides by sums of up to 2^4 terms for each vertex; with more square roots that takes minutes.
 AREA_ROOTS = 4
@@ -104,6 +107,8 @@ class Partition(ShortRepr):
     @cached_property
     def complex(self) -> CellComplex:
         """Corners, edges and cells with their incidences, exactly."""
+        from nonsmooth.analysis.cells.cell_complex import build_complex
+
         return build_complex([cell.polygon for cell in self.cells], self.size)
 
     @property
@@ -125,6 +130,8 @@ class Partition(ShortRepr):
     @cached_property
     def tiles(self) -> bool:
         """Whether the cells cover the square exactly once, by their boundaries."""
+        from nonsmooth.analysis.cells.cell_complex import tile
+
         return tile([cell.polygon for cell in self.cells], self.domain, self.size)
 
     @cached_property

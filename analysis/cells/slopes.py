@@ -48,13 +48,13 @@ class Slopes:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
         sure = certainty(table.values, table.bounds[:, None], arrangement.corners)
-        possible: Mask = np.any(~(sure > 1), axis=2)
-        kept = table.distinct(np.flatnonzero(possible.any(axis=1)))
-        self._pairs: list[list[int]] = table.pairs[kept].tolist()
-        self._values = table.values[kept].reshape(-1, 3)
-        self._bounds = table.bounds[kept].repeat(2, axis=0)
+        possible: Mask = np.logical_or.reduce(~(sure > 1), axis=2)
+        kept = table.distinct(np.logical_or.reduce(possible, axis=1).nonzero()[0])
+        self._pairs: list[list[int]] = table.pairs.take(kept, 0).tolist()
+        self._values = table.values.take(kept, 0).reshape(-1, 3)
+        self._bounds = table.bounds.take(kept, 0).repeat(2, axis=0)
         self._numbers = arrangement.numbers(self._values)
-        self.possible: list[int] = possible[kept].ravel().nonzero()[0].tolist()
+        self.possible: list[int] = possible.take(kept, 0).ravel().nonzero()[0].tolist()
         self._known: dict[int, SlopeOfD] = {}
 
     def __len__(self) -> int:
@@ -66,14 +66,20 @@ class Slopes:
     def __getitem__(self, number: int) -> SlopeOfD:
         """A slope, of which the exact form is built once."""
         if number not in self._known:
-            values, error = self._numbers[number], self._arrangement.error
-            sizes = self._bounds[number].tolist() if error else [abs(value) for value in values]
-            filtered = Filtered.bounded(values, sizes, error)
             first, second = self._pairs[number // 2]
             self._known[number] = SlopeOfD(
-                (first, second), 1 - number % 2 * 2, filtered, lambda: self._built((first, second))[number % 2]
+                (first, second),
+                1 - number % 2 * 2,
+                self.filtered(number),
+                lambda: self._built((first, second))[number % 2],
             )
         return self._known[number]
+
+    def filtered(self, number: int) -> Filtered:
+        """The same in floats or whole numbers."""
+        values, error = self._numbers[number], self._arrangement.error
+        sizes = self._bounds[number].tolist() if error else [*map(abs, values)]
+        return Filtered.bounded(values, sizes, error)
 
     def _built(self, pair: tuple[int, int]) -> tuple[Affine, Affine]:
         return self._arrangement.slopes_along(pair, self._signs)
@@ -99,18 +105,18 @@ class Slopes:
         sure = certainty(self._values[numbers], self._bounds[numbers], places, sizes) > 1
         return numbers[~sure.all(axis=1)].tolist()
 
-    def sides_of(self, corners: Floats) -> list[int]:
-        """Numbers of the slopes that seem to bound the cell in a polygon, found by cutting it in floats."""
-        outline: list[Corner] = [(x, y, -1) for _, x, y in corners.tolist()]
-        reach = np.abs(corners).max(axis=0)
-        doubts = (self._bounds @ reach * FLOAT_DOUBT).tolist()
+    def sides(self) -> list[int]:
+        """Numbers of the slopes that seem to bound the cell, found by cutting the load region in floats."""
+        outline: list[Corner] = [(x, y, -1) for _, x, y in self._arrangement.corners.tolist()]
+        reach = self._arrangement.reach
+        doubts = (self._bounds @ (reach * FLOAT_DOUBT)).tolist()
         for number in self.possible:
             a, b, c = self._numbers[number]
             values = [a + b * x + c * y for x, y, _ in outline]
             if min(values, default=0.0) < -doubts[number]:
                 outline = _clipped(outline, values, number)
         around = zip(outline, [*outline[1:], *outline[:1]], strict=True)
-        least = max(reach[1:]) * SHORTEST
+        least = max(reach[1:].tolist()) * SHORTEST
         return sorted({k for (x, y, k), (u, v, _) in around if k >= 0 and abs(u - x) + abs(v - y) > least})
 
     def at(self, point: Floats, sizes: Floats | None = None) -> tuple[int | None, list[int]]:
@@ -147,15 +153,15 @@ class _PairTable:
 
     def __init__(self, arrangement: Arrangement, signs: Indices) -> None:
         self.arrangement = arrangement
-        (tight,) = (signs == 0).nonzero()
+        (tight,) = (signs == 0).nonzero()  # few, most often: `take` is then much quicker than an index of numbers
         self.tight = len(tight)
-        self.pairs = tight[_pairs(self.tight)]
+        self.pairs = tight.take(_pairs(self.tight))
         normals, weights = arrangement.normals, arrangement.float_weights
         first, second = self.pairs.T
-        self.directions = (arrangement.crossing[first] @ normals[second, :, None])[:, :, 0]
-        self.sizes = (arrangement.crossing_sizes[first] @ arrangement.sizes[second, :, None])[:, :, 0]
-        rows = np.ascontiguousarray(normals[tight].T)
-        parts = [np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)]
+        self.directions = arrangement.directions(first, second)
+        self.sizes = arrangement.direction_sizes(first, second)
+        rows, own = np.ascontiguousarray(normals.take(tight, 0).T), weights.take(tight, 0)
+        parts = [np.abs(block @ rows) @ own for block in blocks(self.directions)]
         kept = np.concatenate(parts) if len(parts) > 1 else parts[0]
         along = self.directions @ ((normals.T * signs) @ weights)
         self.values = np.empty((len(kept), 2, 3))
@@ -166,7 +172,7 @@ class _PairTable:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
         if self.arrangement.exact_normals is not None:
             firsts: dict[Three, int] = {}
-            for k, (first, second) in zip(numbers.tolist(), self.pairs[numbers].tolist(), strict=True):
+            for k, (first, second) in zip(numbers.tolist(), self.pairs.take(numbers, 0).tolist(), strict=True):
                 firsts.setdefault(self.arrangement.way(first, second), k)
             firsts.pop((0, 0, 0), None)
             return np.array(list(firsts.values()), dtype=int)

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -58,8 +59,7 @@ class RimDemand:
         return np.asarray(np.abs(speeds).max(axis=1))
 
 
-@dataclass(frozen=True)
-class FrictionForces:
+class FrictionForces(NamedTuple):
     """Forces in units of the axes of each wheel's ellipse.
 
     Attributes:
@@ -103,8 +103,7 @@ def in_common_units(along: Floats, across: Floats) -> tuple[Floats, Floats]:
     return along / unit, across / unit
 
 
-@dataclass(frozen=True)
-class _Forces:
+class _Forces(NamedTuple):
     """Of m starts: phi (m, k) of the wheels that slip across, its cosine and sine, and the other forces (m, l, 2)."""
 
     angles: Floats

@@ -1,5 +1,8 @@
 """Many paths at once through cells with constant twist: where each ends, when, and with which heading.
 
+They may go through several fields: then the cells, edges and corners of all of these are numbered in a row, and every
+path stays among those of its own.
+
 The method is that of :mod:`nonsmooth.analysis.trajectories.piecewise_constant`, without the path between its ends.  In
 one leg all paths inside cells move together, whatever their cells, and so do all that are on edges.  Only the generic
 case is vectorized: paths through cells, strict crossings, strict sliding and rest on an edge.  What happens at a corner
@@ -9,8 +12,8 @@ to one) is handed to the scalar integrator.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple, Self, TypeAlias
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
@@ -41,28 +44,46 @@ NONE = -1  # where there is no cell or edge
 OnRow: TypeAlias = Callable[[int, int], None]
 
 
+class JoinedField(NamedTuple):
+    """A field among others, and the numbers of its first cell, edge and corner in the row of all."""
+
+    field: ConstantField
+    turns: Turns
+    cell: int
+    edge: int
+    corner: int
+
+
 class BatchPaths:
     """Starts on their way.
 
     ``place`` numbers cells, then edges, then corners; ``entry`` is the edge or corner from which a cell was entered.
+    What counts as zero is for each path that of its field.
     """
 
-    def __init__(self, field: ConstantField, points: Floats, theta: float) -> None:
-        count = len(points)
-        self.field, self.cells, self.signs = field, field.cells, signs_of(field)
-        self.arrays, self.turns = CellArrays.of(field), Turns(field, self.signs)
-        self.points, self.theta, self.time = points.copy(), np.full(count, theta), np.zeros(count)
+    def __init__(self, fields: Sequence[ConstantField], starts: Sequence[Floats], theta: float) -> None:
+        self.regions = list(_in_a_row(fields))
+        self.arrays = CellArrays.joined(self.regions)
+        self.first_edge = len(self.arrays.flows)
+        self.first_corner = self.first_edge + len(self.arrays.starts)
+        self.starts = np.concatenate([np.array(own, dtype=float) for own in starts])
+        self.points = self.starts.copy()
+        count = len(self.points)
+        self.region = np.repeat(np.arange(len(fields)), [len(own) for own in starts])
+        slacks = np.array([_slacks(region) for region in self.regions])[self.region]
+        self.slack, self.speed_slack, self.product_slack, self.rate_slack, self.small = slacks.T
+        self.theta, self.time = np.full(count, theta), np.zeros(count)
         self.unique = np.ones(count, dtype=bool)
         self.ends: list[tuple[EndReason, str] | None] = [None] * count
-        self.first_edge = len(field.flows)
-        self.first_corner = self.first_edge + len(field.cells.edges)
         self.place, self.entry = np.full(count, DONE), np.full(count, DONE)
         self.anchors, self.anchored = np.full((count, 2), np.nan), np.full((count, 2), DONE)
         self.corners: dict[int, tuple[Junction, list[Choice]]] = {}
-        inside = field.depths(points) > self.cells.slack
-        held = inside.any(axis=1)
-        self.place[held] = inside[held].argmax(axis=1)
-        self._one_by_one(np.flatnonzero(~held))
+        for number, region in enumerate(self.regions):
+            own = np.flatnonzero(self.region == number)
+            inside = region.field.depths(self.points[own]) > region.field.cells.slack
+            held = inside.any(axis=1)
+            self.place[own[held]] = region.cell + inside[held].argmax(axis=1)
+            self._one_by_one(own[~held])
 
     def run(self, report: OnRow | None = None) -> None:
         """Leg after leg; ``report`` is told how many of all starts have ended."""
@@ -88,7 +109,7 @@ class BatchPaths:
         inside = going[(self.place[going] < self.first_edge) & (self.entry[going] != DONE)]
         entered = np.column_stack([self.place[inside], self.entry[inside]])
         same = (self.anchored[inside] == entered).all(axis=1)
-        back = same & (np.abs(self.points[inside] - self.anchors[inside]).max(axis=1, initial=0) <= self.cells.slack)
+        back = same & (np.abs(self.points[inside] - self.anchors[inside]).max(axis=1, initial=0) <= self.slack[inside])
         if anchor:
             self.anchors[inside], self.anchored[inside] = self.points[inside], entered
         orbits = inside[back]
@@ -103,11 +124,11 @@ class BatchPaths:
         cell = self.place[own]
         self.unique[own] &= ~self.arrays.tied[cell]
         flow = self.arrays.flow(cell)
-        still = np.abs(velocities(flow, self.points[own])).max(axis=1, initial=0) <= self.signs.speed_slack
+        still = np.abs(velocities(flow, self.points[own])).max(axis=1, initial=0) <= self.speed_slack[own]
         self._rest(own[still], flow.omega[still])
         own, cell = own[~still], cell[~still]
         flow, normals, offsets = self.arrays.flow(cell), self.arrays.normals[cell], self.arrays.offsets[cell]
-        times = crossing_times(flow, normals, offsets, self.points[own], self._entered(own), self.signs.speed_slack)
+        times = crossing_times(flow, normals, offsets, self.points[own], self._entered(own), self.speed_slack[own])
         time = times.min(axis=1)
         circles = np.isinf(time)
         self.time[own[circles]], self.theta[own[circles]] = np.inf, np.copysign(np.inf, flow.omega[circles])
@@ -128,7 +149,9 @@ class BatchPaths:
         is_left = self.arrays.beside[edge, 0] == cell[by_edge]
         entered[by_edge, np.where(is_left, *self.arrays.sides[edge].T)] = True
         for k in np.flatnonzero(entry >= self.first_corner).tolist():
-            entered[k, list(self.cells.active_sides(int(cell[k]), int(entry[k]) - self.first_corner))] = True
+            region = self._region_of(own[k])
+            corner = int(entry[k]) - self.first_corner - region.corner
+            entered[k, list(region.field.cells.active_sides(int(cell[k]) - region.cell, corner))] = True
         return entered
 
     def _land(self, own: Indices, borders: Indices) -> None:
@@ -142,11 +165,12 @@ class BatchPaths:
         r, start, end = self.arrays.directions[edge], self.arrays.starts[edge], self.arrays.ends[edge]
         begin = self.arrays.points[start]
         along, length = dot(self.points[own] - begin, r), dot(self.arrays.points[end] - begin, r)
-        on = (along > self.cells.slack) & (along < length - self.cells.slack)
+        slack = self.slack[own]
+        on = (along > slack) & (along < length - slack)
         self.points[own[on]] = (begin + along[:, None] * r)[on]
         self.place[own[on]] = self.first_edge + edge[on]
         for corner, distance in ((start, along), (end, along - length)):
-            near = np.abs(distance) <= self.cells.slack
+            near = np.abs(distance) <= slack
             self._reach(own[near], corner[near])
 
     def _reach(self, own: Indices, corner: Indices) -> None:
@@ -161,9 +185,9 @@ class BatchPaths:
         cells, r = self.arrays.beside[edge], self.arrays.directions[edge]
         left, right = (self.arrays.flow(cells[:, k]) for k in (0, 1))
         u, v = (edge_speeds(flow, r, self.points[own]) for flow in (left, right))
-        n1, n2 = (np.where(np.abs(n) > self.signs.speed_slack, np.sign(n), 0) for n in (u.normal, v.normal))
+        n1, n2 = (np.where(np.abs(n) > self.speed_slack[own], np.sign(n), 0) for n in (u.normal, v.normal))
         push, *_ = sliding(v, u)
-        opposed, moves = n1 * n2 < 0, np.abs(push) > self.signs.product_slack
+        opposed, moves = n1 * n2 < 0, np.abs(push) > self.product_slack[own]
         for sense, k in ((1, 0), (-1, 1)):
             crosses = (n1 == sense) & (n2 == sense)
             self._cross(own[crosses], edge[crosses], cells[crosses, k])
@@ -177,13 +201,18 @@ class BatchPaths:
 
     def _cross(self, own: Indices, edge: Indices, cell: Indices) -> None:
         """Into cells, or to the limit of infinitely many small turns around a corner of the edge."""
+        if not len(own):
+            return
         self.place[own], self.entry[own] = cell, self.first_edge + edge
         for corner in (self.arrays.starts[edge], self.arrays.ends[edge]):
             distance = np.hypot(*(self.points[own] - self.arrays.points[corner]).T)
-            for k in np.flatnonzero(distance <= self.turns.small).tolist():
-                turn = self.turns.inward_from(int(edge[k]), int(cell[k]), int(corner[k]))
+            for k in np.flatnonzero(distance <= self.small[own]).tolist():
+                region = self._region_of(own[k])
+                numbers = int(edge[k]) - region.edge, int(cell[k]) - region.cell, int(corner[k]) - region.corner
+                turn = region.turns.inward_from(*numbers)
                 if turn is not None and turn.fits(distance[k]):
-                    spiral = CornerSpiral(turn, self.cells.points[corner[k]], self.theta[own[k]], distance[k])
+                    around = region.field.cells.points[numbers[-1]]
+                    spiral = CornerSpiral(turn, around, self.theta[own[k]], distance[k])
                     time, self.theta[own[k]] = spiral.limit()
                     self.time[own[k]] += time
                     self._reach(own[k : k + 1], corner[k : k + 1])
@@ -204,7 +233,7 @@ class BatchPaths:
         self.theta[own] += rotation
         endless = np.isinf(time)
         self._finish(own[endless], EndReason.APPROACH)
-        there = ~endless & (ends - reach <= self.cells.slack)
+        there = ~endless & (ends - reach <= self.slack[own])
         self._reach(own[there], corner[there])
         between = ~endless & ~there
         for number, ahead in sorted(set(zip(edge[between].tolist(), forward[between].tolist(), strict=True))):
@@ -212,27 +241,30 @@ class BatchPaths:
 
     def _leave(self, number: int, own: Indices) -> None:
         """Where sliding along an edge in one direction ends in between: at one point for all, hence decided once."""
-        x, y = self.points[own[0]].tolist()
-        choices = choices_at(self.field, junction_at(self.field, OnEdge(number), (x, y)), 0.0, self.signs)
-        same = float(np.ptp(self.points[own], axis=0).max()) <= self.cells.slack
+        (x, y), region = self.points[own[0]].tolist(), self._region_of(own[0])
+        junction = junction_at(region.field, OnEdge(number - region.edge), (x, y))
+        choices = choices_at(region.field, junction, 0.0, region.turns.signs)
+        same = float(np.ptp(self.points[own], axis=0).max()) <= region.field.cells.slack
         if same and len(choices) == 1 and choices[0].kind is EventKind.CROSS:
-            self.place[own], self.entry[own] = choices[0].cells[0], self.first_edge + number
+            self.place[own], self.entry[own] = region.cell + choices[0].cells[0], self.first_edge + number
         else:
             self._one_by_one(own)
 
     def _at_corner(self, corner: int, own: Indices) -> None:
         """From a corner: all go the same way."""
+        region = self._region_of(own[0])
         if corner not in self.corners:
-            junction = junction_at(self.field, AtCorner(corner), self.cells.points[corner])
-            self.corners[corner] = junction, choices_at(self.field, junction, 0.0, self.signs)
+            place = AtCorner(corner - region.corner)
+            junction = junction_at(region.field, place, region.field.cells.points[place.corner])
+            self.corners[corner] = junction, choices_at(region.field, junction, 0.0, region.turns.signs)
         junction, choices = self.corners[corner]
         only = len(choices) == 1
         if not choices and junction.border:
             self._finish(own, EndReason.OUTSIDE)
         elif only and choices[0].kind is EventKind.CROSS:
-            self.place[own], self.entry[own] = choices[0].cells[0], self.first_corner + corner
+            self.place[own], self.entry[own] = region.cell + choices[0].cells[0], self.first_corner + corner
         elif only and choices[0].kind is EventKind.REST:
-            self.unique[own] &= not self.turns.lead_outward(corner)
+            self.unique[own] &= not region.turns.lead_outward(corner - region.corner)
             self._rest(own, np.full(len(own), choices[0].rate))
         else:
             self._one_by_one(own)
@@ -241,23 +273,25 @@ class BatchPaths:
 
     def _rest(self, own: Indices, rates: Floats) -> None:
         """At rest; where theta drifts on, it has no limit."""
-        turning = np.abs(rates) > self.signs.rate_slack
+        turning = np.abs(rates) > self.rate_slack[own]
         self.theta[own[turning]] = np.copysign(np.inf, rates[turning])
         self._finish(own[turning], EndReason.TURNING)
         self._finish(own[~turning], EndReason.REST)
 
     def _finish(self, own: Indices, reason: EndReason, name: str | None = None) -> None:
         """The end of paths, where they are or at a place of another name."""
-        for k, place in zip(own.tolist(), self.place[own].tolist(), strict=True):
-            self.ends[k] = reason, self._name_of(place) if name is None else name
+        for k in own.tolist():
+            self.ends[k] = reason, self._name_of(k) if name is None else name
         self.place[own] = DONE
 
-    def _name_of(self, place: int) -> str:
+    def _name_of(self, path: int) -> str:
+        """The name of the place where a path is."""
+        region, place = self._region_of(path), int(self.place[path])
         if place < self.first_edge:
-            return self.field.place_name(InCell(place))
+            return region.field.place_name(InCell(place - region.cell))
         if place < self.first_corner:
-            return self.field.place_name(OnEdge(place - self.first_edge))
-        return self.field.place_name(AtCorner(place - self.first_corner))
+            return region.field.place_name(OnEdge(place - self.first_edge - region.edge))
+        return region.field.place_name(AtCorner(place - self.first_corner - region.corner))
 
     def _one_by_one(self, own: Indices) -> None:
         """Follow starts by the scalar integrator from where they are; those at the same point, together.
@@ -266,12 +300,13 @@ class BatchPaths:
         """
         if not len(own):
             return
-        points, member = np.unique(self.points[own], axis=0, return_inverse=True)
-        for k, (x, y) in enumerate(points.tolist()):
+        points, member = np.unique(np.column_stack([self.region[own], self.points[own]]), axis=0, return_inverse=True)
+        for k, (_, x, y) in enumerate(points.tolist()):
             together = own[member.ravel() == k]
-            path = follow_cells(self.field, (x, y, 0.0))
+            field = self._region_of(together[0]).field
+            path = follow_cells(field, (x, y, 0.0))
             last = path.pieces[-1] if path.pieces else None
-            name = last.place if last else self._place_at(x, y)
+            place = last.place if last else _place_at(field, x, y)
             self.time[together] += float(path.time)
             self.points[together] = path.pose[:2]
             self.theta[together] += float(path.pose[2])
@@ -280,14 +315,32 @@ class BatchPaths:
             elif path.reason in (EndReason.CIRCLES, EndReason.EVENTS):
                 self.time[together], self.theta[together] = np.inf, np.nan
             self.unique[together] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
-            self._finish(together, path.reason, name)
+            self._finish(together, path.reason, place)
 
-    def _place_at(self, x: float, y: float) -> str:
-        place = self.cells.locate((x, y))
-        return "" if place is None else self.field.place_name(place)
+    def _region_of(self, path: int) -> JoinedField:
+        return self.regions[self.region[path]]
 
 
-# ---- a field as arrays, by the numbers of cells and edges ----------------------------------------
+def _in_a_row(fields: Sequence[ConstantField]) -> Iterator[JoinedField]:
+    cell = edge = corner = 0
+    for field in fields:
+        yield JoinedField(field, Turns(field, signs_of(field)), cell, edge, corner)
+        cell, edge = cell + len(field.flows), edge + len(field.cells.edges)
+        corner += len(field.cells.corners)
+
+
+def _slacks(region: JoinedField) -> tuple[float, float, float, float, float]:
+    """What counts as zero of lengths, speeds, their products and rates, and which distances from corners are small."""
+    signs = region.turns.signs
+    return region.field.cells.slack, signs.speed_slack, signs.product_slack, signs.rate_slack, region.turns.small
+
+
+def _place_at(field: ConstantField, x: float, y: float) -> str:
+    place = field.cells.locate((x, y))
+    return "" if place is None else field.place_name(place)
+
+
+# ---- fields as arrays, by the numbers of cells and edges -----------------------------------------
 
 
 class CellArrays(NamedTuple):
@@ -339,9 +392,46 @@ class CellArrays(NamedTuple):
         directions = along / np.hypot(*along.T)[:, None]
         return cls(flows, tied, normals, offsets, borders, points, starts, ends, directions, beside, sides)
 
+    @classmethod
+    def joined(cls, regions: Sequence[JoinedField]) -> Self:
+        """Those of several fields, numbered in a row."""
+        arrays = [cls.of(region.field) for region in regions]
+        if len(arrays) == 1:
+            return arrays[0]
+        most_sides, most_edges = np.array([own.borders.shape[1:] for own in arrays]).max(axis=0)
+        rows = [
+            (
+                own.flows,
+                own.tied,
+                _padded(own.normals, (most_sides, 2), 0.0),
+                _padded(own.offsets, (most_sides,), np.inf),
+                _padded(_further(own.borders, region.edge), (most_sides, most_edges), NONE),
+                own.points,
+                own.starts + region.corner,
+                own.ends + region.corner,
+                own.directions,
+                _further(own.beside, region.cell),
+                own.sides,
+            )
+            for own, region in zip(arrays, regions, strict=True)
+        ]
+        return cls(*map(np.concatenate, zip(*rows, strict=True)))
+
     def flow(self, cell: Indices) -> Flow:
         """The motions in cells (m,), each entry of shape (m,)."""
         return Flow(*self.flows[cell].T)
+
+
+def _further(numbers: Indices, first: int) -> Indices:
+    """Numbers that begin at another one; where there is none there is none."""
+    return np.where(numbers == NONE, NONE, numbers + first)
+
+
+def _padded(values: Any, shape: tuple[int, ...], fill: float) -> Any:
+    """An array with longer axes after its first one; what is new is filled."""
+    longer = np.full((len(values), *shape), fill, dtype=values.dtype)
+    longer[tuple(map(slice, values.shape))] = values
+    return longer
 
 
 # ---- motions of a batch: flows with entries of shape (m,) ----------------------------------------
@@ -361,7 +451,9 @@ def moved(flow: Flow, points: Floats, time: Floats) -> Floats:
     return points + along[:, None] * velocity + across[:, None] * turned(velocity)
 
 
-def crossing_times(flow: Flow, normals: Floats, offsets: Floats, points: Floats, entered: Mask, slack: float) -> Floats:
+def crossing_times(
+    flow: Flow, normals: Floats, offsets: Floats, points: Floats, entered: Mask, slack: Floats
+) -> Floats:
     """Time until each side of its cell is crossed, (m, sides); infinite where it never is.
 
     Args:
@@ -370,7 +462,7 @@ def crossing_times(flow: Flow, normals: Floats, offsets: Floats, points: Floats,
         offsets: of the sides, (m, sides); infinite where there is none.
         points: inside the cells, (m, 2).
         entered: whether the path came in through the side, (m, sides): to it only an arc comes back.
-        slack: normal speeds that are zero within rounding.
+        slack: normal speeds that are zero within rounding, (m,).
     """
     velocity = velocities(flow, points)[:, None]
     rate, bend, gap = dot(velocity, normals), cross(velocity, normals), offsets - dot(normals, points[:, None])
@@ -378,7 +470,7 @@ def crossing_times(flow: Flow, normals: Floats, offsets: Floats, points: Floats,
     arcs = flow.turn != 0
     if arcs.any():
         w, rate, bend, entered = flow.turn[arcs, None], rate[arcs], bend[arcs], entered[arcs]
-        back = np.where(np.abs(rate) > slack, times_back(w, rate, bend), np.inf)
+        back = np.where(np.abs(rate) > slack[arcs, None], times_back(w, rate, bend), np.inf)
         found[arcs] = np.where(entered, back, line_times(w, gap[arcs], rate, bend))
     return found
 

@@ -128,12 +128,28 @@ def settle_map(field: ConstantField, starts: Floats, theta: float = 0.0, report:
     Raises:
         ValueError: for a start outside the domain.
     """
-    paths = BatchPaths(field.floats() if field.exact else field, np.array(starts, dtype=float), theta)
+    return settle_maps([(field, starts)], theta, report)[0]
+
+
+def settle_maps(
+    maps: Sequence[tuple[ConstantField, Floats]], theta: float = 0.0, report: OnRow | None = None
+) -> list[SettleMap]:
+    """Follow the starts of several fields to their ends, all together: see :func:`settle_map`."""
+    fields = [field.floats() if field.exact else field for field, _ in maps]
+    paths = BatchPaths(fields, [starts for _, starts in maps], theta)
     paths.run(report)
-    kinds = dict.fromkeys(end for end in paths.ends if end is not None)
+    last = np.cumsum([len(starts) for _, starts in maps])
+    return [_map_of(paths, slice(end - len(starts), end)) for end, (_, starts) in zip(last, maps, strict=True)]
+
+
+def _map_of(paths: BatchPaths, own: slice) -> SettleMap:
+    """The paths of one field."""
+    ends = paths.ends[own]
+    kinds = dict.fromkeys(end for end in ends if end is not None)
     numbers = {end: k for k, end in enumerate(kinds)}
-    basin = np.array([DONE if end is None else numbers[end] for end in paths.ends], dtype=int)
-    return SettleMap(np.array(starts), paths.theta, paths.time, paths.points, basin, tuple(kinds), paths.unique)
+    basin = np.array([DONE if end is None else numbers[end] for end in ends], dtype=int)
+    starts, theta, time = paths.starts[own], paths.theta[own], paths.time[own]
+    return SettleMap(starts, theta, time, paths.points[own], basin, tuple(kinds), paths.unique[own])
 
 
 # ---- at which equilibria the paths of a map end --------------------------------------------------

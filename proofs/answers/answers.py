@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs import clause_registry
@@ -36,8 +36,7 @@ FEW_WHEELS = 1_000  # beyond them loads and support polygons alone, which are no
 TAKES_LONG = "not asked: it takes a while"
 
 
-@dataclass(frozen=True)
-class OtherRule:
+class OtherRule(NamedTuple):
     """What one contact rule says, or why it says nothing.
 
     Attributes:

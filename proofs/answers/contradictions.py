@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, SupportsFloat, TypeAlias
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
@@ -33,6 +33,7 @@ from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot
 from nonsmooth.symbolic.numbers.plane_arrays import unit_vectors
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.constant_field import ConstantField
     from nonsmooth.proofs.answers.destinations import Destination, SampledEnds
     from nonsmooth.proofs.system_decision import StabilityResult
     from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -65,13 +66,18 @@ class Printed:
         check: the verdicts.
         answers: position, heading and pose by name.
         answered: what stands beside them; parts that nobody asked for are empty.
-        sampled: how sampled starts end; None where none are.
+        sampled: how sampled starts end; None where none are, or not yet.
     """
 
     check: Check
     answers: Mapping[str, Answer]
     answered: Answers
-    sampled: SampledEnds | None
+    sampled: SampledEnds | None = None
+
+    @classmethod
+    def of(cls, check: Check, answered: Answers) -> Self:
+        """A check and what stands beside it; nothing is sampled yet."""
+        return cls(check, {answer.name: answer for answer in answered.answers}, answered)
 
     @property
     def scene(self) -> Scene:
@@ -114,38 +120,49 @@ def reconciled(check: Check, answered: Answers | None = None, *more: Contradicti
         more: contradictions that were found in what is printed about several checks.
     """
     answered = Answers(answers_of(check), None, ()) if answered is None else answered
-    found = (*_contradictions(check, answered), *more)
+    printed = Printed.of(check, answered)
+    return without_contradictions(replace(printed, sampled=_sampled(printed)), *more)
+
+
+def without_contradictions(printed: Printed, *more: Contradiction) -> tuple[Check, Answers]:
+    """What is left of what is printed, whose sampled starts were followed: see :func:`reconciled`."""
+    check, answered = printed.check, printed.answered
+    found = (*(one for pair in PAIRS for one in pair(printed)), *more)
     if not found:
         return check, answered
     left = check.contradicted(found)
     return left, replace(answered, answers=answers_of(left), destinations=_without_verdict(check, answered))
 
 
-def _contradictions(check: Check, answered: Answers) -> Iterator[Contradiction]:
-    by_name = {answer.name: answer for answer in answered.answers}
-    printed = Printed(check, by_name, answered, None)
-    printed = replace(printed, sampled=_sampled(printed))
-    for pair in PAIRS:
-        yield from pair(printed)
-
-
 def _sampled(printed: Printed) -> SampledEnds | None:
-    """How starts end: those of the destinations; under rules with cells, where there are none, a few.
-
-    They lie on the rim of the certified disc and near the point.
-    """
+    """How starts end: those of the destinations; under rules with cells, where there are none, a few."""
     if printed.answered.destinations is not None:
         return printed.answered.destinations.sampled
+    starts = sample_of(printed)
+    if starts is None:
+        return None
+    from nonsmooth.proofs.answers.destinations import ends_from
+
+    (ends,) = ends_from([starts])
+    return ends
+
+
+def sample_of(printed: Printed) -> tuple[ConstantField, Floats] | None:
+    """A few starts in the field of all cells: on the rim of the certified disc and near the point; None where not all
+    cells are there.
+    """
     partition = printed.check.partition
     if partition is None or not partition.complete:
         return None
     import numpy as np
 
-    from nonsmooth.proofs.answers.destinations import ends_from
+    from nonsmooth.analysis.fields.constant_field import array_field
+    from nonsmooth.analysis.fields.kinematics import Kinematics
 
     radii = (printed.number("position", key) for key in ("within", "stays_within"))
     discs = [WELL_INSIDE * radius / printed.radius for radius in radii if radius]
-    return ends_from(partition, np.vstack([starts_around(partition, disc, RING) for disc in (*discs[:1], NEAR)]))
+    starts = np.vstack([starts_around(partition, disc, RING) for disc in (*discs[:1], NEAR)])
+    return array_field(partition, Kinematics.EXACT), starts
 
 
 def _without_verdict(check: Check, answered: Answers) -> Any:

@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordab
 from nonsmooth.analysis.cells.polygon import Point, convex_polygon
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.maps import AT, STAYS, SettleMap, grid_starts, places_reached, settle_map
+from nonsmooth.analysis.trajectories.maps import AT, STAYS, SettleMap, grid_starts, places_reached, settle_maps
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
@@ -176,24 +176,24 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     return Destinations(_in_order(found), len(ends.starts), _ends_of(ends))
 
 
-def ends_from(partition: Partition, starts: Floats) -> SampledEnds | None:
-    """How paths through all cells of a centred partition end; None where they cannot be followed, or begin outside."""
+def ends_from(maps: Sequence[tuple[ConstantField, Floats]]) -> list[SampledEnds | None]:
+    """How paths from the starts of each field end; None where they cannot be followed, or begin outside."""
     try:
-        return _ends_of(_settled(array_field(partition, Kinematics.EXACT), starts))
+        return list(map(_ends_of, _settled(maps)))
     except (TrajectoryError, ValueError):
-        return None
+        return [None] if len(maps) == 1 else [ends for one in maps for ends in ends_from([one])]
 
 
-def _settled(cells: ConstantField, starts: Floats) -> SettleMap:
+def _settled(maps: Sequence[tuple[ConstantField, Floats]]) -> list[SettleMap]:
     """The ends of paths.
 
     Raises:
         ValueError: for a start outside the cells.
         TrajectoryError: where paths cannot be followed, and for starts beyond the range of floats.
     """
-    if not np.isfinite(starts).all():
+    if not all(np.isfinite(starts).all() for _, starts in maps):
         raise TrajectoryError("required starts within the range of floats")
-    return settle_map(cells, starts)
+    return settle_maps(maps)
 
 
 def _ends_of(found: SettleMap) -> SampledEnds:
@@ -224,7 +224,7 @@ def _followed(partition: Partition, places: Sequence[RestPlace]) -> tuple[Settle
     cells = array_field(partition, Kinematics.EXACT)
     with np.errstate(over="ignore", invalid="ignore"):
         starts = grid_starts(cells, STARTS)
-    ends = _settled(cells, starts)
+    (ends,) = _settled([(cells, starts)])
     return ends, places_reached(partition, places, ends)
 
 

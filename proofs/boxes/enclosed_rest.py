@@ -39,7 +39,6 @@ from nonsmooth.proofs.boxes.enclosures import (
 from nonsmooth.proofs.boxes.linearization import Slip, slip_at_rest
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.mechanics.constraints import added, scaled
-from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
@@ -73,6 +72,8 @@ class Balance:
 
     def __init__(self, scene: Scene, loads: LoadBox, held: Mapping[int, int]) -> None:
         """For a number of held rows, one or two, of some wheels: at most three in all."""
+        from nonsmooth.symbolic.mechanics.edge_headings import ball_of
+
         rule, zero = smooth_rule_of(scene), scene.field.zero
         self._slips = [slip_at_rest(wheel, (zero, zero, zero), rule).map(ball_of) for wheel in scene.wheels]
         self._loads, self._held = loads, held

@@ -153,12 +153,17 @@ def _rate(said: Any, system: System) -> str:
     fall = power if power and said["kappa"] == "1" else f"{said['kappa']} {power}".rstrip()
     where = "the whole space" if said["within"] is None else _cube(said, system)
     below = f" where V < {said['below']}" if "below" in said else ""
-    rise = f" + {said['gamma']} |d|" if "gamma" in said else ""
+    rise = f" + {said['gamma']} |{_disturbance(system)}|" if "gamma" in said else ""
     return f"V' <= -{fall}{rise} on {where}{below}, {_function(said, system)}"
 
 
 def _gain(said: Any, system: System) -> str:
-    return f"with x' in F + d: {_rate(said, system)}"
+    return f"with x' in F + {_disturbance(system)}: {_rate(said, system)}"
+
+
+def _disturbance(system: System) -> str:
+    """What a disturbance is called: d, unless a state is."""
+    return next(letter for letter in "dwuvqprstabcefgh" if letter not in system.coordinates)
 
 
 def _cube(said: Any, system: System) -> str:

@@ -10,15 +10,14 @@ along that axis, or across it where it runs at right angles to it; without frict
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from nonsmooth.symbolic.mechanics.constraints import Triple, complement, independent
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.plane import Vector, dot, turned
 
 
-@dataclass(frozen=True)
-class Authority:
+class Authority(NamedTuple):
     """Rank of the roll rows with wheels of a basis, and the missing twists.
 
     Attributes:

@@ -9,7 +9,9 @@ With three rows floats go the same way first, and exact signs confirm the basis 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -135,12 +137,30 @@ def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequen
 def _float_basis(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> list[int] | None:
     """The columns at which the same pivots end in floats; None where they end at others than three, or nowhere."""
     entries, costs = _scaled(float_points([*columns, target])), _scaled(float_points([prices]).T)
-    tableau = _Tableau(entries[:-1], entries[-1], _float_sign, range(MOST_PIVOTS * len(columns)))
+    begun = _float_start(tuple(map(tuple, entries)))
+    if begun is None:
+        return None
+    tableau = begun.copy(_most_pivots(columns))
     try:
-        feasible = tableau.optimize([cost for (cost,) in costs])
+        tableau.maximize(tableau.padded([cost for (cost,) in costs]), allowed=tableau.start)
     except ValueError:
         return None
-    return tableau.basis if feasible and max(tableau.basis) < len(columns) else None
+    return tableau.basis if max(tableau.basis) < len(columns) else None
+
+
+@lru_cache(maxsize=8)  # the same vectors are mixed at several prices
+def _float_start(entries: tuple[tuple[float, ...], ...]) -> _Tableau | None:
+    """Columns, and the target as the last one, after the first phase; None where no weights reach the target."""
+    *columns, target = entries
+    tableau = _Tableau(columns, target, _float_sign, _most_pivots(columns))
+    try:
+        return tableau if tableau.becomes_feasible() else None
+    except ValueError:
+        return None
+
+
+def _most_pivots(columns: Sequence[object]) -> range:
+    return range(MOST_PIVOTS * len(columns))
 
 
 def _scaled(values: Floats) -> list[list[float]]:
@@ -188,18 +208,31 @@ class _Tableau:
         """With those of artificial columns, which are nothing."""
         return [*prices, *(self.levels[0] * 0 for _ in self.rows)]
 
+    def copy(self, pivots: Iterable[int]) -> _Tableau:
+        """One that goes on from here by itself."""
+        other = copy(self)
+        other.pivots, other.basis, other.levels = iter(pivots), [*self.basis], [*self.levels]
+        other.body = [[*column] for column in self.body]
+        return other
+
     def optimize(self, prices: Sequence[Any]) -> bool:
         """Both phases; False after the first where no weights reach the target.
 
         Raises:
             ValueError: if the program is unbounded, or floats go round in circles.
         """
+        if not self.becomes_feasible():
+            return False
+        self.maximize(self.padded(prices), allowed=self.start)
+        return True
+
+    def becomes_feasible(self) -> bool:
+        """The first phase; raises as above."""
         self.maximize(self.phase_one, allowed=len(self.body))
         levels = zip(self.basis, self.levels, strict=True)
         if any(basic >= self.start and self.sign(level) > 0 for basic, level in levels):
             return False
         self.expel_artificials()
-        self.maximize(self.padded(prices), allowed=self.start)
         return True
 
     def maximize(self, prices: Sequence[Any], allowed: int) -> None:

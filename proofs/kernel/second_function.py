@@ -34,7 +34,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.kernel.written import slopes
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -228,7 +228,7 @@ def sampled(place: Face, cells: Sequence[Cell], coordinates: Floats | None = Non
         cells: beside it.
         coordinates: of points, of which those count that lie in the place; None for some at random.
     """
-    listed, count = place.inclusion.surfaces.listed, place.inclusion.count
+    listed = place.inclusion.surfaces.listed
     coordinates = points_of(place) if coordinates is None else coordinates
     points = np.stack([float_values(form.terms, coordinates) for form in place.coordinates], axis=1)
     inside = np.all(np.abs(points) <= 1 + NEAR, axis=1) & np.any(np.abs(points) > NEAR, axis=1)
@@ -245,18 +245,8 @@ def sampled(place: Face, cells: Sequence[Cell], coordinates: Floats | None = Non
         fields += [
             (beside, np.stack([float_values(part.terms, points) for part in field], axis=1)) for _, field in cell.fields
         ]
-    if not normals:
-        places = np.concatenate([np.flatnonzero(beside) for beside, _ in fields])
-        velocities = np.vstack([field[beside] for beside, field in fields])
-        order = np.argsort(places, kind="stable")
-        return Samples(coordinates[places[order]], points[places[order]], velocities[order])
-    found: list[tuple[Floats, Floats, Floats]] = []
-    for i in range(len(points)):
-        own = [field[i] for beside, field in fields if beside[i]]
-        found += [(coordinates[i], points[i], v) for v in extreme_velocities(own, [normal[i] for normal in normals])]
-    if not found:
-        return Samples(np.zeros((0, place.dimension)), np.zeros((0, count)), np.zeros((0, count)))
-    return Samples(*(np.array(part) for part in zip(*found, strict=True)))
+    places, velocities = extreme_velocities(fields, normals)
+    return Samples(coordinates[places], points[places], velocities)
 
 
 def points_of(place: Face) -> Floats:
@@ -281,21 +271,44 @@ def with_projected(place: Face, points: Floats) -> Floats:
     return np.unique(np.round(np.vstack(projected), 12), axis=0)
 
 
-def extreme_velocities(fields: Sequence[Floats], normals: Sequence[Floats]) -> Iterator[Floats]:
-    """Of the mixtures of some velocities that are tangent to surfaces, those of which all others are mixtures."""
-    if not fields:
-        return
-    if not normals:
-        yield from fields
-        return
-    across = np.array([[normal @ field for field in fields] for normal in normals])
+def extreme_velocities(fields: Sequence[tuple[Mask, Floats]], normals: Sequence[Floats]) -> tuple[Indices, Floats]:
+    """Of the mixtures of some velocities that are tangent to surfaces, those of which all others are mixtures.
+
+    Args:
+        fields: at which of m points each acts, and its velocities there, of shape (m, n).
+        normals: of each surface at the points, of shape (m, n).
+
+    Returns:
+        The numbers of the points in ascending order, of shape (k,), and a velocity there, of shape (k, n).
+    """
+    target = np.r_[np.zeros(len(normals)), 1.0]
+    found = []
     for size in range(1, len(normals) + 2):
-        for chosen in combinations(range(len(fields)), size):
-            matrix = np.vstack([across[:, chosen], np.ones(size)])
-            target = np.r_[np.zeros(len(normals)), 1.0]
-            weights, *_ = np.linalg.lstsq(matrix, target, rcond=None)
-            if np.all(weights > (0 if size == 1 else NEAR)) and np.all(np.abs(matrix @ weights - target) <= NEAR):
-                yield np.array([fields[k] for k in chosen]).T @ weights
+        for chosen in combinations(fields, size):
+            (own,) = np.nonzero(np.all([acts for acts, _ in chosen], axis=0))
+            velocities = np.stack([velocity[own] for _, velocity in chosen], axis=2)
+            rows = [np.einsum("mi,mis->ms", normal[own], velocities) for normal in normals]
+            matrix = np.stack([*rows, np.ones((len(own), size))], axis=1)
+            weights = _weights(matrix, target)
+            mixes = np.all(weights > NEAR, axis=1)
+            mixes &= np.all(np.abs(np.einsum("mrs,ms->mr", matrix, weights) - target) <= NEAR, axis=1)
+            found.append((own[mixes], np.einsum("mis,ms->mi", velocities[mixes], weights[mixes])))
+    places, velocities = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    order = np.argsort(places, kind="stable")
+    return places[order], velocities[order]
+
+
+def _weights(matrix: Floats, target: Floats) -> Floats:
+    """Solutions of ``A w = b``, or what comes closest, for matrices (m, r, s), ``r >= s``; zero for singular ones."""
+    rows, size = matrix.shape[1:]
+    if size == 1:
+        return np.ones((len(matrix), 1))
+    if size < rows:
+        return np.asarray(np.linalg.pinv(matrix) @ target)
+    weights = np.zeros((len(matrix), size))
+    regular = np.linalg.det(matrix) != 0
+    weights[regular] = np.linalg.solve(matrix[regular], target[:, None])[..., 0]
+    return weights
 
 
 # ---- the next function -----------------------------------------------------------------------------

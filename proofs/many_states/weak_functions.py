@@ -12,12 +12,12 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, partial
-from itertools import chain, product
+from functools import cache, cached_property, partial
+from itertools import product
 from math import comb
 
 import numpy as np
@@ -31,11 +31,18 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum
-from nonsmooth.proofs.kernel.bases import families, formula_text, functions_on, rates, values
-from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on, rates, values
+from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, sample_points
+from nonsmooth.proofs.kernel.search import (
+    Entry,
+    Functions,
+    NotShownError,
+    Search,
+    instability_hypotheses,
+    sample_points,
+)
 from nonsmooth.proofs.kernel.second_function import find_second, rounded
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
@@ -73,7 +80,12 @@ MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
 def weak_functions(
-    system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2
+    system: SwitchedSystem,
+    radius: Number,
+    *,
+    positive: bool,
+    power: int = 2,
+    known: Iterable[FunctionFamily] | None = None,
 ) -> Iterator[PiecewiseExpression]:
     """Proposals of V in the displacement.
 
@@ -82,26 +94,62 @@ def weak_functions(
         radius: half the side of a cube.
         positive: whether V is to be positive; else it is to be negative at a point of an axis.
         power: of the distance, which V is at least; of a function of some degree.
+        known: the families on the cube, where they were made before.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
         ExpressionError: for sums that are too long.
     """
-    stated, seen = stated_cells(system, radius), {"0"}
-    for basis in families(stated.cells, all_lines=True):
+    seen = {"0"}
+    for family in families_on(system, radius) if known is None else known:
+        basis = family.basis
         if power > max(own.degree for own in basis):
             continue
-        conditions = functions_on(system, stated, [own.text for own in basis])
-        costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in basis])
-        beside = cache(partial(rates, conditions, near_planes))
-        asked = LinearProgram(rates(conditions), *values(conditions), costs, beside)
-        kept = kept_forms([conditions.claims(k, positive=False) for k in range(len(basis))])
-        for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), kept):
-            for chosen in asked.combined(columns).solutions(power, positive=positive) if columns.ncols() else ():
+        for columns in (fmpq_mat(np.eye(len(basis), dtype=int).tolist()), family.kept):
+            if not columns.ncols():
+                continue
+            for chosen in family.program.combined(columns).solutions(power, positive=positive):
                 text = formula_text(basis, coefficients_of(columns, chosen))
                 if text not in seen:
                     seen.add(text)
                     yield parse_piecewise(text, system.states)
+
+
+@dataclass(frozen=True)
+class FunctionFamily:
+    """Functions whose sums are tried.
+
+    Attributes:
+        system: whose solutions they shall not rise along.
+        stated: its cells.
+        basis: the functions.
+    """
+
+    system: SwitchedSystem
+    stated: StatedCells
+    basis: tuple[PiecewiseFunction, ...]
+
+    @cached_property
+    def program(self) -> LinearProgram:
+        """The program of their sums."""
+        costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in self.basis])
+        beside = cache(partial(rates, self._conditions, near_planes))
+        return LinearProgram(rates(self._conditions), *values(self._conditions), costs, beside)
+
+    @cached_property
+    def kept(self) -> fmpq_mat:
+        """Columns of coefficients whose sums stay constant to first order."""
+        return kept_forms([self._conditions.claims(k, positive=False) for k in range(len(self.basis))])
+
+    @cached_property
+    def _conditions(self) -> Functions:
+        return functions_on(self.system, self.stated, [own.text for own in self.basis])
+
+
+def families_on(system: SwitchedSystem, radius: Number) -> Iterator[FunctionFamily]:
+    """The families on a cube; raises as :func:`weak_functions`."""
+    stated = stated_cells(system, radius)
+    return (FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
 
 
 def near_planes(place: Face) -> Floats:
@@ -182,15 +230,25 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
+    for formula, radius in _energies(system):
+        examined = examine(system, formula, radius)
+        if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
+            return examined
+    return None
+
+
+def _energies(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
+    """Proposals of a positive V that does not rise, with half the side of a cube; raises as above."""
+    known: dict[Fraction, list[FunctionFamily]] = {}
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
-        energy = energy_near(system, radius)
-        found = weak_functions(system, radius, positive=True, power=power)
-        for formula in chain([energy] if energy is not None and power == 2 else [], found):
-            examined = examine(system, formula, radius)
-            if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
-                return examined
-    return None
+        energy = energy_near(system, radius) if power == 2 else None
+        if energy is not None:
+            yield energy, radius
+        if share not in known:
+            known[share] = list(families_on(system, radius))
+        for formula in weak_functions(system, radius, positive=True, power=power, known=known[share]):
+            yield formula, radius
 
 
 def find_weak_growth(system: SwitchedSystem) -> Entry | None:

@@ -220,6 +220,9 @@ class RegionRate:
 GAIN_SHARES = (Fraction(65, 64), Fraction(5, 4), Fraction(2))  # of what samples need, tried in turn
 
 
+LETTERS = "dwuvqprst"  # of a disturbance: the first that is no state, of which there are at most eight
+
+
 @dataclass(frozen=True)
 class DisturbanceGain:
     """A proved gain.
@@ -256,11 +259,11 @@ class DisturbanceGain:
         """``V <= ultimate delta`` in the end; None where solutions arrive at the point itself."""
         return None if self.rate.decay is DecayKind.FINITE else self.gamma / self.rate.kappa
 
-    def __str__(self) -> str:
-        return f"with x' in F + d: {self.rate} + {times(self.gamma, 'abs(d)')}"
+    def inequality(self, disturbance: str) -> str:
+        """In words, with the letter of the disturbance."""
+        return f"with x' in F + {disturbance}: {self.rate} + {times(self.gamma, f'abs({disturbance})')}"
 
-    @property
-    def on_starts(self) -> str:
+    def on_starts(self, disturbance: str) -> str:
         """What it says of starts below the level, or of all; empty where it says nothing."""
         if self.largest is None and not self.everywhere:
             return ""
@@ -270,7 +273,12 @@ class DisturbanceGain:
             ends = f"ends in V <= {times(self.ultimate, 'delta')}"
         below = "" if self.largest is None else f" < {self.largest}"
         starts = "every start" if self.everywhere else f"every start with V < {self.level} there"
-        return f"where abs(d) <= delta{below} {starts} {ends}"
+        return f"where abs({disturbance}) <= delta{below} {starts} {ends}"
+
+
+def disturbance_letter(states: Sequence[str]) -> str:
+    """What a disturbance is called: ``d``, unless a state is."""
+    return next(letter for letter in LETTERS if letter not in states)
 
 
 def simple_below(value: Fraction) -> Fraction:

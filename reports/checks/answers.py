@@ -17,7 +17,6 @@ from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
 from nonsmooth.proofs.theorem4 import Check, Contradiction
-from nonsmooth.reports.output.document import Table, table, without_empty_columns
 from nonsmooth.reports.output.facts import as_record, fact_record, with_exact
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -27,6 +26,7 @@ from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, pla
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destination, Destinations, RestPoint
     from nonsmooth.proofs.answers.failures import Failure
+    from nonsmooth.reports.output.document import Table
     from nonsmooth.symbolic.mechanics.scene import Scene
 
 
@@ -219,6 +219,8 @@ def _in_short(other: OtherRule) -> str:
 
 def destinations_table(destinations: Destinations, header: Sequence[str]) -> Table:
     """The places with the largest shares of the starts; how many others there are, with their share."""
+    from nonsmooth.reports.output.document import table, without_empty_columns
+
     found = merged_rows(destinations)
     rows = [(goal_text(one), share_text(one.share), _word(one.position), _word(one.heading)) for one in found]
     more = rows[MOST_SHOWN:]

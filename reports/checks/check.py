@@ -126,7 +126,7 @@ class CheckStudy(SceneStudy[CheckOptions]):
             if file is not None:
                 if options.rule == ALL_RULES:
                     raise RefusedError(f"{flag}: required one contact rule, received all")
-                output_path(file, endings)
+                output_path(str(file), endings)
         if not options.law:
             asked.refuse(("law_name",), "--law", "none")
         for scene in scenes:

@@ -18,7 +18,6 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Theorem4, said
 from nonsmooth.proofs.theorem4 import Check, Contradiction
 from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answer_lines, answers_record, check_record, checks_record
-from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.progress import progress, steps
 from nonsmooth.reports.output.terminal import header_table, verdict_text
 from nonsmooth.reports.studies.result import DataTable, Result, counted_words, short_lines
@@ -37,6 +36,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.proofs.answers.heading import HeadingsOfRest
     from nonsmooth.reports.laws.law_languages import LawResult
+    from nonsmooth.reports.output.document import Block
     from nonsmooth.symbolic.mechanics.contact_set import TipsError
     from nonsmooth.symbolic.mechanics.scene import Scene
 
@@ -95,6 +95,8 @@ class ArrayAnswers(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The lines as a table."""
+        from nonsmooth.reports.output.document import sentences, table
+
         return [*sentences(self.headline()), table(QUESTION, self.lines(), (1.0, 1.0, 4.0))]
 
     def draw(self, ax: Axes) -> None:
@@ -572,6 +574,8 @@ class SummaryResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """The table, why scenes were refused, and how many there are of each verdict."""
+        from nonsmooth.reports.output.document import sentences, table
+
         refused = [line for line in self.lines if line.refusal]
         reasons = [f"refused: {one_line(line.origin)}, rule {line.rule}: {line.refusal}" for line in refused]
         rows = table(*self.table(), (3.0, 1.0, 1.0, 1.0, 1.0, 1.0))

@@ -12,6 +12,7 @@ from typing import Any
 from nonsmooth.proofs.answers.answer import require_dynamics
 from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Orbits, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.search import OBJECTIVES, Design, Evaluation, Fewest, Told, Wish, evaluate, find_design
+from nonsmooth.reports.output.entries import entry
 from nonsmooth.reports.simulations.heading_maps import require_outline
 from nonsmooth.symbolic.files.scene_file import build_scene, one_by_one
 from nonsmooth.symbolic.files.scene_values import read_exact
@@ -94,10 +95,11 @@ def _distance(scene: Scene, move: Any) -> Fraction:
     if move is None:
         return (Fraction(float(scene.check.radius)) / 2).limit_denominator(FINEST)
     try:
-        number = read_exact(move)
+        given = read_exact(entry(move))
+        number, turns = (given, Fraction(0)) if isinstance(given, Fraction) else given.parts_in_pi()
     except ExpressionError:
-        number = Fraction(0)
-    if not isinstance(number, Fraction) or number <= 0:
+        number = turns = Fraction(0)
+    if turns or number <= 0:
         raise DesignError(f"move: required a positive rational number such as 1/10, received {str(move)[:60]!r}")
     return number
 

@@ -9,6 +9,8 @@ says so (``decimals=True``): then it is one tenth.
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -36,6 +38,20 @@ class Reading:
     def refused(self, key: str, expected: str, received: object) -> SceneError:
         """The error that says in one line what cannot be used; the received is stated in our words."""
         return SceneError(self.source, key, expected, StatedFact(str(received)))
+
+    @contextmanager
+    def misfits_refused(self, expected: str) -> Iterator[None]:
+        """Objects that lack what is asked of them end in one line; the error of Python is its cause.
+
+        Raises:
+            SceneError: in place of it.
+        """
+        try:
+            yield
+        except SceneError:
+            raise
+        except (AttributeError, LookupError, TypeError, ValueError) as error:
+            raise self.refused("", expected, f"what Python refuses: {error!r}") from error
 
     def number(self, value: Any, key: str) -> str:
         """The text of an exact number.

@@ -199,6 +199,9 @@ class Array(PythonScene):
         Raises:
             SceneError: for whatever cannot be used, naming row and column.
         """
+        from nonsmooth.symbolic.files.documents import require_path
+
+        require_path(file, "wheels.file", "a table")
         path = Path(file)
         return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
 

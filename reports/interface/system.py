@@ -107,8 +107,9 @@ class System(PythonScene):
         from nonsmooth.reports.exchange.from_sympy import formulas_of_sympy
         from nonsmooth.reports.exchange.reading import Reading
 
-        named = dict(parameters or {})
-        walker = formulas_of_sympy(states, rhs, list(named), Reading("System.from_sympy", decimals))
+        named, reading = dict(parameters or {}), Reading("System.from_sympy", decimals)
+        with reading.misfits_refused("lists of states and of expressions"):
+            walker = formulas_of_sympy(states, rhs, list(named), reading)
         return cls._of_formulas(
             [walker.names[state] for state in states],
             walker.written,
@@ -148,13 +149,15 @@ class System(PythonScene):
         from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_matrices", decimals)
-        count = len(from_matrices.matrix(matrices[0], "matrices[1]", reading)) if len(matrices) else 0
-        names = from_matrices.state_names(count) if states is None else list(states)
-        modes = from_matrices.modes_of_matrices(matrices, offsets, names, reading)
-        rhs: Any = modes if len(modes) > 1 else modes[0] if modes else []
-        if cones is not None:
-            rhs = from_matrices.on_cones(modes, cones, names, reading)
-        return cls._of_formulas(names, rhs, lyapunov=from_matrices.quadratic_form(lyapunov, names, reading), **more)
+        with reading.misfits_refused("lists of matrices, of cones and of offsets"):
+            count = len(from_matrices.matrix(matrices[0], "matrices[1]", reading)) if len(matrices) else 0
+            names = from_matrices.state_names(count) if states is None else list(states)
+            modes = from_matrices.modes_of_matrices(matrices, offsets, names, reading)
+            rhs: Any = modes if len(modes) > 1 else modes[0] if modes else []
+            if cones is not None:
+                rhs = from_matrices.on_cones(modes, cones, names, reading)
+            form = from_matrices.quadratic_form(lyapunov, names, reading)
+        return cls._of_formulas(names, rhs, lyapunov=form, **more)
 
     @classmethod
     def from_casadi(
@@ -251,7 +254,10 @@ class System(PythonScene):
         from nonsmooth.reports.exchange.from_nosnoc import formulas_of_nosnoc
         from nonsmooth.reports.exchange.reading import Reading
 
-        return cls._of_formulas(*formulas_of_nosnoc(states, c, S, F, Reading("System.from_nosnoc", decimals)), **more)
+        reading = Reading("System.from_nosnoc", decimals)
+        with reading.misfits_refused("states, a list c and matrices S and F, or lists of these"):
+            read = formulas_of_nosnoc(states, c, S, F, reading)
+        return cls._of_formulas(*read, **more)
 
     @classmethod
     def _of_formulas(cls, states: Sequence[str], rhs: Sequence[Any], **more: Any) -> Self:

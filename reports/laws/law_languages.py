@@ -155,6 +155,8 @@ def within_limits(speeds):
 
 def speeds(x, y, theta, k=1.0):
     """Rim speeds by wheel, with gain k (1/time)."""
+    if not all(abs(value) < 1e100 for value in (x, y, theta, k)):  # of no size: not a number, infinite
+        raise ValueError(f"required a pose and a gain of sizes below 1e100, received {(x, y, theta, k)}")
     region = region_at(x, y)
 '''
 
@@ -266,6 +268,8 @@ int law_speeds(double x, double y, double theta, double k, double speeds[LAW_WHE
     int region, wheel, term, best = 0;
     for (wheel = 0; wheel < LAW_WHEELS; wheel++)
         speeds[wheel] = 0.0;
+    if (!(fabs(x) < 1e100 && fabs(y) < 1e100 && fabs(theta) < 1e100 && fabs(k) < 1e100))
+        return 0; /* of no size: not a number, infinite */
     for (region = 0; region < REGIONS; region++) {{
         double depth = law_depth(region, x, y);
         if (region == 0 || depth > deepest) {{
@@ -381,9 +385,8 @@ FOR candidate := 1 TO {regions} DO
         region := candidate;
     END_IF;
 END_FOR;
-IF deepest < -1.0E-9 * SIZE THEN
-    region := 0; (* outside of all: no speed *)
-ELSE
+IF deepest >= -1.0E-9 * SIZE
+    AND ABS(x) < 1.0E100 AND ABS(y) < 1.0E100 AND ABS(theta) < 1.0E100 AND ABS(k) < 1.0E100 THEN
 {terms}    demand := 1.0;
     FOR wheel := 1 TO {wheels} DO
         FOR term := 1 TO {count} DO
@@ -396,6 +399,8 @@ ELSE
     FOR wheel := 1 TO {wheels} DO
         speeds[wheel] := speeds[wheel] / demand;
     END_FOR;
+ELSE
+    region := 0; (* outside of all, not a number, or infinite: no speed *)
 END_IF;
 END_FUNCTION_BLOCK
 """

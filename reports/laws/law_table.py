@@ -43,6 +43,7 @@ Coefficients: TypeAlias = tuple[float, ...]
 
 NEARBY = "from starts near the checked point; how near is not known"
 SEAM = 1e-9  # of the half-width of the square: regions meet within rounding
+BEYOND = 1e100  # all sizes of poses and gains, so that no product overflows
 DIGITS = 6  # of speeds in words
 
 
@@ -125,8 +126,10 @@ class LawTable:
             k: gain (1/time).
 
         Raises:
-            ValueError: for a place that is in no region.
+            ValueError: for a place that is in no region, and for what is no number or infinite.
         """
+        if not all(abs(value) < BEYOND for value in (x, y, theta, k)):
+            raise ValueError(f"required a pose and a gain of sizes below {BEYOND:g}, received {(x, y, theta, k)}")
         region = self.region_at(x, y)
         terms = self._terms(region, x, y, theta)
         wanted = {wheel: k * float(np.dot(row, terms)) for wheel, row in region.speeds.items()}

@@ -78,7 +78,7 @@ DIGITS = 6
 
 
 @contextmanager
-def beyond_floats_named(loaded: Any) -> Iterator[None]:
+def beyond_floats_named(loaded: Any) -> Iterator[bool]:
     """Arithmetic that fails on an array with a number far beyond floats is that number's doing, which is named.
 
     Such a number is no fault of itself: exact steps take it, and whole checks do where they need no others.  What NumPy
@@ -86,13 +86,16 @@ def beyond_floats_named(loaded: Any) -> Iterator[None]:
 
     Args:
         loaded: a scene, one with its document or words, or a list of scenes; of other things nothing is named.
+
+    Yields:
+        Whether there is such a number.
     """
     refusals = list(filter(None, map(_beyond_floats, loaded if isinstance(loaded, list) else [loaded])))
     with catch_warnings():
         if refusals:
             simplefilter("ignore", RuntimeWarning)
         try:
-            yield
+            yield bool(refusals)
         except (SceneError, RefusedError):
             raise
         except (ArithmeticError, TypeError, ValueError) as error:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 from enum import Enum, StrEnum
 from operator import index
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import typer
 
@@ -18,8 +18,7 @@ from nonsmooth.symbolic.messages.scene_error import shown
 FAIL = "Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named."
 
 
-@dataclass(frozen=True)
-class OfferedOption:
+class OfferedOption(NamedTuple):
     """How an option is offered.
 
     Attributes:

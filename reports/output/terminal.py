@@ -15,7 +15,6 @@ from rich.table import Table as TerminalTable
 from rich.text import Text
 
 from nonsmooth.proofs.findings.verdicts import Theorem4
-from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text, sentences, table
 from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
@@ -25,6 +24,7 @@ from nonsmooth.symbolic.numbers.number_text import exact_place, short_text
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.proofs.theorem4 import Check
+    from nonsmooth.reports.output.document import Block
     from nonsmooth.symbolic.numbers.number_field import NumberField
 
 VERDICT_WIDTH = 14  # columns: "asymptotically"
@@ -87,6 +87,8 @@ def check_view(result: Check) -> RenderableType:
 
 def partition_blocks(partition: Partition) -> Sequence[Block]:
     """The cells with their rows and twists."""
+    from nonsmooth.reports.output.document import sentences, table
+
     rows = []
     for cell in partition.cells:
         for k, state in enumerate(cell.states):
@@ -200,6 +202,8 @@ def blocks_view(blocks: Iterable[Block]) -> RenderableType:
 
 
 def _block_view(block: Block) -> RenderableType:
+    from nonsmooth.reports.output.document import Paragraph, Table, plain_text
+
     match block:
         case Paragraph(text):
             return Text(plain_text(text))

@@ -22,6 +22,7 @@ from nonsmooth.proofs.system_facts import (
     system_facts,
 )
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
+from nonsmooth.proofs.systems.domain import disturbance_letter
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method, PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
@@ -286,7 +287,7 @@ def lyapunov_section(subject: SystemSubject) -> Section:
     if reach.region_rate is not None:
         blocks.append(paragraph("Rate farther out: {}.", region_rate_words(reach, states)))
     if reach.gain is not None:
-        blocks.append(paragraph("With a disturbance d: {}.", gain_words(reach, states)))
+        blocks.append(paragraph("With a disturbance {}: {}.", disturbance_letter(states), gain_words(reach, states)))
     return Section("A Lyapunov function", tuple(blocks))
 
 

@@ -45,7 +45,7 @@ class SimulateOptions(Options):
     grid: int | None = option(
         None, "Map where N x N starts in the square end, instead of one path.", heading=MAP, metavar="N"
     )
-    until: float | None = option(None, "Last time; 2 unless given, with --grid until all have ended.", metavar="T")
+    until: float | None = option(None, "Last time; 2 unless given, with --grid until all have ended.", str, metavar="T")
     heading: float = option(
         0.0,
         "Heading of all starts with --grid, such as 30deg or pi/6; without a unit in that of the scene's angles.",
@@ -64,7 +64,9 @@ class SimulateOptions(Options):
     method: PathMethod = option(
         PathMethod.EVENTS, "Events, the paper's hysteresis, smoothing, or full dynamics.", heading=PATH
     )
-    width: float = option(1e-3, "Width of --method hysteresis or smoothed, in units of the state.", heading=PATH)
+    width: float = option(
+        1e-3, "Width of --method hysteresis or smoothed, in units of the state.", str, heading=PATH, metavar="W"
+    )
     feedback: bool = option(False, "Close the loop by the law that check certifies.", heading=LOOP)
     law: LawName = option(
         LawName.CERTIFIED,
@@ -72,11 +74,12 @@ class SimulateOptions(Options):
         "(tangential rims: its length l is the checked radius).",
         heading=LOOP,
     )
-    gain: float = option(1.0, "Gain of the law, with --feedback (1/time).", heading=LOOP, metavar="K")
+    gain: float = option(1.0, "Gain of the law, with --feedback (1/time).", str, heading=LOOP, metavar="K")
     mass: float | None = option(
         None,
         "With --method dynamics: mass per weight, 1/g; unless given that of standard gravity in the scene's [units], "
         "and 0.1 without units.",
+        str,
         heading=BODY,
         metavar="M",
     )
@@ -84,6 +87,7 @@ class SimulateOptions(Options):
         None,
         "With --method dynamics: inertia per weight; unless given that of a plate of the body's outline, or of a disc "
         "as large as the array.",
+        str,
         heading=BODY,
         metavar="I",
     )
@@ -119,8 +123,12 @@ class SimulateOptions(Options):
         """In Python ``feedback`` may name a law; a typed heading waits for the scene's unit (:meth:`read_for`).
 
         Raises:
-            OptionError: for a heading that is no angle.
+            OptionError: for texts that are no numbers, and a heading that is no angle.
         """
+        for name in ("until", "width", "gain", "mass", "inertia"):
+            typed = getattr(self, name)
+            if isinstance(typed, str):
+                object.__setattr__(self, name, _value(f"--{name}", typed, is_angle=False))
         if isinstance(self.feedback, str):
             object.__setattr__(self, "law", self.feedback)
             object.__setattr__(self, "feedback", True)

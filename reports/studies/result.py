@@ -26,14 +26,16 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.reports.output.console import json_text, write, write_json, write_views
-from nonsmooth.reports.output.document import Block, Paragraph, Table, plain_text
 from nonsmooth.reports.output.files import PICTURES, output_path, write_whole
 from nonsmooth.symbolic.messages.notebook import html_table
+from nonsmooth.symbolic.messages.scene_error import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from rich.console import RenderableType
+
+    from nonsmooth.reports.output.document import Block
 
 
 Formats: TypeAlias = Mapping[str, Callable[[Any, str], bytes]]  # from a result, and an ending, to a file
@@ -185,8 +187,16 @@ class Result(ABC):
 
 
 def own_axes(ax: Axes | None) -> Axes:
-    """The axes given, or those of a new figure that a notebook shows."""
+    """The axes given, or those of a new figure that a notebook shows.
+
+    Raises:
+        ValueError: for what is no axes.
+    """
     if ax is not None:
+        from matplotlib.axes import Axes
+
+        if not isinstance(ax, Axes):
+            raise ValueError(f"ax: required axes of Matplotlib, received {shown(ax)}")
         return ax
     from matplotlib import pyplot as plt
 
@@ -270,6 +280,8 @@ def counted_words(groups: Iterable[tuple[str, Iterable[str]]]) -> str:
 
 
 def _block(block: Block) -> str:
+    from nonsmooth.reports.output.document import Paragraph, Table, plain_text
+
     match block:
         case Paragraph(text):
             from html import escape  # as in messages/notebook.py

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import fields
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -13,6 +14,8 @@ from nonsmooth.reports.output import study_options as shared
 from nonsmooth.reports.output.study_options import OfferedOption, Options, SceneOptions, flag_of, options_of, types_of
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.messages.scene_error import is_meant
+
+OUTPUTS = ("output", "certificate", "law", "report")  # options that name files, beside -o
 
 
 def command(study: SceneStudy[Any], name: str, words: str) -> Callable[..., int]:
@@ -46,6 +49,7 @@ def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[s
     options = study.options(**{name: _meant(own[name], given[name]) for name in own})
     path = None if output is None else output_path(output, study.endings(options))
     options = study.settled(options, path)
+    _require_other_files(scene, [output, *(given.get(name) for name in OUTPUTS)])
     loaded = study.load(scene, options, **{name: given[name] for name in study.changes})
     typed = [parameter.name for parameter in context.command.params if _is_typed(context, parameter.name)]
     study.refuse(StudyRequest(options, typed, loaded), path)
@@ -59,6 +63,21 @@ def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[s
             raise
         show(result, path, json=json)
         return result.exit_status
+
+
+def _require_other_files(scene: Any, written: Iterable[str | None]) -> None:
+    """Refuse to write over a file that a scene is read from.
+
+    Raises:
+        OutputError: for such a file.
+    """
+    from nonsmooth.reports.output.files import OutputError
+    from nonsmooth.symbolic.files.documents import scene_files
+
+    for path in map(Path, filter(None, written)):
+        for text in scene if isinstance(scene, list) else [scene]:
+            if path.exists() and any(file.exists() and path.samefile(file) for file in scene_files(text)):
+                raise OutputError(path, "another file than the scene is read from", "one of these")
 
 
 def _warn(scene: Any) -> None:

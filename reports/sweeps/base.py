@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -84,9 +84,16 @@ class Base:
     def key(self, paths: Sequence[KeyPath], entries: Sequence[Entry], asked: str) -> str:
         """The hash of one scene of the sweep, of what is asked of it, and of the program."""
         document = self.with_entries(paths, entries)
-        heard = {name: _plain(value) for name, value in document.items() if name not in UNHEARD}
+        tables = {str(path[0]) for path in paths} - set(UNHEARD)
+        varied = {name: _plain(document[name]) for name in tables}
+        heard = {**self._heard, **varied}
         whole = {"scene": heard, "wheels": self.wheels, "asked": asked, "program": program_hash()}
         return hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()
+
+    @cached_property
+    def _heard(self) -> dict[str, Any]:
+        """The tables that answers follow from, as JSON, before anything varies."""
+        return {name: _plain(value) for name, value in self.document.items() if name not in UNHEARD}
 
 
 def base_of(document: Mapping[str, Any], file: str, path: Path, *, allow_outside: bool = False) -> Base:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise, product
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
-from nonsmooth.proofs.answers.contradictions import reconciled
+from nonsmooth.proofs.answers.contradictions import Printed, sample_of, without_contradictions
+from nonsmooth.proofs.answers.destinations import SampledEnds, ends_from
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.findings.exact_json import Record
@@ -27,10 +29,11 @@ from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPlan, Value, WrittenValue
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
-from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown
+from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Outcome: TypeAlias = Mapping[str, Any]
+Kept = TypeVar("Kept")
 
 QUESTIONS = ("position", "heading", "pose", "theorem4")
 CLAUSES = ("equilibrium", "translation", "rotation", "feedback")
@@ -62,13 +65,72 @@ def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, f
         entries: their values.
         failures: also ask what happens when any one wheel fails.
     """
+    return outcomes_of(base, paths, [entries], failures=failures)[0]
+
+
+def outcomes_of(
+    base: Base, paths: Sequence[Path], scenes: Iterable[Sequence[Entry]], *, failures: bool = False
+) -> list[Outcome]:
+    """Check scenes one after the other, and follow the paths by which they are compared all together."""
+    begun = [_begun(base, paths, entries, failures=failures) for entries in scenes]
+    samples = [one.sample for one in begun if isinstance(one, _Decided) and one.sample is not None]
+    ends = iter(ends_from(samples) if samples else ())
+    return [_ended(one, ends) if isinstance(one, _Decided) else one for one in begun]
+
+
+@dataclass(frozen=True)
+class _Decided:
+    """An array whose verdicts are decided, and not yet compared with paths.
+
+    Attributes:
+        printed: the verdicts and answers.
+        robust: the answer within tolerances, where there are any.
+        sample: the starts of the paths; None where none are followed.
+        failures: what happens when any one wheel fails, where that is asked.
+    """
+
+    printed: Printed
+    robust: Answer | None
+    sample: tuple[ConstantField, Floats] | None
+    failures: list[Record] | None
+
+    def outcome(self, ends: SampledEnds | None) -> Outcome:
+        """What is kept, with the ends of the paths."""
+        check, answered = without_contradictions(replace(self.printed, sampled=ends))
+        found = _kept(check, answered, self.robust)
+        return found if self.failures is None else {**found, "failures": self.failures}
+
+
+def _begun(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, failures: bool) -> _Decided | Outcome:
+    """One scene, decided or refused; an array with a number beyond floats is done with at once, since only there
+    errors of arithmetic have that reason.
+    """
     if base.is_system:
         return system_outcome(base, paths, entries)
-    try:
+
+    def decided() -> _Decided | Outcome:
         scene = base.scene(paths, entries)
-        with beyond_floats_named(scene):
-            found = _checked(scene)
-            return {**found, "failures": failure_records(failures_of(scene))} if failures else found
+        with beyond_floats_named(scene) as is_beyond:
+            check = check_theorem4(scene, beside=False)
+            robust = robust_answer(check.scene, check.results)
+            printed = Printed.of(check, Answers(answers_of(check), None, (), robust))
+            further = failure_records(failures_of(scene)) if failures else None
+            found = _Decided(printed, robust, sample_of(printed), further)
+            return _ended(found, iter(ends_from([found.sample]))) if is_beyond and found.sample else found
+
+    return _unless_refused(decided)
+
+
+def _ended(decided: _Decided, ends: Iterator[SampledEnds | None]) -> Outcome:
+    """The outcome of a scene, whose paths end as the next ones do."""
+    own = None if decided.sample is None else next(ends)
+    return _unless_refused(lambda: decided.outcome(own))
+
+
+def _unless_refused(step: Callable[[], Kept]) -> Kept | Outcome:
+    """What a step finds, or why the scene is refused."""
+    try:
+        return step()
     except TipsError as tipping:
         why = f"a body with {tipping.why}"
         return _record(Position.TIPS, Heading.UNDECIDED, Pose.UNDECIDED, Theorem4.HYPOTHESES_NOT_MET, why)
@@ -90,10 +152,8 @@ def questions_of(outcome: Outcome) -> tuple[str, ...]:
     return SYSTEM_QUESTIONS if SYSTEM_QUESTIONS[0] in outcome else QUESTIONS
 
 
-def _checked(scene: Scene) -> Outcome:
-    decided = check_theorem4(scene, beside=False)
-    robust = robust_answer(decided.scene, decided.results)
-    check, answered = reconciled(decided, Answers(answers_of(decided), None, (), robust))
+def _kept(check: Check, answered: Answers, robust: Answer | None) -> Outcome:
+    """The verdicts and numbers of an array; those within tolerances only where nothing contradicts the others."""
     answers = {answer.name: answer for answer in answered.answers}
     contradicted = "; ".join(one.text for one in check.contradictions) or None
     if robust is not None and contradicted is None:

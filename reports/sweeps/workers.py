@@ -19,16 +19,19 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
+from itertools import islice
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, Protocol
 
 from nonsmooth.reports.output.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base, program_hash
-from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcome_of, refused
+from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcomes_of, refused
 from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError
 from nonsmooth.symbolic.files.key_paths import Path
 
-AHEAD = 2  # scenes under way for each worker, so that none waits for the next
+AHEAD = 2  # jobs under way for each worker, so that none waits for the next
+JOB = 0.1  # seconds after which a worker answers: what it has not begun by then goes back to the others
+MOST = 64  # scenes of a job
 TICK = 1.0  # seconds after which the sweep looks up, whether anything is finished or not
 DEATHS = 4  # of workers before a scene is refused: one among others, then alone
 DIED = "its worker was killed again and again: it takes more memory or time than the machine allows"
@@ -54,9 +57,23 @@ class Work(NamedTuple):
 
     def outcome(self, entries: Sequence[Entry]) -> Outcome:
         """Check one scene, or one cell."""
+        return self.outcomes([entries])[0]
+
+    def outcomes(self, scenes: Sequence[Sequence[Entry]]) -> list[Outcome]:
+        """Check the first of these scenes or cells, as many as are begun within :data:`JOB` seconds."""
+        begun = _begun_in_time(scenes)
         if self.cells:
-            return cell_outcome(self.base, self.paths, entries)
-        return outcome_of(self.base, self.paths, entries, failures=self.failures)
+            return [cell_outcome(self.base, self.paths, entries) for entries in begun]
+        return outcomes_of(self.base, self.paths, begun, failures=self.failures)
+
+
+def _begun_in_time(scenes: Iterable[Sequence[Entry]]) -> Iterator[Sequence[Entry]]:
+    """The first one, and the others until :data:`JOB` seconds have passed."""
+    end = time.monotonic() + JOB
+    for entries in scenes:
+        yield entries
+        if time.monotonic() >= end:
+            return
 
 
 class Finished(NamedTuple):
@@ -88,17 +105,31 @@ class Workers(Protocol):
         ...
 
 
+class JobSize:
+    """How many scenes make a job.
+
+    Twice as many as were checked in the last one, or as many where it came back with some that were not.
+    """
+
+    def __init__(self) -> None:
+        self.scenes = 1
+
+    def learn(self, given: int, checked: int) -> None:
+        """From a job: how many scenes were given, and how many of them were checked, one at least."""
+        self.scenes = min(checked if checked < given else 2 * checked, MOST)
+
+
 class InProcess:
-    """One scene after the other, here."""
+    """One job after the other, here."""
 
     def __init__(self, work: Work) -> None:
-        self._work = work
+        self._work, self._size = work, JobSize()
         self._waiting: deque[Task] = deque()
 
     @property
     def room(self) -> int:
-        """One at a time, so that other sweeps find the next one free."""
-        return 1 - len(self._waiting)
+        """One job at a time, so that other sweeps find the next scenes free."""
+        return self._size.scenes - len(self._waiting)
 
     def submit(self, tasks: Iterable[Task]) -> None:
         """See :class:`Workers`."""
@@ -107,8 +138,11 @@ class InProcess:
     def finished(self) -> Iterator[Finished]:
         """See :class:`Workers`."""
         while self._waiting:
-            task = self._waiting.popleft()
-            yield Finished(task, self._work.outcome(task.entries))
+            job = tuple(self._waiting)
+            found = self._work.outcomes([task.entries for task in job])
+            self._waiting = deque(job[len(found) :])
+            self._size.learn(len(job), len(found))
+            yield from map(Finished, job, found)
 
     def close(self) -> None:
         """See :class:`Workers`."""
@@ -122,8 +156,8 @@ class ProcessPool:
     """
 
     def __init__(self, work: Work, count: int) -> None:
-        self._work, self._count = work, count
-        self._running: dict[Future[Outcome], Task] = {}
+        self._work, self._count, self._size = work, count, JobSize()
+        self._running: dict[Future[list[Outcome]], tuple[Task, ...]] = {}
         self._died: dict[Task, int] = {}  # to be tried again, alone, and how many workers each has cost
         self._loop = asyncio.new_event_loop()
         self._pool = WorkerPool(partial(_serve, work), count, preload=__name__)
@@ -133,12 +167,13 @@ class ProcessPool:
     @property
     def room(self) -> int:
         """None while something is tried again."""
-        return 0 if self._died else self._count * AHEAD - len(self._running)
+        return 0 if self._died else (self._count * AHEAD - len(self._running)) * self._size.scenes
 
     def submit(self, tasks: Iterable[Task]) -> None:
         """See :class:`Workers`."""
-        for task in tasks:
-            self._running[asyncio.run_coroutine_threadsafe(self._outcome(task), self._loop)] = task
+        waiting = iter(tasks)
+        while job := tuple(islice(waiting, self._size.scenes)):
+            self._running[asyncio.run_coroutine_threadsafe(self._outcomes(job), self._loop)] = job
 
     def finished(self) -> Iterator[Finished]:
         """See :class:`Workers`.
@@ -150,14 +185,18 @@ class ProcessPool:
             self.submit([next(iter(self._died))])
         done, _ = wait(self._running, timeout=TICK, return_when=FIRST_COMPLETED)
         for future in done:
-            task = self._running.pop(future)
+            job = self._running.pop(future)
             try:
-                outcome = future.result()
+                found = future.result()
             except DiedError:
-                yield from self._mourned(task)
+                for task in job:
+                    yield from self._mourned(task)
             else:
-                self._died.pop(task, None)
-                yield Finished(task, outcome)
+                self._size.learn(len(job), len(found))
+                self.submit(job[len(found) :])
+                for task, outcome in zip(job, found, strict=False):
+                    self._died.pop(task, None)
+                    yield Finished(task, outcome)
 
     def close(self) -> None:
         """See :class:`Workers`."""
@@ -171,13 +210,14 @@ class ProcessPool:
             self._loop.run_forever()
             self._pool.close()
 
-    async def _outcome(self, task: Task) -> Outcome:
-        """What a worker finds.
+    async def _outcomes(self, job: Sequence[Task]) -> list[Outcome]:
+        """What a worker finds of the first scenes of a job.
 
         Raises:
             DiedError: where it is killed.
         """
-        found = [pickle.loads(message) async for message in self._pool.run(pickle.dumps(task.entries))]
+        scenes = [task.entries for task in job]
+        found = [pickle.loads(message) async for message in self._pool.run(pickle.dumps(scenes))]
         if isinstance(found[0], Exception):
             raise found[0]
         return found[0]
@@ -215,10 +255,10 @@ def _serve(work: Work, connection: Connection) -> None:
 
 
 def _answers(work: Work, job: bytes, look_up: Callable[[], None]) -> Iterator[bytes]:
-    """The outcome of a scene, or the fault that ended its check: who started this process raises it."""
+    """The outcomes of scenes, or the fault that ended a check: who started this process raises it."""
     del look_up  # a scene of a sweep is never cancelled: its worker is killed
     try:
-        found: Outcome | Exception = work.outcome(pickle.loads(job))
+        found: list[Outcome] | Exception = work.outcomes(pickle.loads(job))
     except Exception as error:
         error.add_note(traceback.format_exc())
         found = error

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from decimal import Decimal
 from difflib import get_close_matches
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +100,7 @@ def read_document(
         SceneError: for a file that cannot be read, and a point of an array that is not two numbers; a plain system has
             one for each state.
     """
+    require_path(source, "", "a scene file or a built-in name")
     file = str(source) or "''"
     path = _path(source)
     document = _read_toml(path, file)
@@ -109,6 +111,28 @@ def read_document(
         "check": {"radius": radius, "equilibrium": at and at.split(","), "accuracy": accuracy},
     }
     return _overridden(document, changes), file, path
+
+
+def scene_files(source: str | Path) -> list[Path]:
+    """The files that a scene is read from: its own, and that of its table of wheels.
+
+    Raises:
+        SceneError: for a file that cannot be read.
+    """
+    document, _, path = read_document(source)
+    wheels = document.get("wheels")
+    table = wheels.get("file") if isinstance(wheels, dict) else None
+    return [path, path.parent / table] if isinstance(table, str) else [path]
+
+
+def require_path(source: object, key: str, wanted: str) -> None:
+    """Refuse what names no file.
+
+    Raises:
+        SceneError: of it; it names the key.
+    """
+    if not isinstance(source, str | PathLike):
+        raise SceneError("scene", key, f"{wanted}, as a text or a path", source)
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, cmp_to_key
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -119,8 +119,7 @@ class Body:
         return c * x - s * y, s * x + c * y
 
 
-@dataclass(frozen=True)
-class BodyInertia:
+class BodyInertia(NamedTuple):
     """How heavy a body is, as far as that matters: loads are its weight, so its mass cancels.
 
     Attributes:

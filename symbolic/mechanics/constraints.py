@@ -16,7 +16,6 @@ root, and only the right side does.  Scaling changes neither rank nor solution.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
@@ -55,8 +54,7 @@ class Twist(NamedTuple):
         return self.vx - self.omega * point[1], self.vy + self.omega * point[0]
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """One scaled constraint ``normal . (vx, vy, omega) = rhs`` of a wheel.
 
     Attributes:

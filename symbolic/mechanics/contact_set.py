@@ -10,9 +10,10 @@ about c with that property is exact for polygons: convex polygons are apart iff 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from math import hypot, isqrt
+from typing import NamedTuple
 
 from flint import arb, fmpq
 
@@ -55,8 +56,7 @@ class NoLoadsError(SceneError):
         super().__init__(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
 
 
-@dataclass(frozen=True)
-class ContactSet:
+class ContactSet(NamedTuple):
     """The wheels that carry a body at the checked pose, and how far it may move before that changes.
 
     Attributes:

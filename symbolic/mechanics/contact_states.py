@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
 from math import comb
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -93,7 +93,8 @@ def solve_rows(rows: tuple[Row, Row, Row]) -> ContactState | None:
     determinant = inner(rows[0].normal, columns[0])
     if not determinant:
         return None
-    return ContactState(rows, _twist(rows, columns, determinant.inverse()))
+    inverse = determinant.inverse()
+    return ContactState(rows, _twist(rows, columns, inverse), (columns, inverse))
 
 
 def _twist(rows: tuple[Row, Row, Row], columns: tuple[Triple, Triple, Triple], inverse: Number) -> Twist:
@@ -101,8 +102,7 @@ def _twist(rows: tuple[Row, Row, Row], columns: tuple[Triple, Triple, Triple], i
     return Twist(*combine([row.rhs * inverse for row in rows], columns))
 
 
-@dataclass(frozen=True)
-class ContactCensus:
+class ContactCensus(NamedTuple):
     """Count of all row triples of an array.
 
     Attributes:

@@ -124,8 +124,7 @@ def carried_loads(
 # The sets themselves: :mod:`nonsmooth.analysis.cells.load_sets`.
 
 
-@dataclass(frozen=True)
-class LoadScatter:
+class LoadScatter(NamedTuple):
     """How far the springs are from equal; not both zero.
 
     Attributes:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, fields, replace
 from decimal import Context, Decimal
 from fractions import Fraction
 from functools import cached_property
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Literal, NamedTuple, Self
 
 from flint import arb, ctx, fmpq
 
@@ -135,8 +135,7 @@ class Tolerance:
 # ---- what a feedback loop does not know in time, or not exactly ----------------------------------
 
 
-@dataclass(frozen=True)
-class LoopErrors:
+class LoopErrors(NamedTuple):
     """How old the pose is that the law acts on, and how far it may be off; all entries are at least zero.
 
     Attributes:

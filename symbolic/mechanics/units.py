@@ -7,9 +7,9 @@ read, exactly (1 in = 127/5000 m).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from typing import NamedTuple
 
 
 class LengthUnit(StrEnum):
@@ -55,8 +55,7 @@ _METRES = {
 }
 
 
-@dataclass(frozen=True)
-class Units:
+class Units(NamedTuple):
     """Labels for the numbers of a scene, each empty where the scene states no unit of length.
 
     Attributes:

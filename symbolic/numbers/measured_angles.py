@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from typing import NamedTuple
 
 from flint import arb, ctx, fmpq, fmpz
 
@@ -39,8 +39,7 @@ ROUNDING = Fraction(1, 10**12)
 _PRECISION = 160  # bits after the point of a turn from radians
 
 
-@dataclass(frozen=True)
-class AngleChoice:
+class AngleChoice(NamedTuple):
     """The angles of one scene, as turns t of ``pi t``.
 
     Attributes:

@@ -210,10 +210,11 @@ class Number(ExactReal):
         field = self.field
         if field.modulus is None and len(self.terms) == 1 == len(other.terms):
             ((s, a),), ((t, b),) = self.terms.items(), other.terms.items()
-            if not t or s == t:
+            own = field.rational_radicand(t & ~s)  # of the roots that the divisor alone has
+            if own is not None:
                 if field.meter is not None:  # what the inverse and the product would cost
                     field.meter.spend(2 + (a.height_bits() + 3 * b.height_bits()) // UNIT_BITS)
-                return Number(field, {s ^ t: a / b})
+                return Number(field, {s ^ t: a / (b * own) if t & ~s else a / b})
         return self * other.inverse()
 
     def __rtruediv__(self, value: Any) -> Number:

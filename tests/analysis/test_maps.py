@@ -25,7 +25,7 @@ from nonsmooth.analysis.minimizers.agreement import (
     shared_area,
 )
 from nonsmooth.analysis.trajectories.ending import CREEP, REST, EndMotion, ending
-from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
+from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map, settle_maps
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import End, EndReason, Piece, State, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
@@ -33,7 +33,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
-from tests.thorough import few, thorough
+from tests.thorough import few, keep, thorough
 
 # ---- Maps of ends: the four-wheel formula, the scalar integrator as the slow definition, and every kind of end.
 
@@ -381,3 +381,20 @@ def test_rules_agree_where_all_wheels_carry_the_body(monkeypatch: pytest.MonkeyP
     for difference in agreement.differences.values():
         assert difference.largest is not None
         assert difference.largest < 1e-6
+
+
+@pytest.mark.parametrize("seed", keep(2, range(12)))
+def test_maps_that_are_followed_together_are_those_of_each(arrays: Arrays, seed: int) -> None:
+    """Fields with other numbers of cells, sides, edges and corners, other sizes, and other numbers of starts."""
+    rng = np.random.default_rng(seed)
+    scenes = [arrays.random(10 * seed + k, int(rng.integers(3, 7))) for k in range(4)]
+    fields = [
+        array_field(build_nearest_partition(arrays.with_friction(scene, SIDE)), Kinematics.EXACT) for scene in scenes
+    ]
+    fields[2:2] = [built_in(name, Kinematics.EXACT) for name in ("spiral-30", "conveyor-3")]
+    maps = [(field, grid_starts(field, 3 + k)) for k, field in enumerate(fields)]
+    for (field, starts), together in zip(maps, settle_maps(maps, theta=0.5), strict=True):
+        alone = settle_map(field, starts, theta=0.5)
+        assert together.ends == alone.ends
+        for name in ("starts", "theta", "arrival", "points", "basin", "unique"):
+            assert np.array_equal(getattr(together, name), getattr(alone, name), equal_nan=True)

@@ -20,7 +20,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
 
-REQUIRED_OVER_PPOPT = 150
+REQUIRED_OVER_PPOPT = 250
 REQUIRED_OVER_HIGHS = 1_000
 LARGEST_SECONDS = 60  # for a 10 x 10 grid on two cores
 

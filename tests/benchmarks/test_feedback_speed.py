@@ -22,7 +22,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch
 from tests.oracles.solver_questions import Answer, Question, ask, polynomial, script, with_z3
 
-REQUIRED_OVER_Z3 = 120
+REQUIRED_OVER_Z3 = 150
 PATIENCE = 20.0  # seconds of Z3 for all cones
 ROOT = sp.Symbol("root")
 

@@ -376,3 +376,11 @@ def test_surfaces_that_meet_off_the_point_have_no_gain() -> None:
                 Search().entry(system, "lyapunov", {**hypotheses, "gain": "3"})
         else:
             assert "gain" in Search().entry(system, "lyapunov", {**hypotheses, "gain": "3"})[1][-1]
+
+
+def test_a_disturbance_has_a_letter_that_no_state_has() -> None:
+    result = decide_system(built(("-2*d + w", "-w - sign(w)"), states=("d", "w")))
+    assert gain_words(result.reach, ["d", "w"]).startswith("with x' in F + u: V' <= -4 V + 23/16 abs(u) on abs(d), abs")
+    assert "where abs(u) <= delta" in gain_words(result.reach, ["d", "w"])
+    lines = describe(certificate_of(result)["statement"])
+    assert any("with x' in F + u: V' <= -4 V + 23/16 |u| on abs(d)" in line for line in lines)

@@ -258,14 +258,15 @@ def test_extreme_velocities_against_linear_programs() -> None:
     rng, reached = np.random.default_rng(3), 0
     for count in (0, 1, 2) * 6:
         fields, normals = rng.normal(size=(5, 3)), rng.normal(size=(count, 3))
-        extreme = list(extreme_velocities(list(fields), list(normals)))
+        acts = np.ones(1, dtype=bool)
+        _, extreme = extreme_velocities([(acts, field[None]) for field in fields], [normal[None] for normal in normals])
         equations, right = np.vstack([normals @ fields.T, np.ones(5)]), [*np.zeros(count), 1.0]
         for direction in rng.normal(size=(4, 3)):
             solved = linprog(-fields @ direction, A_eq=equations, b_eq=right)
-            assert (solved.status == 2) == (not extreme)
-            if extreme:
+            assert (solved.status == 2) == (not len(extreme))
+            if len(extreme):
                 reached += 1
-                assert np.max(np.array(extreme) @ direction) == pytest.approx(-solved.fun, abs=1e-9)
+                assert np.max(extreme @ direction) == pytest.approx(-solved.fun, abs=1e-9)
     assert reached > 30
 
 

@@ -198,6 +198,41 @@ def test_a_start_may_be_given_by_formulas(invoke: Invoke) -> None:
     assert formulas["state"][0] == [0.2, 2**0.5 / 4, math.pi / 4]
 
 
+def test_numbers_of_a_simulation_may_be_formulas(invoke: Invoke) -> None:
+    path = ("simulate", "four-wheel", "--from", "0.2,0.1,0", "--json")
+    for formulas, floats in (
+        (("--until", "1/4"), ("--until", "0.25")),
+        (("--feedback", "--gain", "sqrt(4)"), ("--feedback", "--gain", "2")),
+        (("--method", "smoothed", "--width", "1/64"), ("--method", "smoothed", "--width", "0.015625")),
+    ):
+        assert invoke(*path, *formulas).record == invoke(*path, *floats).record
+    assert "--until: required" in invoke(*path, "--until", "soon").err
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "simulate table.toml --from 0,0.01,0 -o wheels.csv",
+        "simulate table.toml --from 0,0.01,0 -o ./link.csv",
+        "check table.toml --law wheels.csv",
+        "sweep table.toml --vary mu_side=0.2:0.4:2 -o wheels.csv",
+        "design table.toml --checks 1 -o table.toml",
+    ],
+)
+def test_no_file_that_a_scene_is_read_from_is_written_over(invoke: Invoke, tmp_path: Path, line: str) -> None:
+    wheels = tmp_path / "wheels.csv"
+    wheels.write_text("x,y\n0.2,0.2\n-0.2,0.2\n-0.2,-0.2\n0.2,-0.2\n", encoding="utf-8")
+    scene = 'wheels = { file = "wheels.csv" }\nfriction = { mu_roll = 1, mu_side = 0.5 }\n'
+    (tmp_path / "table.toml").write_text(scene, encoding="utf-8")
+    (tmp_path / "link.csv").symlink_to(wheels)
+    before = wheels.read_bytes()
+    outcome = invoke(*line.split())
+    assert (outcome.status, outcome.out) == (BAD_INPUT, "")
+    assert "required another file than the scene is read from" in outcome.err
+    assert wheels.read_bytes() == before
+    assert (tmp_path / "table.toml").read_text(encoding="utf-8") == scene
+
+
 @pytest.mark.parametrize("case", NOT_WRITTEN)
 def test_files_that_cannot_be_written_are_refused(invoke: Invoke, tmp_path: Path, case: str) -> None:
     file, message = NOT_WRITTEN[case]

@@ -17,6 +17,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.reports.designs.design import DesignResult
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
+from nonsmooth.reports.designs.request import DesignError, read_freedom
 from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
@@ -84,6 +85,16 @@ def test_the_symmetry_is_kept_exactly(name: str, order: int) -> None:
             for a, b in ((first.position, second.position), (first.unit_direction, second.unit_direction)):
                 assert np.allclose(rotation @ [float(x) for x in a], [float(x) for x in b])
             assert first.speed == second.speed
+
+
+@pytest.mark.parametrize("move", ["1/8", "0.125", 0.125, Fraction(1, 8), Decimal("0.125")])
+def test_the_distance_that_wheels_may_move_is_any_rational_number(move: Any) -> None:
+    """A fraction as typed, and numbers of Python."""
+    scene = load_scene("four-wheel")
+    assert read_freedom(scene, "positions", move, None).move == Fraction(1, 8)
+    for none in ("0", "-1/8", "pi/4", "sqrt(2)", "far", math.nan):
+        with pytest.raises(DesignError, match=r"^move: required a positive rational number such as 1/10, received"):
+            read_freedom(scene, "positions", none, None)
 
 
 def test_every_wheel_of_an_orbit_keeps_its_own_limit() -> None:

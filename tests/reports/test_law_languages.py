@@ -83,7 +83,7 @@ def in_python(program: str, folder: Path, poses: Floats, gain: float) -> list[Sp
     return [{int(wheel): speed for wheel, speed in each.items()} for each in json.loads(done.stdout)]
 
 
-def c_law(program: str, folder: Path) -> Law:
+def c_law(program: str, folder: Path, *, lost: bool = False) -> Law:
     """Compiled, with every warning an error, and loaded."""
     if COMPILER is None:
         pytest.skip("no C compiler (cc, gcc, clang) on this machine")
@@ -98,20 +98,20 @@ def c_law(program: str, folder: Path) -> Law:
 
     def law(x: float, y: float, theta: float, k: float) -> Speeds:
         speeds = (ctypes.c_double * count)()
-        assert library.law_speeds(x, y, theta, k, speeds) > 0
+        assert (library.law_speeds(x, y, theta, k, speeds) == 0) is lost
         return dict(zip(numbers, speeds, strict=True))
 
     return law
 
 
-def st_law(program: str, folder: Path) -> Law:
+def st_law(program: str, folder: Path, *, lost: bool = False) -> Law:
     """By the interpreter of the tests; the block keeps its variables, as in a controller."""
     block = FunctionBlock(program)
     numbers = [int(number) for number in block["wheels"]]
 
     def law(x: float, y: float, theta: float, k: float) -> Speeds:
         block(x=x, y=y, theta=theta, k=k)
-        assert block["region"] > [0]
+        assert (block["region"] == [0]) is lost
         return dict(zip(numbers, block["speeds"], strict=True))
 
     return law
@@ -233,6 +233,29 @@ def test_every_language_is_the_law_of_the_simulation(arrays: Arrays, name: str, 
             continue  # test_c_compiles says so
         for found, speeds in zip(run(law, language, tmp_path, poses, gain), expected, strict=True):
             assert_alike(found, speeds)
+
+
+@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_what_is_no_number_gets_no_speed(language: Language, rule: str, tmp_path: Path) -> None:
+    """Of a pose that was lost, or a gain: wheels at rest in region 0, errors in Python."""
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    law = array.check(rule=rule).law()
+    good = (0.1, 0.05, 0.2, 1.0)
+    lost = [(*good[:k], value, *good[k + 1 :]) for k in range(4) for value in (math.nan, math.inf, -math.inf)]
+    for pose in lost:
+        with pytest.raises(ValueError, match="required a p"):
+            law(*pose)
+    if language is Language.PYTHON:
+        names: dict[str, Any] = {}
+        exec(law.program(), names)  # noqa: S102 (a law that the test has just written)
+        for pose in lost:
+            with pytest.raises(ValueError, match="required a p"):
+                names["speeds"](*pose)
+        return
+    run_law = (c_law if language is Language.C else st_law)(law.program(str(language)), tmp_path, lost=True)
+    assert not any(speed for pose in lost for speed in run_law(*pose).values())
 
 
 def test_c_compiles(tmp_path: Path) -> None:

@@ -12,15 +12,14 @@ every number of wheels and every such load model, wherever the body does not tip
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from nonsmooth.analysis.cells.contact_rule import LimitedForces, rule_of
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.numbers.plane import cross, dot
 
 
-@dataclass(frozen=True)
-class CocircularArray:
+class CocircularArray(NamedTuple):
     """A centred array that meets the lemma's hypotheses.
 
     Attributes:

@@ -26,7 +26,7 @@ turns about the point, which it never comes nearer to nor farther from.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from flint import arb, arb_mat, ctx
 
@@ -42,8 +42,7 @@ from nonsmooth.symbolic.numbers.number import Number
 PRECISION = 128  # bits
 
 
-@dataclass(frozen=True)
-class HeldForce:
+class HeldForce(NamedTuple):
     """Force of a wheel that is held, in units of the half-axes of its friction set.
 
     Attributes:

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.partition import Partition
@@ -96,8 +96,7 @@ Fan: TypeAlias = tuple[CellCone, ...]
 Gap: TypeAlias = tuple[Point, Point]  # two directions, less than a half turn apart
 
 
-@dataclass(frozen=True)
-class SideMargin:
+class SideMargin(NamedTuple):
     """A side through the equilibrium between cells (i, j) and (j, i).
 
     Attributes:
@@ -116,8 +115,7 @@ class SideMargin:
         return self.cones[0].cell.index, self.cones[1].cell.index
 
 
-@dataclass(frozen=True)
-class InputMargin:
+class InputMargin(NamedTuple):
     """The margin of a control Lyapunov function.
 
     Attributes:

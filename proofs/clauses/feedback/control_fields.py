@@ -18,7 +18,6 @@ from functools import cached_property
 from math import isqrt
 from typing import Any, NamedTuple, SupportsFloat, TypeAlias
 
-from nonsmooth.analysis.cells.equilibria import shared_sides
 from nonsmooth.analysis.cells.fan import CellCone, build_fan
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, clipped_by, square
@@ -267,6 +266,8 @@ class InputRanks(NamedTuple):
 
 def input_ranks(partition: Partition) -> InputRanks:
     """Ranks for a centred partition of a rule that keeps rows."""
+    from nonsmooth.analysis.cells.equilibria import shared_sides
+
     zero = partition.scene.field.zero
     cells = {cell.index: _rank(cell) for cell in partition.cells}
     sides = {(s.first.index, s.second.index): _rank(s.first, s.second) for s in shared_sides(partition)}
@@ -327,6 +328,11 @@ class ControlLyapunov:
             return "|c|^2 + theta^2" if self.length == 1 else f"|c|^2 + l^2 theta^2 with l = {self.length}"
         mixed = f" {'-' if f < 0 else '+'} ({abs(2 * f)}) x y" if f else ""
         return f"({1 + e}) x^2{mixed} + ({1 - e}) y^2 + ({self.weight}) theta^2"
+
+    @cached_property
+    def lightness(self) -> Fraction:
+        """``1/w``, which every cone asks for."""
+        return 1 / self.weight
 
     @property
     def length(self) -> Fraction | None:

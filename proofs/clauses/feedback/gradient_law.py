@@ -41,10 +41,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property, reduce
+from functools import cached_property
 from math import isqrt
 from operator import add
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb
 
@@ -137,7 +137,7 @@ class ConeRate:
     def holds(self, kappa: Fraction) -> bool:
         """Whether ``a^2 + b^2 >= kappa V`` on the closed cone near the equilibrium, exactly."""
         inner = kappa * (1 + SLACK) if any(self.lyapunov.shape) else kappa
-        return self.is_positive(inner, 1 / self.lyapunov.weight)
+        return self.is_positive(inner, self.lyapunov.lightness)
 
 
 def _floats(vectors: Sequence[Any]) -> list[list[float]]:
@@ -147,13 +147,13 @@ def _floats(vectors: Sequence[Any]) -> list[list[float]]:
 
 def _form(rays: Sequence[Any], slopes: Sequence[Any], fields: Sequence[Any]) -> Form:
     """Both forms of a cone by its rays, by ``P r`` of these, and by the control fields."""
-    (p, q), (slope_p, slope_q) = rays, slopes
-    products = []
+    (p, q), ((px, py), (qx, qy)) = rays, slopes
+    gains: tuple[Any, ...] = ()
     for x, y, turn in fields:
-        a, b = slope_p[0] * x + slope_p[1] * y, slope_q[0] * x + slope_q[1] * y
-        products.append((a * a, a * b, b * b, a * turn, b * turn, turn * turn))
-    gains = tuple(reduce(add, column) for column in zip(*products, strict=True))
-    return (dot(p, slope_p), dot(p, slope_q), dot(q, slope_q)), gains
+        a, b = px * x + py * y, qx * x + qy * y
+        products = a * a, a * b, b * b, a * turn, b * turn, turn * turn
+        gains = tuple(map(add, gains, products)) if gains else products
+    return (dot(p, slopes[0]), dot(p, slopes[1]), dot(q, slopes[1])), gains
 
 
 def _minors(form: Form, kappa: Any, lightness: Any) -> tuple[Any, ...]:
@@ -165,8 +165,7 @@ def _minors(form: Form, kappa: Any, lightness: Any) -> tuple[Any, ...]:
     return corner, s11, s22, s12, s11 * s22 - s12 * s12
 
 
-@dataclass(frozen=True)
-class FeedbackRate:
+class FeedbackRate(NamedTuple):
     """Certified ``V' <= -2 k kappa V`` near the equilibrium.
 
     Attributes:
@@ -290,8 +289,7 @@ def _largest(cone: ConeRate, lightness: float) -> float:
 # ---- the region --------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class LevelRegion:
+class LevelRegion(NamedTuple):
     """All (c, theta) with ``V < level``."""
 
     lyapunov: ControlLyapunov

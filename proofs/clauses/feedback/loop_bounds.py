@@ -37,12 +37,10 @@ Where loads are unknown, motions are only near the xi_l, no longer than some M',
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
-
-import numpy as np
+from typing import TYPE_CHECKING, NamedTuple
 
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
@@ -53,7 +51,7 @@ from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane import XY, cross, dot, in_floats
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -78,8 +76,7 @@ TOO_WRONG = "the errors are too large for the disc in which the law is certified
 # ---- speeds of rims ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class WheelSpeed:
+class WheelSpeed(NamedTuple):
     """Under the law with gain k no rim is faster than ``k (by_root sqrt(V) + by_level V)``.
 
     Attributes:
@@ -125,25 +122,34 @@ def wheel_speed(feedback: AnyFeedback, scene: Scene) -> WheelSpeed | None:
 
 def _fastest(data: InputCell, lyapunov: ControlLyapunov) -> float:
     """The largest ``(P c, w theta) . g`` over sqrt(V) of both fields of a cell."""
-    corners = np.array([[float(x), float(y)] for x, y in data.cell.polygon.vertices])
-    return max(_largest_product(corners, np.array([float(entry) for entry in g]), lyapunov) for g in data.fields)
+    corners = [in_floats(vertex) for vertex in data.cell.polygon.vertices]
+    return max(_largest_product(corners, (float(x), float(y)), float(turn), lyapunov) for x, y, turn in data.fields)
 
 
-def _largest_product(corners: Floats, field: Floats, lyapunov: ControlLyapunov) -> float:
-    """The largest ``(P c, w theta) . g`` over sqrt(V), for c in the directions of a cell with these corners.
+def _largest_product(corners: Sequence[XY], push: XY, turn: float, lyapunov: ControlLyapunov) -> float:
+    """The largest ``(P c, w theta) . (push, turn)`` over sqrt(V), for c in the directions of a cell with these corners.
 
-    For c along e it is ``sqrt((g_c . P e)^2/(e . P e) + w g_theta^2)``, which is largest along g_c or against it, and
-    where all corners are on one side of that line at one of them.  What floats leave open counts as on the line.
+    For c along e it is ``sqrt((push . P e)^2/(e . P e) + w turn^2)``, which is largest along the push or against it,
+    and where all corners are on one side of that line at one of them.  What floats leave open counts as on the line.
     """
     e, f = map(float, lyapunov.shape)
-    metric, push = np.array([[1 + e, f], [f, 1 - e]]), field[:2]
-    beside = corners[:, 0] * push[1] - corners[:, 1] * push[0]
-    doubt = float(FEW_ROUNDINGS) * np.hypot(*corners.T) * math.hypot(*push)
-    nonzero = corners.any(axis=1)
-    is_beside = (beside > doubt)[nonzero].all() or (beside < -doubt)[nonzero].all()
-    directions = corners if is_beside else [*corners, push]
-    along = [(push @ metric @ way) ** 2 / (way @ metric @ way) for way in directions if way.any()]
-    return math.sqrt(max(along, default=0.0) + float(lyapunov.weight) * field[2] ** 2)
+
+    def weighted(way: XY) -> XY:
+        return (1 + e) * way[0] + f * way[1], f * way[0] + (1 - e) * way[1]
+
+    directions = [corner for corner in corners if any(corner)]
+    doubt = float(FEW_ROUNDINGS) * math.hypot(*push)
+    sides = {_side(way, push, doubt) for way in directions}
+    if sides not in ({1}, {-1}) and any(push):
+        directions.append(push)
+    along = [dot(push, weighted(way)) ** 2 / dot(way, weighted(way)) for way in directions]
+    return math.sqrt(max(along, default=0.0) + float(lyapunov.weight) * turn**2)
+
+
+def _side(way: XY, push: XY, doubt: float) -> int:
+    """On which side of a line a direction lies; 0 where floats leave it open, within a share of its length."""
+    beside = cross(way, push)
+    return 0 if abs(beside) <= doubt * math.hypot(*way) else sign(beside)
 
 
 def certified_error(feedback: AnyFeedback) -> Fraction | None:
@@ -195,8 +201,7 @@ class UltimateBound:
     gain: Fraction | None = None
 
 
-@dataclass(frozen=True)
-class _Law:
+class _Law(NamedTuple):
     """Rational bounds of a law.
 
     Attributes:

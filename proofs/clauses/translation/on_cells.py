@@ -22,7 +22,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
@@ -349,8 +349,7 @@ BARRIER_BITS = 48
 SIMPLE = 1_000  # denominators of a rate that may be the exact one
 
 
-@dataclass(frozen=True)
-class CertifiedDisc:
+class CertifiedDisc(NamedTuple):
     """A disc about the checked point.
 
     Attributes:
@@ -420,8 +419,7 @@ def _largest_sign(cell: Cell, twist: Twist) -> int:
     return max(sign(dot(twist.velocity, vertex)) for vertex in cell.polygon.vertices if any(vertex))
 
 
-@dataclass(frozen=True)
-class _Growth:
+class _Growth(NamedTuple):
     """A cell in floats, with the point of its part ``v . c >= 0`` that is nearest to the checked point."""
 
     vertices: tuple[Floats, ...]

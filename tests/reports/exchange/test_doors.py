@@ -29,6 +29,7 @@ from tests.thorough import but, few, keep
 
 x, y = sp.symbols("x y", real=True)
 EXACT_TENTH = "3602879701896397 / 36028797018963968"
+NO_LIST: Any = 3
 
 
 def field_of(made: ns.System, point: list[float], member: int = 0) -> list[float]:
@@ -121,6 +122,11 @@ def test_functions_of_time_are_states_and_symbols_are_parameters() -> None:
         (lambda: ns.System.from_nosnoc(["x"], ["Abs(x) - x"], [[1], [-1]], [["-1", "1"]]), "without sign, Abs"),
         (lambda: ns.System.from_nosnoc(["x"], ["x"], [[1], [-1]], [["-1"]]), "1 rows and 2 columns"),
         (lambda: ns.System.from_nosnoc(["x"], ["import"], [[1], [-1]], [["-1", "1"]]), "c[1]"),
+        (lambda: ns.System.from_nosnoc(["x"], {"c": 1}, {"S": 1}, {"F": 1}), "matrices S and F"),
+        (lambda: ns.System.from_nosnoc(["x"], [["x"], ["x"]], [[[1], [-1]]], [[["-1", "1"]]]), "matrices S and F"),
+        (lambda: ns.System.from_nosnoc(3, ["x"], [[1], [-1]], [["-1", "1"]]), "required states"),
+        (lambda: ns.System.from_matrices(NO_LIST), "lists of matrices"),
+        (lambda: ns.System.from_sympy(NO_LIST, NO_LIST), "lists of states"),
         (lambda: ns.Array.from_table({"x": [1]}), "a header with x and y"),
         (lambda: ns.Array.from_table({"x": [1], "y": [1, 2]}), "columns of one length"),
         (lambda: ns.Array.from_table({}), "columns of one length"),

@@ -128,7 +128,7 @@ def test_a_report_is_the_file_of_the_command(
         ({"grid": 3, "kinematics": "none"}, "kinematics: required one of leading, exact, received 'none'"),
         ({"grid": "3"}, "grid: required a whole number, received '3'"),
         ({"grid": 3.0}, r"grid: required a whole number, received 3\.0"),
-        ({"grid": 3, "until": "soon"}, "until: required a number within the range of floats, received 'soon'"),
+        ({"grid": 3, "until": "soon"}, "until: required a formula of numbers, .* received 'soon'"),
         ({"grid": 3, "until": 10**400}, "until: required a number within the range of floats, received an integer of"),
         ({"grid": 3, "heading": None}, "heading: required a number within the range of floats, received None"),
         ({"grid": 3, "heading": "x"}, "heading: required a formula of numbers, .* received 'x'"),
@@ -307,6 +307,25 @@ def test_names_that_are_none_are_refused_with_those_that_are() -> None:
 def test_an_array_of_one_number_is_a_number() -> None:
     assert ring(mu_side=np.array(0.25)) == ring(mu_side=0.25)
     assert ring().sweep(mu_side=0.25).rows() == ring().sweep(mu_side=[0.25]).rows()
+
+
+@pytest.mark.parametrize("stranger", [None, 3, b"four-wheel", {"wheel": []}, ["four-wheel"]])
+def test_what_names_no_file_is_refused(stranger: Any) -> None:
+    for made in (ns.load, ns.Vehicle.load, ns.Array.from_csv):
+        with pytest.raises(ns.SceneError, match="as a text or a path, received"):
+            made(stranger)
+
+
+@pytest.mark.parametrize("stranger", [3, "axes", plt, [None]])
+def test_what_is_no_axes_is_refused(stranger: Any) -> None:
+    for drawn in (array(), array().cells(), array().simulate((0.1, 0.2, 0), until=0.1)):
+        with pytest.raises(ValueError, match=r"^ax: required axes of Matplotlib, received "):
+            drawn.plot(stranger)
+
+
+def test_paths_name_the_files_of_a_check(tmp_path: Path) -> None:
+    array().check(certificate=tmp_path / "c.json", law=tmp_path / "law.c")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["c.json", "law.c"]
 
 
 def test_unknown_keywords_are_refused() -> None:

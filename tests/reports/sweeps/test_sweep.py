@@ -20,7 +20,7 @@ from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.figure import axis_label, build_figure
-from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
+from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of, outcomes_of
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_plan
 from nonsmooth.reports.sweeps.table import flat_rows, sweep_blocks
@@ -303,6 +303,15 @@ def test_a_record_may_be_made_twice() -> None:
     base, plan = based("four-wheel", {"mu_side": "1/2"})
     paths = tuple(axis.path for axis in plan.axes)
     assert outcome_of(base, paths, ("1/2",)) == outcome_of(base, paths, ("1/2",))
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "spiral-30"])
+def test_scenes_that_are_checked_together_have_the_outcomes_of_each(name: str) -> None:
+    """Friction that is decided, refused and beyond floats in one job: the paths of all are followed at once."""
+    base, plan = based(name, {"mu_side": "1/2", "wheel.1.position.x": "1"})
+    paths = tuple(axis.path for axis in plan.axes)
+    scenes = [(side, x) for side in ("1/2", "-1", "3/7", "0", "1e200", "2") for x in ("3/4", "7", "1e-180")]
+    assert outcomes_of(base, paths, scenes) == [outcome_of(base, paths, scene) for scene in scenes]
 
 
 @thorough  # the small one: test_a_wheel_of_a_table_varies_on_its_own
