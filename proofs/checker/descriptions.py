@@ -141,6 +141,10 @@ def _attracts(said: Any, system: System) -> str:
     return f"{starts} tends to the point, {_function(said, system)}"
 
 
+def _arrives(said: str, system: System) -> str:
+    return f"every solution arrives {said}"
+
+
 def _outside(said: Any, system: System) -> str:
     if "ends" in said:
         return f"no start to the right of a line of {len(said['corners']) + 1} sides, or on it, comes to the point"
@@ -182,7 +186,7 @@ OF_SYSTEMS: dict[str, Callable[[Any, System], str]] = {
     "stability": _stability,
     "equilibrium": _equilibrium,
     "attracts": _attracts,
-    "arrives": lambda said, system: f"every solution arrives {said}",
+    "arrives": _arrives,
     "outside": _outside,
     "rate": _rate,
     "gain": _gain,

@@ -14,8 +14,6 @@ from typing import Any, TypeAlias
 from .work import BUDGET, longest, product_cost, require
 
 MAX_DEGREE, MAX_TERMS = 40, 50_000
-FEW_TERMS, LOW_DEGREE = f"polynomials of at most {MAX_TERMS} terms", f"polynomials of degree at most {MAX_DEGREE}"
-ZERO = Fraction(0)
 MAX_LINES = 8  # on which it is tried whether two polynomials have a common factor
 
 Exponents: TypeAlias = tuple[int, ...]
@@ -40,8 +38,8 @@ class Polynomial:
         self.count = count
         self.terms = {exponents: value for exponents, value in terms.items() if value}
         self._bits = 0
-        require(len(self.terms) <= MAX_TERMS, FEW_TERMS)
-        require(self.degree <= MAX_DEGREE, LOW_DEGREE)
+        require(len(self.terms) <= MAX_TERMS, f"polynomials of at most {MAX_TERMS} terms")
+        require(self.degree <= MAX_DEGREE, f"polynomials of degree at most {MAX_DEGREE}")
 
     @property
     def bits(self) -> int:
@@ -58,7 +56,7 @@ class Polynomial:
     @property
     def at_origin(self) -> Coefficient:
         """Its value there."""
-        return self.terms.get((0,) * self.count, ZERO)
+        return self.terms.get((0,) * self.count, Fraction(0))
 
     @property
     def is_form(self) -> bool:
@@ -67,7 +65,7 @@ class Polynomial:
 
     def slope(self, k: int) -> Coefficient:
         """The coefficient of the k-th variable alone."""
-        return self.terms.get(unit(self.count, k), ZERO)
+        return self.terms.get(unit(self.count, k), Fraction(0))
 
     def __bool__(self) -> bool:
         return bool(self.terms)
@@ -82,7 +80,7 @@ class Polynomial:
         BUDGET.spend(1 + len(other.terms) * product_cost(self.bits, other.bits))
         total = dict(self.terms)
         for exponents, value in other.terms.items():
-            total[exponents] = total[exponents] + value if exponents in total else value
+            total[exponents] = total.get(exponents, Fraction(0)) + value
         return Polynomial(self.count, total)
 
     def __neg__(self) -> Polynomial:
@@ -96,8 +94,8 @@ class Polynomial:
         total: dict[Exponents, Coefficient] = {}
         for a, u in self.terms.items():
             for b, v in other.terms.items():
-                key, value = tuple(map(int.__add__, a, b)), u * v
-                total[key] = total[key] + value if key in total else value
+                key = tuple(map(int.__add__, a, b))
+                total[key] = total.get(key, Fraction(0)) + u * v
         return Polynomial(self.count, total)
 
     def times(self, factor: Coefficient) -> Polynomial:
@@ -122,13 +120,13 @@ class Polynomial:
         found: dict[int, Coefficient] = {}
         for exponents, coefficient in self.terms.items():
             own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
-            found[sum(exponents)] = found.get(sum(exponents), ZERO) + own
+            found[sum(exponents)] = found.get(sum(exponents), Fraction(0)) + own
         return found
 
     def lowest_at(self, direction: Sequence[Fraction]) -> Coefficient:
         """The terms of lowest degree, added at a vector."""
         parts = self.parts_at(direction)
-        return parts[min(parts)] if parts else ZERO
+        return parts[min(parts)] if parts else Fraction(0)
 
     def derivative(self, k: int) -> Polynomial:
         """By the k-th variable."""
@@ -148,7 +146,7 @@ class Polynomial:
                     part *= own[exponent]
             BUDGET.spend(len(part.terms) * product_cost(self.bits, part.bits))
             for key, added in part.terms.items():
-                total[key] = total[key] + added if key in total else added
+                total[key] = total.get(key, Fraction(0)) + added
         return Polynomial(count, total)
 
     def divided(self, divisor: Polynomial) -> Polynomial | None:

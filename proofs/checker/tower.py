@@ -22,7 +22,7 @@ from fractions import Fraction
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
-from .work import BUDGET, RejectedError, items, limit, longest, rational, require, take, whole
+from .work import BUDGET, RejectedError, items, limit, rational, require, take, whole
 
 MAX_GENERATORS = 400
 MAX_DEGREE = 400
@@ -174,13 +174,10 @@ class Field:
 
     def _is_below_root(self, generator: Generator, place: int, bits: int) -> bool:
         """Whether the polynomial is at most zero at ``place 2^-bits``; by Horner's scheme, scaled to whole numbers."""
-        value: Any = 1
-        for j, own in enumerate(reversed(generator.lower), 1):
-            words = longest([value]) // WORD
-            charge(76, words * (words + 8 * place.bit_length() // WORD))  # about as much as irrational ones take
-            coefficient = own if own.terms.keys() - {()} else own.terms.get((), 0)
-            value = value * place + coefficient * (1 << bits * j)
-        return value <= 0
+        value = self.constant(1)
+        for j, coefficient in enumerate(reversed(generator.lower), 1):
+            value = value * self.constant(place) + coefficient * self.constant(1 << bits * j)
+        return value.sign() <= 0
 
 
 class Number:

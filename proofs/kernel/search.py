@@ -173,8 +173,11 @@ def _place_of_simplices(claim: Claim) -> int | None:
     return None if claim.count > MOST_BY_SIMPLICES else 1 if claim.count <= FLAT else 3
 
 
-# Their matrices are rational.
-SQUARES = Kind(lambda claim, work: squares.search(claim), lambda claim: 2 if claim.field is None else None)
+def _place_of_squares(claim: Claim) -> int | None:
+    return 2 if claim.field is None else None  # their matrices are rational
+
+
+SQUARES = Kind(lambda claim, work: squares.search(claim), _place_of_squares)
 
 # A new kind of evidence is a line here, and one of KINDS in the checker.
 KINDS = [

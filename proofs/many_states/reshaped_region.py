@@ -344,7 +344,7 @@ class _Iteration:
         formula = parse_piecewise(formula_text(self.monomials(shape.exponents), unscaled), self.system.states)
         for cube in CUBES:
             extent = float(np.abs(best.border).max()) * float(self.radius) * cube
-            within = -_short_below(-extent)  # above it
+            within = _short_above(extent)
             if self.limit is not None:
                 within = min(within, self.limit)
             for share in SHARES:
@@ -436,6 +436,11 @@ def _border(shape: _Shape) -> Floats | None:
         over = _at(along, middle) >= 1
         high, low = np.where(over, middle, high), np.where(over, low, middle)
     return np.asarray(rays * low[:, None])
+
+
+def _short_above(value: float) -> Fraction:
+    """A short fraction above a number."""
+    return -_short_below(-value)
 
 
 def _short_below(value: float) -> Fraction:

@@ -447,7 +447,7 @@ def worst_turn(system: SwitchedSystem) -> TurnGrowth | None:
     """The worst turn about the checked point; None where not all fields turn in one sense without radial directions."""
     fans = [build_tangent_fan(member) for member in system.members]
     known = [fan for fan in fans if fan is not None]
-    if len(known) < len(fans) or len({fan.degree for fan in known}) > 1 or any(any(fan.surfaces) for fan in known):
+    if len(known) < len(fans) or len({fan.degree for fan in known}) > 1 or any(map(_is_touched, known)):
         return None
     cones = list(_common_cones(known))
     senses = {_strict_sense(cone) for members in cones for cone in members}
@@ -457,6 +457,11 @@ def worst_turn(system: SwitchedSystem) -> TurnGrowth | None:
     with ctx.workprec(PRECISION):
         total = sum((_largest_growth(members, sense) for members in cones), arb(0))
         return replace(growth_of_logarithm(total, sense), is_worst=True)
+
+
+def _is_touched(fan: TangentFan) -> bool:
+    """Whether a surface of a member passes through the point: those are left to other searches."""
+    return any(fan.surfaces)
 
 
 def _common_cones(fans: Sequence[TangentFan]) -> Iterator[tuple[TangentCone, ...]]:
