@@ -31,6 +31,7 @@ from nonsmooth.proofs.answers.answer import (
 from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
+from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Rotation, said
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
@@ -136,6 +137,8 @@ def _why_undecided(results: Results) -> str:
         return "the body does not stay at the point; --at auto asks about a place where it rests"
     if is_by_rounding(results, "equilibrium", "rotation"):
         return f"rounding decides{WHY_BELOW}"
+    if _rotation(results).drift is not None and not isinstance(results["translation"], EveryLoadTranslation):
+        return f"a body at rest does not turn, but how far it turns on its way is not decided{WHY_BELOW}"
     return f"whether a body at rest turns is not decided{WHY_BELOW}"
 
 

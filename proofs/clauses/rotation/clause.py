@@ -119,14 +119,14 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
         reason = "the drift is {0}, so |omega| <= K |v| in F(c*), and every path leads inward or to rest"
         return RotationResult(Rotation.NEUTRAL, drift, None, reason, fan)
     if per_distance is None:
-        return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(translation))
+        return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(translation.verdict))
     reason = f"the drift is {{0}} and theta turns by at most {brief_text(per_distance)} |c_0|"
     return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
 
 
-def _why_open(translation: TranslationResult) -> str:
+def _why_open(translation: Translation) -> str:
     """Why a drift of {0} does not bound the rotation."""
-    if translation.verdict in STABLE_TRANSLATIONS:
+    if translation in STABLE_TRANSLATIONS:
         return "the drift is {0} and no decay rate bounds the rotation"
     return "the drift is {0}, but (x, y) is not shown to be stable: a body that leaves may turn elsewhere"
 
@@ -252,7 +252,7 @@ def spin_of(point: EllipsePoint) -> RotationResult:
         return RotationResult(Rotation.NEUTRAL, drift, None, reason)
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and point.linearization is not None:
         return RotationResult(Rotation.NEUTRAL, drift, None, _turn_on_the_way(point.linearization))
-    return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay bounds the rotation")
+    return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(point.translation))
 
 
 def _enclosed_spin(rest: EnclosedRest) -> RotationResult:
@@ -306,4 +306,4 @@ def rotation_for_every_load(translation: EveryLoadTranslation) -> RotationResult
     if soft is not None:
         reason = f"under the load {load_text(soft)} the motion near the point is not determined to first order"
         return RotationResult(Rotation.UNDECIDED, drift, None, reason)
-    return RotationResult(Rotation.UNDECIDED, drift, None, "the drift is {0} and no decay bounds the rotation")
+    return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(translation.verdict))
