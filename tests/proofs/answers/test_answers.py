@@ -75,6 +75,27 @@ def test_what_leaves_and_what_cannot_be_held() -> None:
     assert verdicts("saddle", "ellipse")[0] is Position.UNDECIDED
 
 
+@pytest.mark.parametrize(("name", "is_at_rest"), [("outward", True), ("saddle", False)])
+def test_whether_a_body_at_rest_turns_is_open_only_where_it_is(name: str, is_at_rest: bool) -> None:
+    """Every turn takes more friction than rest at the point of the one, and some turns as much at that of the other."""
+    scene = load_scene(name, rule="ellipse")
+    heading = answers_of(check_theorem4(scene))[1]
+    assert heading.verdict is Heading.UNDECIDED
+    assert ("a body at rest does not turn" if is_at_rest else "whether a body at rest turns") in heading.sentence
+
+    def losses(rate: float) -> float:
+        total = 0.0
+        for wheel in scene.wheels:
+            (x, y), (u, v), speed = wheel.position, wheel.unit_direction, float(wheel.speed)
+            slip = -rate * float(y) - speed * float(u), rate * float(x) - speed * float(v)
+            along = slip[0] * float(u) + slip[1] * float(v)
+            across = slip[1] * float(u) - slip[0] * float(v)
+            total += math.hypot(float(wheel.friction.roll) * along, float(wheel.friction.side) * across)
+        return total
+
+    assert all((losses(rate) > losses(0.0) + 1e-12) is is_at_rest for rate in (-0.1, -1e-3, 1e-3, 0.1))
+
+
 @few(3)
 @pytest.mark.parametrize("name", ["four-wheel", "rectangle", "ring-5", "spiral-30", "elliptic", "grid-4x4"])
 def test_bodies_come_home_from_as_far_and_as_fast_as_said(name: str) -> None:
