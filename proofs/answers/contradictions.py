@@ -13,7 +13,6 @@ from there, along every border of cells, speak against it; "stays near" may be "
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -29,7 +28,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
 from nonsmooth.symbolic.numbers.plane_arrays import unit_vectors
 
 if TYPE_CHECKING:
@@ -593,15 +592,8 @@ def _is_rounded(printed: Printed) -> bool:
     """
     partition, within = printed.check.partition, AT_POINT * printed.radius
     sides = [side for cell in (() if partition is None else partition.cells) for side in around(cell.polygon.vertices)]
-    return any(_float_distance(p, q) <= within and (bool(cross(p, q)) or dot(p, q).sign() > 0) for p, q in sides)
-
-
-def _float_distance(start: Vector, end: Vector) -> float:
-    """Of the checked point from a side of a cell."""
-    (px, py), (qx, qy) = ((float(x), float(y)) for x, y in (start, end))
-    x, y = qx - px, qy - py
-    share = min(max(-(px * x + py * y) / (x * x + y * y or 1.0), 0.0), 1.0)
-    return math.hypot(px + share * x, py + share * y)
+    near = (side for side in sides if squared_distance(*map(in_floats, side)) <= within * within)
+    return any(bool(cross(p, q)) or dot(p, q).sign() > 0 for p, q in near)
 
 
 def _opposite(one: object, two: object) -> bool:
