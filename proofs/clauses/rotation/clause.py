@@ -21,7 +21,7 @@ from nonsmooth.proofs.clauses.translation.at_point import (
 )
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
+from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Record, Rotation, Theorem4, Translation
 from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
 from nonsmooth.symbolic.mechanics.constraints import Twist
@@ -185,7 +185,12 @@ class RotationClause(Clause[RotationResult]):
         translation = work.earlier["translation"]
         if isinstance(translation, EllipseTranslation):
             return spin_of(work.point)
-        return _rotation(translation, work.partition)
+        partition = work.partition
+        if isinstance(translation, EveryLoadTranslation):
+            return rotation_for_every_load(translation)
+        if partition is None or not isinstance(translation, TranslationResult):
+            raise TypeError("required cells for a clause on cells, received none")
+        return decide_rotation(partition, translation)
 
     def undecided(self, result: RotationResult, reason: str) -> RotationResult:
         """Neither a drift nor none."""
@@ -211,17 +216,6 @@ class RotationClause(Clause[RotationResult]):
         ends = tuple(map(float_text, drift.interval))
         yield Fact("drift", Quantity(drift.interval), "drift at rest: [{}, {}]", ends, explained=True)
         yield Fact("weights", _weights(drift))
-
-
-def _rotation(translation: ClauseResult, partition: Partition | None) -> RotationResult:
-    """The clause from that on translation, and the cells where there are any."""
-    if isinstance(translation, EllipseTranslation):
-        return spin_of(translation.point)
-    if isinstance(translation, EveryLoadTranslation):
-        return rotation_for_every_load(translation)
-    if partition is None or not isinstance(translation, TranslationResult):
-        raise TypeError("required cells for a clause on cells, received none")
-    return decide_rotation(partition, translation)
 
 
 def _weights(drift: Drift) -> Record:
