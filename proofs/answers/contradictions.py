@@ -342,6 +342,12 @@ class RuleAtPoint(NamedTuple):
     position: str
     heading: str
 
+    @classmethod
+    def of(cls, equilibrium: str, answers: Iterable[Answer]) -> Self:
+        """From the clause on the equilibrium and the first two answers."""
+        position, heading, *_ = (str(answer.verdict) for answer in answers)
+        return cls(str(equilibrium), position, heading)
+
     @property
     def at_rest(self) -> bool:
         """Whether a body rests there without turning: zero minimizes D."""
@@ -350,12 +356,10 @@ class RuleAtPoint(NamedTuple):
 
 def rules_and_rest(printed: Printed) -> Iterator[Contradiction]:
     """Rest at the point under this rule, and under the others that were asked."""
-    own = RuleAtPoint(printed.equilibrium, *(str(printed.answers[name].verdict) for name in ("position", "heading")))
-    asked = {printed.scene.contact.rule: own}
+    asked = {printed.scene.contact.rule: RuleAtPoint.of(printed.equilibrium, printed.answered.answers)}
     for other in printed.answered.others:
         if other.answers and other.equilibrium is not None:
-            position, heading = (str(answer.verdict) for answer in other.answers)
-            asked[other.name] = RuleAtPoint(other.equilibrium, position, heading)
+            asked[other.name] = RuleAtPoint.of(other.equilibrium, other.answers)
     yield from contradictions_of_rules(printed.scene, asked)
 
 
@@ -661,5 +665,4 @@ def _offset_and_growth(here: Floats, slope: Floats, bend: Floats, rounding: floa
 
 def rests_under(check: Check) -> RuleAtPoint:
     """What a check says of the point."""
-    position, heading, _ = (str(answer.verdict) for answer in answers_of(check))
-    return RuleAtPoint(str(check.equilibrium.verdict), position, heading)
+    return RuleAtPoint.of(check.equilibrium.verdict, answers_of(check))
