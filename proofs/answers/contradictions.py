@@ -13,7 +13,6 @@ from there, along every border of cells, speak against it; "stays near" may be "
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -29,7 +28,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
 from nonsmooth.symbolic.numbers.plane_arrays import unit_vectors
 
 if TYPE_CHECKING:
@@ -343,6 +342,12 @@ class RuleAtPoint(NamedTuple):
     position: str
     heading: str
 
+    @classmethod
+    def of(cls, equilibrium: str, answers: Iterable[Answer]) -> Self:
+        """From the clause on the equilibrium and the first two answers."""
+        position, heading, *_ = (str(answer.verdict) for answer in answers)
+        return cls(str(equilibrium), position, heading)
+
     @property
     def at_rest(self) -> bool:
         """Whether a body rests there without turning: zero minimizes D."""
@@ -351,12 +356,10 @@ class RuleAtPoint(NamedTuple):
 
 def rules_and_rest(printed: Printed) -> Iterator[Contradiction]:
     """Rest at the point under this rule, and under the others that were asked."""
-    own = RuleAtPoint(printed.equilibrium, *(str(printed.answers[name].verdict) for name in ("position", "heading")))
-    asked = {printed.scene.contact.rule: own}
+    asked = {printed.scene.contact.rule: RuleAtPoint.of(printed.equilibrium, printed.answered.answers)}
     for other in printed.answered.others:
         if other.answers and other.equilibrium is not None:
-            position, heading = (str(answer.verdict) for answer in other.answers)
-            asked[other.name] = RuleAtPoint(other.equilibrium, position, heading)
+            asked[other.name] = RuleAtPoint.of(other.equilibrium, other.answers)
     yield from contradictions_of_rules(printed.scene, asked)
 
 
@@ -593,15 +596,8 @@ def _is_rounded(printed: Printed) -> bool:
     """
     partition, within = printed.check.partition, AT_POINT * printed.radius
     sides = [side for cell in (() if partition is None else partition.cells) for side in around(cell.polygon.vertices)]
-    return any(_float_distance(p, q) <= within and (bool(cross(p, q)) or dot(p, q).sign() > 0) for p, q in sides)
-
-
-def _float_distance(start: Vector, end: Vector) -> float:
-    """Of the checked point from a side of a cell."""
-    (px, py), (qx, qy) = ((float(x), float(y)) for x, y in (start, end))
-    x, y = qx - px, qy - py
-    share = min(max(-(px * x + py * y) / (x * x + y * y or 1.0), 0.0), 1.0)
-    return math.hypot(px + share * x, py + share * y)
+    near = (side for side in sides if squared_distance(*map(in_floats, side)) <= within * within)
+    return any(bool(cross(p, q)) or dot(p, q).sign() > 0 for p, q in near)
 
 
 def _opposite(one: object, two: object) -> bool:
@@ -669,5 +665,4 @@ def _offset_and_growth(here: Floats, slope: Floats, bend: Floats, rounding: floa
 
 def rests_under(check: Check) -> RuleAtPoint:
     """What a check says of the point."""
-    position, heading, _ = (str(answer.verdict) for answer in answers_of(check))
-    return RuleAtPoint(str(check.equilibrium.verdict), position, heading)
+    return RuleAtPoint.of(check.equilibrium.verdict, answers_of(check))

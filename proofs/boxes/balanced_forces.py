@@ -61,6 +61,13 @@ def _enclosed(numbers: Sequence[Number]) -> Intervals:
     return Intervals(np.where(ones, 1.0, about.low), np.where(ones, 1.0, about.high))
 
 
+def _least_eigenvalue(rows: arb_mat) -> float:
+    """A lower bound of the least eigenvalue of ``sum_k row_k row_k^T``: ``4 det/trace^2``, all three positive."""
+    gram = rows.transpose() * rows
+    trace = gram[0, 0] + gram[1, 1] + gram[2, 2]
+    return max(float(rational_below(4 * gram.det() / (trace * trace))) * (1 - 2.0**-40), 0.0)
+
+
 class Balanced(NamedTuple):
     """About where ``D - G . xi`` is least.
 
@@ -108,23 +115,10 @@ class BalancedForces:
             self.enclosed_sets = joined(sets, _enclosed)
             if not (self.enclosed_sets.along.low > 0).all() or not (self.enclosed_sets.across.low > 0).all():
                 raise ArithmeticError("required friction along and across each rim")
-            self._gram = self._least_eigenvalue(rows, levers)
+            every = [[*row[kind], lever[kind]] for row, lever in zip(rows, levers, strict=True) for kind in range(2)]
+            self._gram = _least_eigenvalue(arb_mat(every))
         self.sets = float_sets(sets)
         self.fastest = float(max(abs(speed.middle).max() for speed in self.speeds)) or 1.0
-
-    def _least_eigenvalue(self, rows: list[list[tuple[arb, arb]]], levers: list[list[arb]]) -> float:
-        """A lower bound of the least eigenvalue of ``sum_i row_i row_i^T``: ``4 det/trace^2``, all three positive."""
-        matrix = [[arb(0)] * 3 for _ in range(3)]
-        for row, lever in zip(rows, levers, strict=True):
-            for kind in range(2):
-                entries = (*row[kind], lever[kind])
-                for i in range(3):
-                    for j in range(3):
-                        matrix[i][j] += entries[i] * entries[j]
-        (a, b, c), (_, d, e), (_, _, f) = matrix
-        determinant = a * (d * f - e * e) - b * (b * f - e * c) + c * (b * e - d * c)
-        trace = a + d + f
-        return max(float(rational_below(4 * determinant / (trace * trace))) * (1 - 2.0**-40), 0.0)
 
     @classmethod
     def of(cls, scene: Scene) -> BalancedForces | None:

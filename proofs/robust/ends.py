@@ -55,8 +55,8 @@ class Ends:
     """Where every body from near the point ends.
 
     Attributes:
-        is_near: whether that is within the accuracy of the point; else it is farther away.
-        ends_within: radius of the disc about the point in which bodies end (length); None where they end away from it.
+        ends_within: radius of the disc about the point in which bodies end, within the accuracy (length); None where
+            they end farther away.
         within: radius of the disc of starts (length).
         swings_out_to: a distance from the point that no body from there exceeds (length).
         after: time after which they are there and stay (time).
@@ -64,13 +64,17 @@ class Ends:
         about: radius of that disc (length).
     """
 
-    is_near: bool
     ends_within: Fraction | None
     within: Fraction
     swings_out_to: Fraction
     after: Fraction
     at: Place
     about: Fraction
+
+    @property
+    def is_near(self) -> bool:
+        """Whether that is within the accuracy of the point."""
+        return self.ends_within is not None
 
     @property
     def distance(self) -> float:
@@ -190,19 +194,16 @@ def _about(
     soon = rings.radius if scene.contact.rule == "nearest" else min(wanted, accuracy - distance)
     near = max(rings.radius, soon)
     if distance + near <= accuracy and rings.start >= 2 * accuracy + distance:
-        within = _kept_start(there, rings, kept, distance, 2 * accuracy + distance, near)
-        if within is None:
-            return _Open.WHEELS
-        swing = distance + rings.swing_from(within)
-        return Ends(True, distance + near, within - distance, swing, rings.time_to(near, within), centre, near)
-    left = max(rings.radius, min(wanted, CLOSE * accuracy))
-    if distance * (1 - Fraction(1, 2**20)) - left > accuracy:
-        within = _kept_start(there, rings, kept, distance, distance * Fraction(BEYOND), left)
-        if within is None:
-            return _Open.WHEELS
-        swing = distance + rings.swing_from(within)
-        return Ends(False, None, within - distance, swing, rings.time_to(left, within), centre, left)
-    return _Open.RINGS
+        ends_within, about, least = distance + near, near, 2 * accuracy + distance
+    else:
+        ends_within, about, least = None, max(rings.radius, min(wanted, CLOSE * accuracy)), distance * Fraction(BEYOND)
+        if distance * (1 - Fraction(1, 2**20)) - about <= accuracy:
+            return _Open.RINGS
+    within = _kept_start(there, rings, kept, distance, least, about)
+    if within is None:
+        return _Open.WHEELS
+    swing, after = distance + rings.swing_from(within), rings.time_to(about, within)
+    return Ends(ends_within, within - distance, swing, after, centre, about)
 
 
 def _kept_start(

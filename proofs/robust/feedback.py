@@ -30,7 +30,7 @@ from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.robust.array_forces import FOLLOWED, ArrayBox, PieceForces, Triple, force_law
-from nonsmooth.proofs.robust.box import BoxBound, BoxWheel, box_wheels
+from nonsmooth.proofs.robust.box import BoxBound, box_wheels
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS, BoxCorners
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
@@ -146,15 +146,12 @@ class _CommandedTwist:
         self._length = arb(scene.check.length.numerator) / scene.check.length.denominator
         x, y, turn = (entry.ball() for entry in twist)
         self._twist = x, y, turn / self._length
-        none = box.times(STILL)
-        drive = 1 + box.speed.ball() * arb(0, 1)
-        wheels = [
-            _driven(wheel, own.moved(self._twist)[0], drive)
-            for wheel, own in zip(box_wheels(scene, box), box_wheels(scene, none), strict=True)
-        ]
+        speeds = [wheel.moved(self._twist)[0] for wheel in box_wheels(scene, box.times(STILL))]
+        drive = 1 + box.speed.ball() * UNIT
+        pairs = zip(box_wheels(scene, box), speeds, strict=True)
+        wheels = [replace(wheel, speeds=(speed * drive, arb(0))) for wheel, speed in pairs]
         self._corners = BoxCorners(scene)
-        middle = [[float(own.moved(self._twist)[0]), 0.0] for own in box_wheels(scene, none)]
-        self._corners.speeds = np.array(middle).ravel()
+        self._corners.speeds = np.array([[float(speed), 0.0] for speed in speeds]).ravel()
         self._bound = BoxBound(wheels, loads, self._corners.length)
 
     def error(self) -> arb | None:
@@ -187,10 +184,6 @@ class _CommandedTwist:
             if gap is not None:
                 found.append(gap / abs(strength))
         return min(found, key=lambda ball: float(ball.upper())) if found else None
-
-
-def _driven(wheel: BoxWheel, speed: arb, drive: arb) -> BoxWheel:
-    return replace(wheel, speeds=(speed * drive, arb(0)))
 
 
 # ---- rules with friction sets --------------------------------------------------------------------

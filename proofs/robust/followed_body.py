@@ -32,6 +32,7 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Cell, RefusalError
+from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.balanced_forces import STRENGTHS, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.ends import field_beside
@@ -49,30 +50,18 @@ BISECTIONS = 100  # of the time at which a body leaves a cell
 Vector: TypeAlias = tuple[arb, arb]
 
 
-@dataclass(frozen=True)
-class _Side:
-    """The half-plane ``n . c <= offset`` behind a side of a cell."""
-
-    normal: Vector
-    offset: arb
-
-    def slack(self, c: Vector) -> arb:
-        """``offset - n . c``: positive inside."""
-        return self.offset - dot(self.normal, c)
-
-
 @dataclass(frozen=True, eq=False)
 class _Cell:
     """A cell with its motion, which holds numbers that are none where there are several."""
 
-    sides: tuple[_Side, ...]
+    sides: tuple[HalfPlane, ...]
     motion: tuple[arb, arb, arb]  # (v_x, v_y, omega)
 
     @classmethod
     def of(cls, cell: Cell) -> _Cell:
         """In balls."""
         sides = (
-            _Side((enclosure(s.normal[0]), enclosure(s.normal[1])), enclosure(s.offset)) for s in cell.polygon.sides
+            HalfPlane((enclosure(s.normal[0]), enclosure(s.normal[1])), enclosure(s.offset)) for s in cell.polygon.sides
         )
         vx, vy, omega = (entry.ball() for entry in cell.twists[0]) if len(cell.twists) == 1 else [arb(math.nan)] * 3
         return cls(tuple(sides), (vx, vy, omega))
@@ -97,13 +86,13 @@ class _Cell:
         near = [side for side in self.sides if not side.slack(c) > 0]
         return all(dot(side.normal, self.velocity(c)) < 0 for side in near)
 
-    def passed(self, place: Vector, start: float, end: float) -> list[_Side] | None:
+    def passed(self, place: Vector, start: float, end: float) -> list[HalfPlane] | None:
         """The side that a body from a place passes between two times, if any; None where that is not shown.
 
         At the first time it is in the closed cell.
         """
         between, last = self.after(place, arb(start).union(arb(end))), self.after(place, arb(end))
-        velocity, found = self.velocity(between), list[_Side]()
+        velocity, found = self.velocity(between), list[HalfPlane]()
         (x, y), omega = velocity, self.motion[2]
         for side in self.sides:
             rate = -dot(side.normal, velocity)  # of the slack, which is not negative at first
@@ -116,7 +105,7 @@ class _Cell:
             found.append(side)
         return found if len(found) < 2 else None
 
-    def moment(self, place: Vector, side: _Side, start: float, end: float) -> arb:
+    def moment(self, place: Vector, side: HalfPlane, start: float, end: float) -> arb:
         """When it passes a side, whose slack falls from the first time to the second."""
         for _ in range(BISECTIONS):
             middle = (start + end) / 2
@@ -126,7 +115,7 @@ class _Cell:
             start, end = (middle, end) if slack > 0 else (start, middle)
         return arb(start).union(arb(end))
 
-    def side_at(self, c: Vector) -> _Side | None:
+    def side_at(self, c: Vector) -> HalfPlane | None:
         """The side on which a place of the border may be; None where that is not one."""
         near = [side for side in self.sides if not side.slack(c) > 0]
         return near[0] if len(near) == 1 else None
@@ -191,7 +180,7 @@ class _Followed:
     def _is_far(self, place: Vector) -> bool:
         return bool(dot(place, place) > self._far * self._far)
 
-    def _to_border(self, cell: _Cell, place: Vector) -> tuple[_Side, Vector] | None:
+    def _to_border(self, cell: _Cell, place: Vector) -> tuple[HalfPlane, Vector] | None:
         """Through which side a body leaves its cell, and where; None where that is not shown.
 
         Of a body that is far away before that it is where it is then, with any side.
@@ -245,8 +234,8 @@ class _Slide:
 
     cell: _Cell
     other: _Cell
-    side: _Side
-    entered: _Side
+    side: HalfPlane
+    entered: HalfPlane
     place: Vector
 
     @property

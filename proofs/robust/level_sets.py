@@ -316,16 +316,12 @@ CORNERS = 16  # of a polygon about a disc
 
 
 def polygon_about(radius: Fraction) -> tuple[Place, ...]:
-    """The corners of a polygon that holds a disc about the origin.
+    """The corners of a polygon that holds a disc about the origin: those of a ring on its outer side.
 
     Raises:
         ArithmeticError: where rounding leaves a part of the disc outside.
     """
-    far = radius * OUTSIDE * Fraction(1 / math.cos(math.pi / CORNERS))
-    rays = [ray(Fraction(k, CORNERS)) for k in range(CORNERS)]
-    if not all(side_is_outside(far, a, b, radius) for a, b in zip(rays, [*rays[1:], rays[0]], strict=True)):
-        raise ArithmeticError("required a polygon that holds its disc")
-    return tuple(_times(far, direction) for direction in rays)
+    return tuple(piece.corners[1] for piece in ring(radius / 2, radius, CORNERS))
 
 
 def ring(inner: Fraction, outer: Fraction, sectors: int) -> Iterator[AnnulusPiece]:

@@ -32,7 +32,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, side_of
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, side_of, squared_distance
 
 
 class TipsError(SceneError):
@@ -339,20 +339,7 @@ def distance_below(body: Body, place: Vector) -> Fraction:
 
 def _squared_gap(body: Body, place: Vector) -> Number:
     """Squared distance of a place from the border of a polygon."""
-    return min(_squared_distance(a, b, place) for a, b in around(body.vertices))
-
-
-def _squared_distance(a: Vector, b: Vector, p: Vector) -> Number:
-    """Squared distance of p from the segment."""
-    along, away = minus(b, a), minus(p, a)
-    ahead, whole = dot(along, away), dot(along, along)
-    if ahead.sign() <= 0:
-        return dot(away, away)
-    if (ahead - whole).sign() >= 0:
-        past = minus(p, b)
-        return dot(past, past)
-    area = cross(along, away)
-    return area * area / whole
+    return min(squared_distance(minus(a, place), minus(b, place)) for a, b in around(body.vertices))
 
 
 def free_angle(body: Body, places: Sequence[Vector], margin: Fraction) -> Fraction | None:

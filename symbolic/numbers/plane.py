@@ -56,6 +56,18 @@ def between(start: tuple[Any, Any], end: tuple[Any, Any], share: Any) -> tuple[A
     return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 
+def squared_distance(start: tuple[E, E], end: tuple[E, E]) -> E:
+    """Squared distance of the origin from a segment."""
+    along = minus(end, start)
+    whole, ahead = dot(along, along), -dot(start, along)
+    if sign(ahead) <= 0:
+        return dot(start, start)
+    if sign(ahead - whole) >= 0:
+        return dot(end, end)
+    area = cross(start, along)
+    return area * area / whole
+
+
 def around(items: Sequence[T]) -> list[tuple[T, T]]:
     """Each item with the next, the last with the first: the sides of a polygon from its vertices."""
     return list(zip(items, [*items[1:], *items[:1]], strict=True))

@@ -198,19 +198,19 @@ class EveryLoadPoint:
         scene: the array, centred.
         loads: the set of loads.
         situation: see :class:`EveryLoad`.
+        reason: one sentence for people.
         twist: a minimizer of D under every load, where one is known.
         slope: B, where ``pull_i = B p_i`` (smooth minimizers).
         witness: a load under which the point is no equilibrium.
-        reason: one sentence for people.
     """
 
     scene: Scene
     loads: LoadSet
     situation: EveryLoad
-    twist: Twist | None
-    slope: Slope | None
-    witness: Loads | None
     reason: str
+    twist: Twist | None = None
+    slope: Slope | None = None
+    witness: Loads | None = None
 
     @property
     def equilibrium(self) -> Equilibrium:
@@ -256,23 +256,21 @@ def _smooth_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
         corners = loads.bound.corners or (loads.bound.least,)
         fixed = all(is_carried(scene, under_load(scene, corner), carried) for corner in corners)
         situation = EveryLoad.CARRIED if fixed else EveryLoad.TIED
-        return EveryLoadPoint(scene, loads, situation, carried, None, None, reason)
+        return EveryLoadPoint(scene, loads, situation, reason, carried)
     if _rests_by_sticking(scene, loads):
         reason = "under every load the sticking wheels balance the others strictly inside their friction limits"
-        return EveryLoadPoint(scene, loads, EveryLoad.UNIQUE, Twist(zero, zero, zero), None, None, reason)
+        return EveryLoadPoint(scene, loads, EveryLoad.UNIQUE, reason, Twist(zero, zero, zero))
     rates = spin_candidates(scene, region)
     for rate in rates:
         slips = wheel_slips(scene, rate)
         slope = None if slips is None else common_slope(slips)
         if slope is not None:
-            return EveryLoadPoint(
-                scene, loads, EveryLoad.SMOOTH, Twist(zero, zero, rate), slope, None, _balance_text(rate)
-            )
+            return EveryLoadPoint(scene, loads, EveryLoad.SMOOTH, _balance_text(rate), Twist(zero, zero, rate), slope)
     for load in _suspects(scene, loads, rates):
         if _is_refuted(scene, load):
             return _moved(scene, loads, load)
     reason = "forces do not balance alike under every load, but no load is found under which the body leaves the point"
-    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, None, None, None, reason)
+    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, reason)
 
 
 def _balance_text(rate: Number) -> str:
@@ -282,7 +280,7 @@ def _balance_text(rate: Number) -> str:
 
 def _moved(scene: Scene, loads: LoadSet, load: Loads) -> EveryLoadPoint:
     reason = f"under the load {load_text(load)} the body is driven away from the point"
-    return EveryLoadPoint(scene, loads, EveryLoad.MOVED, None, None, load, reason)
+    return EveryLoadPoint(scene, loads, EveryLoad.MOVED, reason, witness=load)
 
 
 def load_text(loads: Loads) -> str:
@@ -328,9 +326,9 @@ def _prices(slips: Sequence[Slip[Number]], axis: int) -> list[Number]:
         return [slip.along.field.rational(Fraction(slip.map(float).pull[axis])) for slip in slips]
 
 
-def mixed(first: Loads, second: Loads) -> Loads:
-    """The mean of two loads."""
-    return tuple((a + b) / 2 for a, b in zip(first, second, strict=True))
+def mixed(first: Loads, second: Loads, share: int = 1) -> Loads:
+    """A mean of two loads, of which the first counts so many times."""
+    return tuple((share * a + b) / (share + 1) for a, b in zip(first, second, strict=True))
 
 
 def _is_refuted(scene: Scene, load: Loads) -> bool:
@@ -359,12 +357,12 @@ def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
             what = f"the spin {brief_text(rate)}" if rate else "rest"
             how = "D rises in every direction" if least > 0 else "D falls in no direction"
             reason = f"at {what} {how}, under every load"
-            return EveryLoadPoint(scene, loads, situation, Twist(zero, zero, rate), None, None, reason)
+            return EveryLoadPoint(scene, loads, situation, reason, Twist(zero, zero, rate))
     for load in moving_loads(scene, loads):
         if _is_refuted(scene, load):
             return _moved(scene, loads, load)
     reason = "rest is not shown to be the motion under every load, nor is a load found that drives the body away"
-    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, None, None, None, reason)
+    return EveryLoadPoint(scene, loads, EveryLoad.OPEN, reason)
 
 
 def _box_rates(scene: Scene) -> list[Number]:
@@ -484,7 +482,7 @@ def moving_loads(scene: Scene, loads: LoadSet) -> Iterator[Loads]:
         prices = slopes.prices(int(k))
         lowest = reached.lowest(prices)
         if priced(prices, lowest).sign() < 0:
-            yield tuple((3 * a + b) / 4 for a, b in zip(lowest, reached.middle, strict=True))
+            yield mixed(lowest, reached.middle, 3)
 
 
 def is_driven_away(scene: Scene, load: Loads) -> bool:

@@ -37,6 +37,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 from flint import arb, arb_mat, arb_poly, ctx
@@ -121,12 +122,22 @@ class Pencil:
 
     def characteristic(self, mass: arb) -> list[arb]:
         """The coefficients of the quintic at one mass, constant term first."""
-        rows = []
+        return [arb_poly(powers)(mass) for powers in self.quintic]
+
+    @cached_property
+    def quintic(self) -> list[list[arb]]:
+        """The coefficients, constant term first, each a polynomial in m by its own coefficients.
+
+        With ``lambda = m^4`` the determinant is one polynomial in m.  Rows: balance of forces and of moments; columns:
+        c, which moves at ``w = lambda c``, and omega.
+        """
+        rows, gap = [], [arb(0)] * (POWERS - 1)
         for r in range(3):
-            masses = [mass * self.masses[r, column] for column in range(3)]
-            entries = [arb_poly([self.stiffness[r, k], self.damping[r, k], masses[k]]) for k in range(2)]
-            rows.append((*entries, arb_poly([self.damping[r, 2], masses[2]])))
-        return [_determinant(rows)[k] for k in range(6)]
+            damping, mass = ([matrix[r, k] for k in range(3)] for matrix in (self.damping, self.masses))
+            entries = [arb_poly([self.stiffness[r, k], *gap, damping[k], *gap, arb(0), mass[k]]) for k in range(2)]
+            rows.append((*entries, arb_poly([damping[2], *gap, arb(0), mass[2]])))
+        powers = _determinant(rows).coeffs()
+        return [powers[POWERS * k : POWERS * (k + 1)] for k in range(6)]
 
     def stability(self, mass: arb) -> Translation:
         """Whether all five eigenvalues have negative real parts (Hurwitz), or one has a positive one.
@@ -194,26 +205,12 @@ def hurwitz_determinant(pencil: Pencil) -> arb_poly:
 
     To be called with the precision of its balls set.
     """
-    quintic = _characteristic(pencil).coeffs()
     mass = arb_poly([0, 1])
     # a power of lambda above the second comes with a power of m, which is left out
-    p = [arb_poly(quintic[POWERS * k + max(0, k - 2) : POWERS * (k + 1)]) for k in range(6)]
+    p = [arb_poly(powers[max(0, k - 2) :]) for k, powers in enumerate(pencil.quintic)]
     first, second = p[4] * p[3] - p[5] * p[2], p[2] * p[1] - mass * p[3] * p[0]
     third = p[4] * p[1] - mass * p[5] * p[0]
     return first * second - mass * third * third
-
-
-def _characteristic(pencil: Pencil) -> arb_poly:
-    """The quintic in lambda, whose coefficients are polynomials in m: with ``lambda = m^4`` all in one.
-
-    Rows: balance of forces and of moments; columns: c, which moves at ``w = lambda c``, and omega.
-    """
-    damping, stiffness, rows, zero = pencil.damping, pencil.stiffness, [], arb(0)
-    for r in range(3):
-        mass = [pencil.masses[r, column] for column in range(3)]
-        entries = [arb_poly([stiffness[r, k], *[zero] * 3, damping[r, k], *[zero] * 4, mass[k]]) for k in range(2)]
-        rows.append((*entries, arb_poly([damping[r, 2], *[zero] * 4, mass[2]])))
-    return _determinant(rows)
 
 
 def _least_positive_root(determinant: arb_poly) -> float | None:

@@ -24,7 +24,6 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, clipped_
 from nonsmooth.analysis.cells.support import Support, limiting_support
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.rational_bounds import late
-from nonsmooth.proofs.clauses.translation.on_cells import squared_distance
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, root_above, shaped
 from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple, cross_product, independent, leading_one
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
@@ -32,7 +31,7 @@ from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane import Vector, around, between, dot, minus, turned
+from nonsmooth.symbolic.numbers.plane import Vector, around, between, dot, minus, squared_distance, turned
 
 # ---- why no static feedback stabilizes -----------------------------------------------------------
 #

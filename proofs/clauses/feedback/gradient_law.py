@@ -58,6 +58,7 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import (
     late,
     rounded_down,
 )
+from nonsmooth.proofs.clauses.translation.quadratic import least_of_parabola
 from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, Lazy, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -320,7 +321,8 @@ def build_level_region(inputs: RowInputs, lyapunov: ControlLyapunov) -> LevelReg
 
 def least_level(sides: Iterable[Segment], lyapunov: ControlLyapunov, length: Fraction) -> Fraction:
     """The least ``c^T P c`` on segments, as a multiple of ``length^2`` to a few digits: a proposal."""
-    least = min((_least(side, lyapunov) for side in sides), key=lambda bound: bound.mid())
+    bounds = (least_of_parabola(*map(ball_of, _parabola(side, lyapunov))) for side in sides)
+    least = min(bounds, key=lambda bound: bound.mid())
     return length**2 * Fraction((least / ball_of(length**2)).str(DIGITS, radius=False))
 
 
@@ -350,16 +352,6 @@ def _parabola(side: Segment, lyapunov: ControlLyapunov) -> tuple[Any, Any, Any]:
     start, along = (late(p), late(q)), (late(u - p), late(v - q))
     slope = lyapunov.slope(start)
     return dot(slope, start), dot(slope, along), dot(lyapunov.slope(along), along)
-
-
-def _least(side: Segment, lyapunov: ControlLyapunov) -> arb:
-    """A ball that ``c^T P c`` does not fall below on a segment."""
-    constant, slope, curve = (ball_of(value) for value in _parabola(side, lyapunov))
-    if slope >= 0:
-        return constant
-    if slope + curve <= 0:
-        return constant + 2 * slope + curve
-    return constant - slope * slope / curve
 
 
 # ---- limited speeds ----------------------------------------------------------------------

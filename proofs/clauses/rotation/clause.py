@@ -21,7 +21,7 @@ from nonsmooth.proofs.clauses.translation.at_point import (
 )
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
+from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Record, Rotation, Theorem4, Translation
 from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
 from nonsmooth.symbolic.mechanics.constraints import Twist
@@ -74,9 +74,9 @@ class RotationResult:
     """
 
     verdict: Rotation
-    drift: Drift | None
-    rotation_per_distance: Number | None
     reason: str
+    drift: Drift | None = None
+    rotation_per_distance: Number | None = None
     fan: FanResult | None = None
     spin: tuple[Fraction, Fraction] | None = None
 
@@ -99,29 +99,29 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
     zero = partition.scene.field.zero
     drift = drift_at_rest(filippov_twists(partition, (zero, zero)))
     if drift is None:
-        return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium at the point, so nothing rests there")
+        return RotationResult(Rotation.UNDECIDED, "no equilibrium at the point, so nothing rests there")
     low, high = drift.interval
     if low or high:
         reason = f"the body may rest in (x, y) and turn at any rate in [{brief_text(low)}, {brief_text(high)}]"
-        return RotationResult(Rotation.UNSTABLE, drift, None, reason)
+        return RotationResult(Rotation.UNSTABLE, reason, drift)
     if zero.field.measured:
         drift.check()  # that no other weights turn the body: counts where that is so of the rounded numbers alone
     per_distance = rotation_bound(partition, translation)
     if per_distance is not None and not per_distance:
-        return RotationResult(Rotation.NEUTRAL, drift, per_distance, "no cell of the square turns the body")
+        return RotationResult(Rotation.NEUTRAL, "no cell of the square turns the body", drift, per_distance)
     if not any(map(any, drift.twists)):
         reason = "every cell at the point is at rest: near it the body does not move at all"
         if per_distance is not None:
             reason += f"; from elsewhere in the square theta turns by at most {brief_text(per_distance)} |c_0|"
-        return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+        return RotationResult(Rotation.NEUTRAL, reason, drift, per_distance)
     fan = translation.fan
     if per_distance is None and fan is not None and _has_short_paths(fan):
         reason = "the drift is {0}, so |omega| <= K |v| in F(c*), and every path leads inward or to rest"
-        return RotationResult(Rotation.NEUTRAL, drift, None, reason, fan)
+        return RotationResult(Rotation.NEUTRAL, reason, drift, fan=fan)
     if per_distance is None:
-        return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(translation.verdict))
+        return RotationResult(Rotation.UNDECIDED, _why_open(translation.verdict), drift)
     reason = f"the drift is {{0}} and theta turns by at most {brief_text(per_distance)} |c_0|"
-    return RotationResult(Rotation.NEUTRAL, drift, per_distance, reason)
+    return RotationResult(Rotation.NEUTRAL, reason, drift, per_distance)
 
 
 def _why_open(translation: Translation) -> str:
@@ -185,11 +185,16 @@ class RotationClause(Clause[RotationResult]):
         translation = work.earlier["translation"]
         if isinstance(translation, EllipseTranslation):
             return spin_of(work.point)
-        return _rotation(translation, work.partition)
+        partition = work.partition
+        if isinstance(translation, EveryLoadTranslation):
+            return rotation_for_every_load(translation)
+        if partition is None or not isinstance(translation, TranslationResult):
+            raise TypeError("required cells for a clause on cells, received none")
+        return decide_rotation(partition, translation)
 
     def undecided(self, result: RotationResult, reason: str) -> RotationResult:
         """Neither a drift nor none."""
-        return RotationResult(Rotation.UNDECIDED, None, None, reason)
+        return RotationResult(Rotation.UNDECIDED, reason)
 
     def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
         """The theorem says that theta is unstable."""
@@ -213,17 +218,6 @@ class RotationClause(Clause[RotationResult]):
         yield Fact("weights", _weights(drift))
 
 
-def _rotation(translation: ClauseResult, partition: Partition | None) -> RotationResult:
-    """The clause from that on translation, and the cells where there are any."""
-    if isinstance(translation, EllipseTranslation):
-        return spin_of(translation.point)
-    if isinstance(translation, EveryLoadTranslation):
-        return rotation_for_every_load(translation)
-    if partition is None or not isinstance(translation, TranslationResult):
-        raise TypeError("required cells for a clause on cells, received none")
-    return decide_rotation(partition, translation)
-
-
 def _weights(drift: Drift) -> Record:
     """The convex weights that rest in (x, y) and turn at the lowest and highest rate."""
     return {
@@ -240,19 +234,19 @@ def spin_of(point: EllipsePoint) -> RotationResult:
     if point.rest is not None:
         return _enclosed_spin(point.rest)
     if point.situation is Situation.OPEN and point.equilibrium is Equilibrium.HOLDS:
-        return RotationResult(Rotation.UNDECIDED, None, None, "the motion near the point is not determined")
+        return RotationResult(Rotation.UNDECIDED, "the motion near the point is not determined")
     if point.equilibrium is not Equilibrium.HOLDS or point.twist is None:
-        return RotationResult(Rotation.UNDECIDED, None, None, "no equilibrium is proved, so nothing rests there")
+        return RotationResult(Rotation.UNDECIDED, "no equilibrium is proved, so nothing rests there")
     drift = drift_at_rest((point.twist,))
     if point.twist.omega:
         reason = f"at the point the body turns at the rate {brief_text(point.twist.omega)} for ever"
-        return RotationResult(Rotation.UNSTABLE, drift, None, reason)
+        return RotationResult(Rotation.UNSTABLE, reason, drift)
     if point.situation in (Situation.STICKING, Situation.CARRIED):
         reason = "near the point the body does not move at all"
-        return RotationResult(Rotation.NEUTRAL, drift, None, reason)
+        return RotationResult(Rotation.NEUTRAL, reason, drift)
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and point.linearization is not None:
-        return RotationResult(Rotation.NEUTRAL, drift, None, _turn_on_the_way(point.linearization))
-    return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(point.translation))
+        return RotationResult(Rotation.NEUTRAL, _turn_on_the_way(point.linearization), drift)
+    return RotationResult(Rotation.UNDECIDED, _why_open(point.translation), drift)
 
 
 def _enclosed_spin(rest: EnclosedRest) -> RotationResult:
@@ -260,9 +254,9 @@ def _enclosed_spin(rest: EnclosedRest) -> RotationResult:
     low, high = rest.rates
     if low <= 0 <= high:
         reason = f"{BY_ROUNDING}the rate at which a body turns at the place of rest may be zero"
-        return RotationResult(Rotation.UNDECIDED, None, None, reason, spin=(low, high))
+        return RotationResult(Rotation.UNDECIDED, reason, spin=(low, high))
     reason = f"at the place of rest the body turns at the rate {brief_text(rest.spin)} for ever"
-    return RotationResult(Rotation.UNSTABLE, None, None, reason, spin=(low, high))
+    return RotationResult(Rotation.UNSTABLE, reason, spin=(low, high))
 
 
 def _turn_on_the_way(linear: Linearization) -> str:
@@ -288,22 +282,22 @@ def rotation_for_every_load(translation: EveryLoadTranslation) -> RotationResult
     """Clause 3 from the situation at the point and the decay of (x, y)."""
     point = translation.point
     if point.equilibrium is not Equilibrium.HOLDS or point.twist is None:
-        return RotationResult(Rotation.UNDECIDED, None, None, NO_REST)
+        return RotationResult(Rotation.UNDECIDED, NO_REST)
     drift = drift_at_rest((point.twist,))
     if point.twist.omega and point.situation is EveryLoad.TIED:
         rate = brief_text(point.twist.omega)
-        return RotationResult(Rotation.UNSTABLE, drift, None, MAY_TURN.format(rate))
+        return RotationResult(Rotation.UNSTABLE, MAY_TURN.format(rate), drift)
     if point.twist.omega:
         reason = f"at the point the body turns at the rate {brief_text(point.twist.omega)} for ever, whatever the load"
-        return RotationResult(Rotation.UNSTABLE, drift, None, reason)
+        return RotationResult(Rotation.UNSTABLE, reason, drift)
     if point.situation in (EveryLoad.UNIQUE, EveryLoad.CARRIED):
-        return RotationResult(Rotation.NEUTRAL, drift, None, AT_REST)
+        return RotationResult(Rotation.NEUTRAL, AT_REST, drift)
     if point.situation is EveryLoad.TIED:
-        return RotationResult(Rotation.UNDECIDED, drift, None, TIED)
+        return RotationResult(Rotation.UNDECIDED, TIED, drift)
     if decays_everywhere(translation):
-        return RotationResult(Rotation.NEUTRAL, drift, None, LITTLE)
+        return RotationResult(Rotation.NEUTRAL, LITTLE, drift)
     soft = soft_load_of(translation)
     if soft is not None:
         reason = f"under the load {load_text(soft)} the motion near the point is not determined to first order"
-        return RotationResult(Rotation.UNDECIDED, drift, None, reason)
-    return RotationResult(Rotation.UNDECIDED, drift, None, _why_open(translation.verdict))
+        return RotationResult(Rotation.UNDECIDED, reason, drift)
+    return RotationResult(Rotation.UNDECIDED, _why_open(translation.verdict), drift)

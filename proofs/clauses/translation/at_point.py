@@ -7,20 +7,34 @@ load that throws the body out.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 from flint import arb
 
 from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
+from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import HalfPlane
-from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
+from nonsmooth.proofs.boxes.enclosures import is_positive_definite
+from nonsmooth.proofs.boxes.linearization import Linearization, Slip, Slope, hessian, inward_pull
 from nonsmooth.proofs.clauses.at_point.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
+from nonsmooth.proofs.clauses.at_point.every_load import (
+    EveryLoad,
+    EveryLoadPoint,
+    is_admissible,
+    load_text,
+    mixed,
+    wheel_slips,
+)
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.mechanics.constraints import cross_product, inner
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
@@ -30,21 +44,6 @@ from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING, either_way
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
-from collections.abc import Iterator, Sequence
-from functools import cached_property
-from itertools import combinations
-
-from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
-from nonsmooth.proofs.boxes.enclosures import is_positive_definite
-from nonsmooth.proofs.boxes.linearization import Slip, Slope, hessian
-from nonsmooth.proofs.clauses.at_point.every_load import (
-    EveryLoad,
-    EveryLoadPoint,
-    is_admissible,
-    load_text,
-    wheel_slips,
-)
-from nonsmooth.symbolic.mechanics.constraints import cross_product, inner
 
 
 class WithoutCells:
@@ -329,7 +328,7 @@ class DecayUnderLoads:
         yield middle
         for corner in (reached.lowest(self.determinant_prices), *(reached.corners or ())[:MOST_CORNERS]):
             for share in SHARES:
-                yield tuple((share * a + b) / (share + 1) for a, b in zip(corner, middle, strict=True))
+                yield mixed(corner, middle, share)
 
 
 def is_positive_on_set(matrix: Sequence[Sequence[Number]], loads: LoadPolytope) -> bool:

@@ -40,7 +40,7 @@ from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below, short_below, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane import around, between, cross, dot, minus
+from nonsmooth.symbolic.numbers.plane import around, between, cross, dot, minus, squared_distance
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 # ---- the disc about the equilibrium on which V* of ``V = |c|^2`` is negative, or not positive ----
@@ -84,18 +84,6 @@ def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator
         yield flat[0], flat[-1]
         return
     yield from around(part.vertices)
-
-
-def squared_distance(start: Point, end: Point) -> Number:
-    """Squared distance of the origin from a segment."""
-    along = minus(end, start)
-    length, shift = dot(along, along), -dot(start, along)
-    if shift.sign() <= 0:
-        return dot(start, start)
-    if shift >= length:
-        return dot(end, end)
-    area = cross(start, along)
-    return area * area / length
 
 
 # ---- the decision --------------------------------------------------------------------------------

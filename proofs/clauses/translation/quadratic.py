@@ -21,6 +21,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isqrt
+from typing import Any
 
 import numpy as np
 
@@ -154,12 +155,17 @@ class QuadraticCertificate:
     def least_on(self, start: Point, end: Point) -> Number:
         """Least value of V on a segment."""
         along = minus(end, start)
-        curvature, slope = self.value(along), -dot(start, shaped(self.shape, along))
-        if sign(slope) <= 0:
-            return self.value(start)
-        if sign(slope - curvature) >= 0:
-            return self.value(end)
-        return self.value(start) - slope * slope / curvature
+        least: Number = least_of_parabola(self.value(start), dot(start, shaped(self.shape, along)), self.value(along))
+        return least
+
+
+def least_of_parabola(constant: Any, slope: Any, curve: Any) -> Any:
+    """The least ``constant + 2 slope t + curve t^2`` for t from 0 to 1, of numbers; of balls what it is not below."""
+    if slope >= 0:
+        return constant
+    if slope + curve <= 0:
+        return constant + 2 * slope + curve
+    return constant - slope * slope / curve
 
 
 def find_quadratic(

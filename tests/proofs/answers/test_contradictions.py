@@ -157,7 +157,7 @@ def test_a_linearization_with_the_wrong_sign(name: str, planted: str, monkeypatc
 def test_a_body_that_turns_for_ever_where_it_is_said_to_rest_without_turning() -> None:
     check = replace(checked("four-wheel"), verdict=Theorem4.FAILS)
     drift = check.rotation.drift
-    planted = with_results(check, rotation=RotationResult(Rotation.NEUTRAL, drift, None, "planted"))
+    planted = with_results(check, rotation=RotationResult(Rotation.NEUTRAL, "planted", drift))
     answered = full_answers(planted, ask_others=False)
     starts = np.array([[0.1, 0.0], [0.0, 0.2]])
     ends = SampledEnds(starts, np.zeros((2, 2)), np.zeros(2, bool), np.array([np.inf, 0.1]))

@@ -446,7 +446,7 @@ def test_a_measured_table_passes_what_is_required(
 def test_a_printed_place_of_the_end_is_not_farther_off_than_is_said() -> None:
     """``within 0.01621 mm of (150.1, 100.1)`` would be said of ends about (150.065, 100.085)."""
     at, about = (Fraction("150.0648"), Fraction("100.0846")), Fraction("0.0162")
-    ends = Ends(True, about, Fraction(50), Fraction(50), Fraction(3), at, about)
+    ends = Ends(about, Fraction(50), Fraction(50), Fraction(3), at, about)
     words = _where(load_scene("four-wheel"), ends, " mm")
     shown = re.fullmatch(r"it ends within (.*) mm of \((.*), (.*)\)", words)
     assert shown is not None
