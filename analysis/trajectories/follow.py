@@ -229,11 +229,13 @@ class Guards(ABC):
         slacks: of each: a value above minus it is not yet below zero.  One that begins within it is expected to rise,
             and counts as fallen where it has passed the slack.
         looks: parts of every step at whose ends they are looked at.
+        located: whether the time of a fall is looked for within a step; else it is where the step ends.
         crossed: whether a path stops only where a guard is below zero, as the next mode is told by its sign there.
     """
 
     slacks: Sequence[float] = (0.0,)
     looks = 1
+    located = True
     crossed = False
 
     @abstractmethod
@@ -287,6 +289,8 @@ def first_event(
         after: where it ends.
         step: its dense output.
     """
+    if not guards.located:
+        return next(((step.end, k) for k, value in enumerate(after) if value <= 0), None)
     below = next((k for k, slack in enumerate(guards.slacks) if before[k] < -slack), None)
     if below is not None:  # as where a path begins within the slack of a surface, on its other side
         return step.start, below

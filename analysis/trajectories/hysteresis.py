@@ -18,9 +18,9 @@ import numpy as np
 
 from nonsmooth.analysis.fields import switched_field
 from nonsmooth.analysis.fields.switched_field import SwitchedField, Velocity
-from nonsmooth.analysis.trajectories.follow import Guards, HybridField, Mode, Path, follow
+from nonsmooth.analysis.trajectories.follow import Guards, HybridField, Mode, Path, Stepper, follow
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.analysis.trajectories.steppers import Integrator
+from nonsmooth.analysis.trajectories.steppers import FixedSteps, Integrator
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 TOLERANCES = 1e-9, 1e-12  # relative and absolute, within a mode: far below the error of any usable width
@@ -30,21 +30,29 @@ MAX_RELAY_EVALUATIONS = 300_000  # of the fields with hysteresis: some ten secon
 LOCATED = 0.5  # of the width: a switch farther off is not resolved by floats, and the zigzag would stand still
 
 
-def simulate_hysteresis(field: SwitchedField, start: Sequence[float], until: float, width: float) -> Trajectory:
-    """Relay with hysteresis: a mode is left ``width`` beyond its border, by SciPy's RK45.
+def simulate_hysteresis(
+    field: SwitchedField, start: Sequence[float], until: float, width: float, step: float | None = None
+) -> Trajectory:
+    """Relay with hysteresis: a mode is left ``width`` beyond its border.
 
     Args:
         field: any switched field.
         start: initial state.
         until: last time.
         width: distance by which switches are late (units of the state).
+        step: fixed step of the classical Runge-Kutta scheme, with switches between steps only; None integrates
+            adaptively (SciPy's RK45) with located switches.
 
     Raises:
-        ValueError: for a width or last time that is not positive, a start outside the domain, or a width so small that
-            floats do not resolve its switches, or that the integrator does not get through them.
+        ValueError: for a width, last time or step that is not positive, a start outside the domain, or a width so
+            small that floats do not resolve its switches, or that the integrator does not get through them.
         TrajectoryError: where the integrator gives up.
     """
-    return _simulated(_Relay(field, width, MAX_RELAY_EVALUATIONS), start, until, "RK45", "hysteresis")
+    if not width > 0 or not 0 < until < math.inf or (step is not None and not step > 0):
+        raise ValueError(f"required a positive width, last time and step, received {width}, {until} and {step}")
+    stepper: Stepper = Integrator("RK45", *TOLERANCES) if step is None else FixedSteps(step)
+    relay = _Relay(field, width, MAX_RELAY_EVALUATIONS, locates=step is None)
+    return _simulated(relay, start, until, stepper, "hysteresis")
 
 
 def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float, width: float) -> Trajectory:
@@ -55,7 +63,10 @@ def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float
             that the integrator does not get through the layer.
         TrajectoryError: where the integrator gives up.
     """
-    return _simulated(_Layer(field, width, MAX_EVALUATIONS), start, until, "LSODA", "smoothed")
+    if not width > 0 or not 0 < until < math.inf:
+        raise ValueError(f"required a positive width and last time, received {width} and {until}")
+    layer = _Layer(field, width, MAX_EVALUATIONS)
+    return _simulated(layer, start, until, Integrator("LSODA", *TOLERANCES), "smoothed")
 
 
 class _Widened(HybridField):
@@ -90,14 +101,12 @@ class _Widened(HybridField):
         return rate
 
 
-def _simulated(widened: _Widened, start: Sequence[float], until: float, solver: str, method: str) -> Trajectory:
-    """The path of samples, by a solver of SciPy's."""
-    if not widened.width > 0 or not 0 < until < math.inf:
-        raise ValueError(f"required a positive width and last time, received {widened.width} and {until}")
+def _simulated(widened: _Widened, start: Sequence[float], until: float, stepper: Stepper, method: str) -> Trajectory:
+    """The path of samples."""
     x, field = np.array(start, float), widened.field
     if field.mode_at(x) is None:
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
-    path = follow(widened, (0.0, x), until, Integrator(solver, *TOLERANCES))
+    path = follow(widened, (0.0, x), until, stepper)
     path.unique = None
     return path.trajectory(str(field.kinematics), method)
 
@@ -118,7 +127,7 @@ class _Margin(Guards):
     """How far a state is from the place where a mode is left."""
 
     def __init__(self, relay: _Relay, mode: switched_field.Mode) -> None:
-        self._relay, self._mode = relay, mode
+        self._relay, self._mode, self.located = relay, mode, relay.locates
 
     def at(self, t: float, x: Floats) -> Sequence[float]:
         """The margin of the mode, and the width."""
@@ -128,7 +137,10 @@ class _Margin(Guards):
 class _Relay(_Widened):
     """Modes with hysteresis."""
 
-    _mode: switched_field.Mode | None = None
+    def __init__(self, field: SwitchedField, width: float, most: int, *, locates: bool) -> None:
+        super().__init__(field, width, most)
+        self.locates = locates
+        self._mode: switched_field.Mode | None = None
 
     def next_mode(self, path: Path) -> Mode | EndReason:
         """The mode that the state is in, or has come to."""
@@ -146,7 +158,7 @@ class _Relay(_Widened):
         """
         if met is None or not isinstance(mode, _RelayMode):
             return None
-        if abs(self.field.margin(mode.mode, path.state) + self.width) > LOCATED * self.width:
+        if self.locates and abs(self.field.margin(mode.mode, path.state) + self.width) > LOCATED * self.width:
             raise ValueError(
                 f"required a width whose switches floats resolve, received {self.width:g} at t = {path.time:.6g}"
             )

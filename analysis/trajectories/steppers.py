@@ -164,6 +164,29 @@ class Integrator:
             yield step
 
 
+class FixedSteps:
+    """The classical Runge-Kutta method of fourth order, with steps of one size, and straight lines between."""
+
+    def __init__(self, size: float) -> None:
+        self._size = size
+
+    def steps(self, rate: Rate, t: float, x: Floats, until: float) -> Iterator[DenseStep]:
+        """Steps up to the last time; the last one is shorter."""
+        while t < until:
+            h = min(self._size, until - t)
+            k1 = rate(t, x)
+            k2 = rate(t + h / 2, x + h / 2 * k1)
+            k3 = rate(t + h / 2, x + h / 2 * k2)
+            k4 = rate(t + h, x + h * k3)
+            mean = (k1 + 2 * k2 + 2 * k3 + k4) / 6
+            yield DenseStep((t, x), (t + h, x + h * mean), partial(_straight, t, x, mean))
+            t, x = t + h, x + h * mean
+
+
+def _straight(start: float, x: Floats, rate: Floats) -> Interpolant:
+    return lambda t: (x + np.multiply.outer(t - start, rate)).T
+
+
 class Dop853:
     """The Runge-Kutta method of order 8 by Dormand and Prince (Hairer, Norsett & Wanner 1993, sec. II.10).
 

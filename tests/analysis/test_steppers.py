@@ -336,7 +336,8 @@ def test_a_slide_is_stiff_before_its_step_is_as_long_as_is_stable(arrays: Arrays
 START, UNTIL = (0.4, 0.15, 0.0), 0.5
 Method = Callable[[SwitchedField, float], Trajectory]
 METHODS: dict[str, Method] = {
-    "hysteresis": lambda field, width: simulate_hysteresis(field, START, UNTIL, width),
+    "adaptive": lambda field, width: simulate_hysteresis(field, START, UNTIL, width),
+    "fixed step": lambda field, width: simulate_hysteresis(field, START, UNTIL, width, step=width),
     "smoothed": lambda field, width: simulate_smoothed(field, START, UNTIL, width),
 }
 ERROR_PER_WIDTH = 4.0  # the zigzag overshoots by a width and a step, in each of two directions
@@ -377,9 +378,9 @@ def test_errors_shrink_with_the_width(field: SwitchedField, method: str) -> None
 
 def test_switches_are_counted_and_multiply_as_the_width_shrinks(arrays: Arrays) -> None:
     field = array_field(build_nearest_partition(arrays.four_wheel()), Kinematics.LEADING)
-    counts = [len(METHODS["hysteresis"](field, width).events) for width in (1e-2, 1e-3)]
+    counts = [len(METHODS["adaptive"](field, width).events) for width in (1e-2, 1e-3)]
     assert counts[1] > 5 * counts[0] > 0
-    path = METHODS["hysteresis"](field, 1e-2)
+    path = METHODS["adaptive"](field, 1e-2)
     assert {event.kind for event in path.events} == {EventKind.CROSS}
     assert path.events[0].surface == "cell 2 | cell 1"
     assert path.method == "hysteresis"
@@ -402,12 +403,14 @@ def test_paths_end_at_the_border_of_the_domain(arrays: Arrays) -> None:
     assert max(abs(v) for v in path.end.state[:2]) == pytest.approx(0.5, abs=2e-3)
 
 
-@pytest.mark.parametrize(("width", "until"), [(0, 1), (-1, 1), (math.nan, 1), (1e-2, 0), (1e-2, math.inf)])
-def test_widths_and_times_are_positive(arrays: Arrays, width: float, until: float) -> None:
+@pytest.mark.parametrize(("width", "step"), [(0, None), (-1, None), (math.nan, None), (1e-2, 0)])
+def test_widths_and_steps_are_positive(arrays: Arrays, width: float, step: float | None) -> None:
     field = array_field(build_nearest_partition(arrays.four_wheel(ROLL)), Kinematics.LEADING)
-    for method in (simulate_hysteresis, simulate_smoothed):
+    with pytest.raises(ValueError, match="positive"):
+        simulate_hysteresis(field, START, 1, width, step)
+    if step is None:
         with pytest.raises(ValueError, match="positive"):
-            method(field, START, until, width)
+            simulate_smoothed(field, START, 1, width)
 
 
 def test_starts_are_inside(arrays: Arrays) -> None:
