@@ -32,6 +32,7 @@ from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
 from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE, smooth_path
+from nonsmooth.analysis.bodies.supports import carried_contacts
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, SmoothRule, all_rules, contact_rule, massless_rule
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -160,8 +161,7 @@ def body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: floa
         SceneError: for a table of loads beside an outline.
         TrajectoryError: where the path cannot be followed.
     """
-    outlined = None if scene.body is None else whole(scene)
-    contacts = contacts_under(massless_rule(scene), outlined or scene)
+    contacts, outlined = carried_contacts(massless_rule(scene), scene)
     return MassPath(contacts, body, outlined).follow(start, until)
 
 

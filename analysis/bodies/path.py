@@ -28,17 +28,18 @@ from nonsmooth.analysis.bodies.supports import (
     CarriedBody,
     CarryingWheels,
     SupportMode,
+    carried_contacts,
     finite_start,
     tipping_edge,
 )
 from nonsmooth.analysis.bodies.switching import Switching
 from nonsmooth.analysis.cells.contact_rule import SmoothRule
 from nonsmooth.analysis.cells.loads import LoadError, TipsThereError
-from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import (
     DenseStep,
-    Guards,
+    GuardsOfStates,
     Interpolant,
     Mode,
     Path,
@@ -101,9 +102,8 @@ def smooth_path(rule: SmoothRule, scene: Scene, start: Sequence[float], until: f
         ValueError: for a last time that is not positive, or numbers that are not finite.
         TrajectoryError: where the path cannot be followed.
     """
-    outlined = None if scene.body is None else whole(scene)
     try:
-        return BodyPath(contacts_under(rule, outlined or scene), outlined).follow(start, until)
+        return BodyPath(*carried_contacts(rule, scene)).follow(start, until)
     except TipsThereError as error:
         edge = tipping_edge(scene, frozenset(range(len(scene.wheels))), np.array(start, float))
         raise LoadError(f"{error} {edge}") from None
@@ -394,7 +394,7 @@ class Regimes:
         return max(found[0], min(step.start + AHEAD * self._scale, step.end))
 
 
-class _Valid(Guards):
+class _Valid(GuardsOfStates):
     """Whether the regimes of all motions go on."""
 
     looks, crossed = LOOKS, True
@@ -402,13 +402,9 @@ class _Valid(Guards):
     def __init__(self, rate: SupportRate) -> None:
         self._rate = rate
 
-    def at(self, t: float, x: Floats) -> Sequence[float]:
+    def values(self, states: Floats) -> Floats:
         """The least of what is positive in them."""
-        return self._rate.validities(x[:, None]).tolist()
-
-    def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
-        """The same at many states."""
-        return self._rate.validities(states.T)[:, None].tolist()
+        return self._rate.validities(states.T)[:, None]
 
 
 def _pose_of(step: DenseStep) -> Interpolant:
@@ -488,7 +484,7 @@ class OneContactSet:
         return replace(path, events=events, end=end, pieces=tuple(pieces))
 
 
-class _SameWheels(Guards):
+class _SameWheels(GuardsOfStates):
     """Signed depths of all wheels, positive as long as the same wheels carry."""
 
     looks = LOOKS
@@ -497,13 +493,9 @@ class _SameWheels(Guards):
         self._signs, self._outline = signs, outline
         self.slacks = [0.0] * len(signs)
 
-    def at(self, t: float, x: Floats) -> Sequence[float]:
+    def values(self, states: Floats) -> Floats:
         """All signed depths."""
-        return (self._signs * self._outline.depths(x)).tolist()
-
-    def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
-        """The same at many poses."""
-        return (self._signs * self._outline.depths(states)).tolist()
+        return self._signs * self._outline.depths(states)
 
 
 def _steps_of(piece: Piece) -> Iterator[DenseStep]:

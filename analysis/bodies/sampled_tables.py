@@ -56,8 +56,7 @@ class SampledTables:
     @cached_property
     def distances(self) -> Floats:
         """Of the places from the checked point (m,); infinite where none was found."""
-        away = np.hypot(*(self.places - self.point).T)
-        return np.where(np.isfinite(away), away, np.inf)
+        return _distances(self.places, self.point)
 
     @property
     def missing(self) -> int:
@@ -72,13 +71,22 @@ class SampledTables:
         """
         if not 0 < share <= 1:
             raise ValueError(f"required a share in (0, 1], received {share}")
-        return float(np.sort(self.distances)[int(np.ceil(share * len(self.distances) - 1e-9)) - 1])
+        return _least_within(self.distances, share)
 
     def moved(self, share: float) -> float:
         """The same of distances from where the table as drawn ends."""
-        away = np.hypot(*(self.places - self.nominal).T)
-        ordered = np.sort(np.where(np.isfinite(away), away, np.inf))
-        return float(ordered[int(np.ceil(share * len(ordered) - 1e-9)) - 1])
+        return _least_within(_distances(self.places, self.nominal), share)
+
+
+def _distances(places: Floats, point: Floats) -> Floats:
+    """Of places (m, 2) from a point, (m,); infinite of what is no number."""
+    away = np.hypot(*(places - point).T)
+    return np.where(np.isfinite(away), away, np.inf)
+
+
+def _least_within(distances: Floats, share: float) -> float:
+    """The least distance within which a share of them lies."""
+    return float(np.sort(distances)[int(np.ceil(share * len(distances) - 1e-9)) - 1])
 
 
 def why_not_sampled(scene: Scene) -> str:

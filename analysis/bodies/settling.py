@@ -23,10 +23,9 @@ import numpy as np
 from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.bodies.mass_study import BROKEN_OFF
 from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
+from nonsmooth.analysis.bodies.supports import carried_contacts
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
-from nonsmooth.analysis.fields.contact_model import contacts_under
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -129,9 +128,8 @@ def _is_steady(size: float, before: float) -> bool:
 
 def _follower(scene: Scene, body: RigidBody) -> MassPath:
     """Under the friction forces of the scene's own rule, which has to be one without cells."""
-    outlined = None if scene.body is None else whole(scene)
-    own = outlined or scene
-    return MassPath(contacts_under(smooth_rule_of(own), own), body, outlined, COARSER)
+    contacts, outlined = carried_contacts(smooth_rule_of(scene), scene)
+    return MassPath(contacts, body, outlined, COARSER)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,10 +19,12 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline, WholePlane
 from nonsmooth.analysis.bodies.set_motion import Wheels
-from nonsmooth.analysis.fields.contact_model import ContactModel
-from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, HybridField, Mode, Path
+from nonsmooth.analysis.cells.contact_rule import SmoothRule
+from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
+from nonsmooth.analysis.trajectories.follow import DenseStep, GuardsOfStates, HybridField, Mode, Path
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
+from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Vector, around
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -130,7 +132,13 @@ class CarriedBody(HybridField):
         return EndReason.TIPS if self.model.load_table is None else EndReason.LOADS
 
 
-class SupportGuards(Guards):
+def carried_contacts(rule: SmoothRule, scene: Scene) -> tuple[ContactModel, Scene | None]:
+    """The contacts of a body under a rule, and its scene with all wheels; None without an outline."""
+    outlined = None if scene.body is None else whole(scene)
+    return contacts_under(rule, outlined or scene), outlined
+
+
+class SupportGuards(GuardsOfStates):
     """The signals of a support, all at once: the last is the margin of the centre of mass, the first are depths."""
 
     crossed = True
@@ -141,13 +149,9 @@ class SupportGuards(Guards):
         depths = [body.edge_depth] * body.outline.count
         self.slacks = [*depths, *[0.0] * (2 * len(support.sliding) + 1)]
 
-    def at(self, t: float, x: Floats) -> Sequence[float]:
+    def values(self, states: Floats) -> Floats:
         """All signals."""
-        return self._body.signals(self._support, x[None])[0].tolist()
-
-    def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
-        """The same at many states."""
-        return self._body.signals(self._support, states).tolist()
+        return self._body.signals(self._support, states)
 
     @property
     def margin(self) -> int:

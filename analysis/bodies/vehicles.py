@@ -161,16 +161,14 @@ def _by_cells(vehicle: Vehicle, rule: CellRule) -> VehicleMotion:
 def _least_dissipation(vehicle: Vehicle, rule: SmoothRule) -> VehicleMotion:
     scene = vehicle.scene
     require_friction(scene, rule)
-    minimum = minima_under(rule, scene, _centre(vehicle))[0]
-    if minimum.face is not None:
-        exact, twists = None, minimum.face
-    else:
-        exact, twists = equal_slip_twist(scene, rule), minimum.twist[None]
-    motion = VehicleMotion(vehicle, rule, twists, None if exact is None else (exact,), minimum.forces)
+    minimum = minima_under(rule, scene, _centre(vehicle))
+    twists, (forces,) = minimum.faces.get(0, minimum.twists), minimum.forces
+    exact = None if minimum.faces else equal_slip_twist(scene, rule)
+    motion = VehicleMotion(vehicle, rule, twists, None if exact is None else (exact,), forces)
     if exact is not None and not any(row.residual(exact) for row in scene_rows(scene)):
-        return replace(motion, forces=np.zeros_like(minimum.forces), gap=0.0)  # no friction is needed
+        return replace(motion, forces=np.zeros_like(forces), gap=0.0)  # no friction is needed
     scale = float(minimum.model.limits(minimum.loads).max(axis=-1).sum()) * motion.speed
-    return replace(motion, gap=abs(minimum.gap) / scale)
+    return replace(motion, gap=abs(float(minimum.gaps[0])) / scale)
 
 
 def _centre(vehicle: Vehicle) -> Floats:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,12 +44,8 @@ class BoxHighs:
         tolerance: feasibility tolerance, on rows and limits of order 1.
     """
 
+    functional: ClassVar = Functional.BOX
     tolerance: float = HIGHS_FEASIBILITY
-
-    @property
-    def functional(self) -> Functional:
-        """The box."""
-        return Functional.BOX
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
         """See :class:`nonsmooth.analysis.minimizers.minimum.Minimizer`."""
@@ -118,10 +115,7 @@ def _speeds(model: ContactRows, count: int) -> Floats:
 class BoxEnumeration:
     """Every twist that satisfies three independent loaded rows, as Theorem 1 reads; the oracle of small arrays."""
 
-    @property
-    def functional(self) -> Functional:
-        """The box."""
-        return Functional.BOX
+    functional: ClassVar = Functional.BOX
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
         """See :class:`nonsmooth.analysis.minimizers.minimum.Minimizer`.

@@ -8,6 +8,7 @@ speeds of order 1, so that neither units nor the place of the origin matter.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,10 +35,7 @@ class EllipseMinimizer:
     A thousand points of four wheels take some three milliseconds; a single point half a one.
     """
 
-    @property
-    def functional(self) -> Functional:
-        """The ellipse."""
-        return Functional.ELLIPSE
+    functional: ClassVar = Functional.ELLIPSE
 
     def minimize(self, model: ContactRows, loads: ArrayLike) -> Minima:
         """See :class:`nonsmooth.analysis.minimizers.minimum.Minimizer`."""

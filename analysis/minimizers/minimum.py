@@ -304,8 +304,8 @@ def _repaired(room: Floats, limits: Floats, rows: Floats, shares: Floats) -> Flo
 
 # ---- minimizers with the forces that prove them --------------------------------------------------
 #
-# A :class:`Minima` holds many results at once, a :class:`Minimum` one of them.  Nothing a solver says about its own
-# quality is stored: admissibility, balance and gap are computed here from twist and forces alone.
+# A :class:`Minima` holds many results at once.  Nothing a solver says about its own quality is stored: admissibility,
+# balance and gap are computed here from twist and forces alone.
 
 
 GAP = 1e-9  # largest duality gap of a certified minimum, relative to its value
@@ -350,12 +350,13 @@ class Minima:
     def __len__(self) -> int:
         return len(self.twists)
 
-    def __getitem__(self, k: int) -> Minimum:
+    def __getitem__(self, k: int) -> Minima:
         k = range(len(self))[k]
-        model, face = self.model.at_point(k), self.faces.get(k)
-        return Minimum(self.functional, model, self.loads[k], self.twists[k], self.forces[k], face)
+        own, faces = slice(k, k + 1), {0: self.faces[k]} if k in self.faces else {}
+        model = self.model.at_point(k)
+        return Minima(self.functional, model, self.loads[own], self.twists[own], self.forces[own], faces)
 
-    def __iter__(self) -> Iterator[Minimum]:
+    def __iter__(self) -> Iterator[Minima]:
         return (self[k] for k in range(len(self)))
 
     @property
@@ -373,46 +374,23 @@ class Minima:
 
         Forces inside their limits, forces and moments in balance, and no gap between dissipated and input power:
         together they prove optimality.  What imbalance rounding leaves counts by its power, so that large forces which
-        nearly cancel prove nothing about small dissipation.
+        nearly cancel prove nothing about small dissipation.  All vertices of a face dissipate as much.
         """
         shares = usage(self.functional, self.model, self.loads, self.forces)
         allowed = gap * self.values + rounding_error(self.model, self.loads, self.twists)
         admissible = (shares <= 1 + EXCESS).all(axis=-1)
         balanced = imbalance(self.model, self.forces) <= IMBALANCE
         proven = np.maximum(np.abs(self.gaps), leaking_power(self.model, self.forces, self.twists)) <= allowed
-        return np.asarray(admissible & balanced & proven)
-
-
-@dataclass(frozen=True, eq=False)
-class Minimum:
-    """One minimizer of D: the fields of :class:`Minima` without their first axis; ``face`` None if unique."""
-
-    functional: Functional
-    model: ContactRows
-    loads: Floats
-    twist: Floats
-    forces: Floats
-    face: Floats | None = None
-
-    @property
-    def value(self) -> float:
-        """``D(xi)``."""
-        return float(dissipation(self.functional, self.model, self.loads, self.twist))
-
-    @property
-    def gap(self) -> float:
-        """``D(xi) - sum_k f_k b_k``: no twist dissipates less than ``value - gap``."""
-        return self.value - float(input_power(self.model, self.forces))
-
-    def check(self, gap: float = GAP) -> bool:
-        """:meth:`Minima.check`, and equal dissipation at all vertices of the face."""
-        alone = Minima(self.functional, self.model, self.loads[None], self.twist[None], self.forces[None])
-        return bool(alone.check(gap)[0]) and (self.face is None or self._is_face(self.face))
+        found = np.asarray(admissible & balanced & proven)
+        for k, face in self.faces.items():
+            found[k] &= self[k]._is_face(face)
+        return found
 
     def _is_face(self, face: Floats) -> bool:
-        values = dissipation(self.functional, self.model, self.loads, face)
-        allowed = SAME_VALUE * self.value + rounding_error(self.model, self.loads, face)
-        return len(face) > 1 and bool((np.abs(values - self.value) <= allowed).all())
+        """Whether several twists (k, 3) dissipate as much as the only one."""
+        apart = np.abs(dissipation(self.functional, self.model, self.loads, face) - self.values)
+        allowed = SAME_VALUE * self.values + rounding_error(self.model, self.loads, face)
+        return len(face) > 1 and bool((apart <= allowed).all())
 
 
 # ---- which answers of a minimizer are proved to be the motion ------------------------------------
@@ -429,10 +407,7 @@ UNRESISTED = 1e-9  # singular value, relative to the largest, of rows that leave
 
 def proved(minima: Minima) -> Mask:
     """Points (m,) at which all minimizers are known: twist and face proved, and every motion resisted."""
-    found = minima.check() & resists_every_motion(minima.model, minima.loads)
-    for k in minima.faces:
-        found[k] &= minima[k].check()
-    return found
+    return minima.check() & resists_every_motion(minima.model, minima.loads)
 
 
 def resists_every_motion(model: ContactRows, loads: Floats) -> Mask:

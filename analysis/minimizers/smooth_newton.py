@@ -204,9 +204,13 @@ class SmoothNewton:
             regime, unknowns = self._pinned(*changed(regime, found, wrong))
         return None
 
+    def _slips(self, twist: Floats) -> Floats:
+        """Weighted slips (n, 2) of all contacts."""
+        return (self._rows @ twist - self._targets).reshape(-1, 2)
+
     def _tracked(self, regime: Regime, unknowns: Floats, loads: Floats) -> tuple[Regime, Floats]:
         """With forces of all loaded contacts that nearly stick."""
-        moves = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
+        moves = self._slips(unknowns[:3])
         sizes = DISC.support(*moves.T)
         contacts = np.flatnonzero((sizes < NEAR * self._speed) & (loads != 0))
         if np.array_equal(contacts, regime.contacts):
@@ -254,7 +258,7 @@ class SmoothNewton:
 
     def is_near_rest(self, regime: Regime, unknowns: Floats, loads: Floats) -> bool:
         """Whether another contact nearly sticks by now."""
-        moves = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
+        moves = self._slips(unknowns[:3])
         near = (DISC.support(*moves.T) < NEAR * self._speed) & (loads != 0)
         near[regime.contacts] = False
         return bool(near.any())
@@ -280,7 +284,7 @@ class SmoothNewton:
 
         None where a contact that the regime does not know nearly sticks.
         """
-        slips = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
+        slips = self._slips(unknowns[:3])
         known, others = len(regime.contacts) > 0, loads
         if known:
             others = loads.copy()

@@ -19,6 +19,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, InCell, OnEdge
 from nonsmooth.analysis.cells.fan import RaySpeeds, sliding
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.trajectories.closed_forms import (
     ASYMPTOTE_DOUBT,
@@ -242,30 +243,29 @@ class BatchPaths:
     def _leave(self, number: int, own: Indices) -> None:
         """Where sliding along an edge in one direction ends in between: at one point for all, hence decided once."""
         (x, y), region = self.points[own[0]].tolist(), self._region_of(own[0])
-        junction = junction_at(region.field, OnEdge(number - region.edge), (x, y))
-        choices = choices_at(region.field, junction, 0.0, region.turns.signs)
+        _, choices = _ways_from(region, OnEdge(number - region.edge), (x, y))
         same = float(np.ptp(self.points[own], axis=0).max()) <= region.field.cells.slack
-        if same and len(choices) == 1 and choices[0].kind is EventKind.CROSS:
-            self.place[own], self.entry[own] = region.cell + choices[0].cells[0], self.first_edge + number
-        else:
-            self._one_by_one(own)
+        self._go_on(own, choices if same else [], self.first_edge + number)
 
     def _at_corner(self, corner: int, own: Indices) -> None:
         """From a corner: all go the same way."""
         region = self._region_of(own[0])
         if corner not in self.corners:
             place = AtCorner(corner - region.corner)
-            junction = junction_at(region.field, place, region.field.cells.points[place.corner])
-            self.corners[corner] = junction, choices_at(region.field, junction, 0.0, region.turns.signs)
+            self.corners[corner] = _ways_from(region, place, region.field.cells.points[place.corner])
         junction, choices = self.corners[corner]
-        only = len(choices) == 1
         if not choices and junction.border:
             self._finish(own, EndReason.OUTSIDE)
-        elif only and choices[0].kind is EventKind.CROSS:
-            self.place[own], self.entry[own] = region.cell + choices[0].cells[0], self.first_corner + corner
-        elif only and choices[0].kind is EventKind.REST:
+        elif len(choices) == 1 and choices[0].kind is EventKind.REST:
             self.unique[own] &= not region.turns.lead_outward(corner - region.corner)
             self._rest(own, np.full(len(own), choices[0].rate))
+        else:
+            self._go_on(own, choices, self.first_corner + corner)
+
+    def _go_on(self, own: Indices, choices: Sequence[Choice], entry: int) -> None:
+        """From an edge or corner into a cell, where that is the only choice of all paths; else one by one."""
+        if len(choices) == 1 and choices[0].kind is EventKind.CROSS:
+            self.place[own], self.entry[own] = self._region_of(own[0]).cell + choices[0].cells[0], entry
         else:
             self._one_by_one(own)
 
@@ -333,6 +333,12 @@ def _slacks(region: JoinedField) -> tuple[float, float, float, float, float]:
     """What counts as zero of lengths, speeds, their products and rates, and which distances from corners are small."""
     signs = region.turns.signs
     return region.field.cells.slack, signs.speed_slack, signs.product_slack, signs.rate_slack, region.turns.small
+
+
+def _ways_from(region: JoinedField, place: OnEdge | AtCorner, point: Point) -> tuple[Junction, list[Choice]]:
+    """What meets at a point of an edge or at a corner, and how paths go on there."""
+    junction = junction_at(region.field, place, point)
+    return junction, choices_at(region.field, junction, 0.0, region.turns.signs)
 
 
 def _place_at(field: ConstantField, x: float, y: float) -> str:

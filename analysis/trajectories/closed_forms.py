@@ -75,26 +75,22 @@ class Free:
         """
         best: SideCrossing | None = None
         for k, side in enumerate(sides):
-            time = self._time_to(side) if k not in active else self._time_back(side, slack)
+            time = self._time_to(side, slack if k in active else None)
             if time is not None and (best is None or time < best.time):
                 best = SideCrossing(time, k)
         return best
 
-    def _time_to(self, side: HalfPlane) -> Any | None:
-        """Time until a line ahead is crossed."""
+    def _time_to(self, side: HalfPlane, departs: float | None) -> Any | None:
+        """Time until a line ahead is crossed, or until an arc is back on one that it departs from faster than that."""
         velocity, w = self.flow.velocity(self.point), self.flow.turn
         rate = dot(side.normal, velocity)
+        if departs is not None and (not w or abs(rate) <= departs):
+            return None
         if not w:
             return None if sign(rate) <= 0 else side.slack(self.point) / rate
-        return _known(line_times(w, side.slack(self.point), rate, dot(side.normal, turned(velocity))))
-
-    def _time_back(self, side: HalfPlane, slack: float) -> Any | None:
-        """Time until an arc is back on a line that it departs from."""
-        velocity, w = self.flow.velocity(self.point), self.flow.turn
-        rate = dot(side.normal, velocity)
-        if not w or abs(rate) <= slack:
-            return None
-        return _known(times_back(w, rate, dot(side.normal, turned(velocity))))
+        bend = dot(side.normal, turned(velocity))
+        time = line_times(w, side.slack(self.point), rate, bend) if departs is None else times_back(w, rate, bend)
+        return float(time) if time < np.inf else None
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
@@ -125,10 +121,6 @@ def _arc_time(w: float, z: Any) -> Floats:
     """Time in ``(0, 2 pi/|w|)`` at which ``(2/w) tan(wt/2) = z``."""
     angle = np.arctan(abs(w) * np.abs(z) / 2)
     return np.asarray(2 / abs(w) * np.where(z > 0, angle, np.pi - angle))
-
-
-def _known(time: Floats) -> float | None:
-    return float(time) if time < np.inf else None
 
 
 @dataclass(frozen=True)

@@ -259,6 +259,22 @@ class Guards(ABC):
         return 0.0
 
 
+class GuardsOfStates(Guards):
+    """Guards that do not depend on time and are known at many states at once: one state is the first of one."""
+
+    @abstractmethod
+    def values(self, states: Floats) -> Floats:
+        """All of them at states (m, n), shape (m, k)."""
+
+    def at(self, t: float, x: Floats) -> Sequence[float]:
+        """At one state."""
+        return self.values(x[None])[0].tolist()
+
+    def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
+        """At many."""
+        return self.values(states).tolist()
+
+
 def first_event(
     guards: Guards, before: Sequence[float], after: Sequence[float], step: DenseStep
 ) -> tuple[float, int] | None:

@@ -12,7 +12,6 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +20,7 @@ from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.minimizers.float_loads import hull_sides
 from nonsmooth.analysis.trajectories.ending import EndMotion
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
@@ -37,17 +37,16 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.symbolic.numbers.plane_arrays import Floats
-
 SCHEMA = "nonsmooth-failed-paths/1"
 ANY = "any"
 ENOUGH = 20.0  # times in which the fastest rim runs the half-width of the square: paths from a grid of starts
-INSIDE = 1e-9  # of a side's length: a centre of mass as near to the edge of its support does not stand, as in a check
+INSIDE = 1e-9  # of the array's width: a centre of mass as near to the edge of its support does not stand, as in a check
 COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C8")  # of the worst failures, which are named; C7 is gray
 COLUMNS = 4  # of the legend
 OTHERS, OTHER_COLOR = "other failures", "0.45"
@@ -451,16 +450,12 @@ def _never_carry(scene: Scene, failed: Failed, path: Trajectory | None) -> bool:
 
 def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | None:
     """The first of some places that is not strictly inside the hull of the wheels; None where all are."""
-    corners = [(float(x), float(y)) for x, y in support_polygon([wheel.position for wheel in array.wheels])]
-    if len(corners) < 3:
+    positions = [wheel.position for wheel in array.wheels]
+    if len(support_polygon(positions)) < 3:
         return 0
-    sides = list(pairwise([*corners, corners[0]]))
-    for index, (px, py) in enumerate(places):
-        x, y = float(px), float(py)  # type: ignore[arg-type]
-        for (ax, ay), (bx, by) in sides:
-            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) <= INSIDE * ((bx - ax) ** 2 + (by - ay) ** 2):
-                return index
-    return None
+    sides, points = hull_sides(float_points(positions)), np.array(places, float)
+    beyond = points @ sides[:, :2].T + sides[:, 2] >= -INSIDE * np.ptp(float_points(positions), axis=0).max()
+    return next(iter(np.flatnonzero(beyond.any(axis=1)).tolist()), None)
 
 
 def _record(path: FailedPath, move: tuple[float, float] | None) -> Record:

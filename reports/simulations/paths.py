@@ -7,7 +7,6 @@ mass and a plain system, by the classes below it.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
@@ -235,12 +234,11 @@ class SystemPath(PathResult):
         trajectory: the solution.
     """
 
+    scene = partition = loop = None
+
     system: SwitchedSystem
     field: SignField
     trajectory: Trajectory
-    scene: None = dataclasses.field(default=None, init=False)
-    partition: None = dataclasses.field(default=None, init=False)
-    loop: None = dataclasses.field(default=None, init=False)
 
     @property
     def name(self) -> str:

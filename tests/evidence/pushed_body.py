@@ -77,8 +77,8 @@ class Contacts:
         aims[: len(normals)], grip[: len(normals)] = targets / sizes, GRIP * np.linalg.norm(self.shape, 2)
         rows, count = self._rows(), 2 * len(self.points)
         model = ContactRows(np.vstack([rows, held]), np.append(np.zeros(count), aims), np.append(np.ones(count), grip))
-        found = EllipseMinimizer().minimize(model, np.append(self.loads, 1.0))[0]
-        return found.twist, found.forces[-1, : len(normals)] / sizes
+        found = EllipseMinimizer().minimize(model, np.append(self.loads, 1.0))
+        return found.twists[0], found.forces[0, -1, : len(normals)] / sizes
 
     def _rows(self) -> Floats:
         """``M v(p_i)`` as rows that act on twists, shape (2n, 3)."""

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.agreement import shared_area
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.analysis.minimizers.minimum import Minimum
+from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
 from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4
@@ -581,8 +581,8 @@ def audit_uniqueness() -> AuditedClaim:
     cells = build_nearest_partition(_with_friction(load_scene("four-wheel"), 1)).cells
     tied = sum(len(cell.states) > 1 for cell in cells)
     two = ContactModel.build([[0, 0], [2, 1]], [[1, 0], [1, 0]], [[1, 0.3], [-0.2, 0.5]], [1, 1])
-    unequal, alike = EllipseMinimizer().minimize(two, np.array([[1.0, 2.0], [1.0, 1.0]]))
-    circle_is_unique = unequal.face is None and alike.face is not None
+    both = EllipseMinimizer().minimize(two, np.array([[1.0, 2.0], [1.0, 1.0]]))
+    circle_is_unique = list(both.faces) == [1]
     return AuditedClaim(
         8,
         "Uniqueness and isotropic friction",
@@ -598,10 +598,10 @@ def audit_uniqueness() -> AuditedClaim:
             paragraph(
                 "Two isotropic wheels at (0, 0) and (2, 1), surface velocities (1, 0.3) and (-0.2, 0.5). Weights 1 and "
                 "2: D = {}, omega = {}, {}. Equal weights: {}.",
-                f"{unequal.value:.5f}",
-                f"{unequal.twist[2]:.3f}",
-                _face_text(unequal),
-                _face_text(alike),
+                f"{both.values[0]:.5f}",
+                f"{both.twists[0, 2]:.3f}",
+                _face_text(both, 0),
+                _face_text(both, 1),
             ),
         ),
         prose(
@@ -611,8 +611,8 @@ def audit_uniqueness() -> AuditedClaim:
     )
 
 
-def _face_text(minimum: Minimum) -> str:
-    return "one minimizer" if minimum.face is None else f"a segment between {len(minimum.face)} twists minimizes D"
+def _face_text(minima: Minima, k: int) -> str:
+    return f"a segment between {len(minima.faces[k])} twists minimizes D" if k in minima.faces else "one minimizer"
 
 
 # ---- 9: the friction ellipse of Fig. 3 -----------------------------------------------------------
