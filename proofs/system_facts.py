@@ -215,7 +215,8 @@ def region_words(region: SublevelRegion, states: Sequence[str]) -> str:
         return f"{reached}; V < {region.refuted} is not decided"
     where = place_text(region.point, 5)
     on_border = max(abs(x) for x in region.point) == region.radius
-    why = "leaves the square" if on_border else "holds a point at which V does not fall"
+    cube = "square" if len(states) == len(PLANE) else "cube"
+    why = f"leaves the {cube}" if on_border else "holds a point at which V does not fall"
     return f"{reached}; V < {region.refuted} {why}, {where}"
 
 

@@ -118,7 +118,7 @@ class DesignResult(Result, Generic[Held]):
 
         It does where it alone meets the requirements, where it has fewer wheels and wheels were chosen, and where both
         do and more of what is maximized is known of it, by more than what bounds of a certificate may differ by without
-        a reason (:data:`ROUNDING`).
+        a reason (:data:`ROUNDING`).  A length per time, of arrival, does not compare with an exponential rate.
         """
         given, best = self.design.base, self.design.best
         if not self.is_found or best is given:
@@ -127,7 +127,17 @@ class DesignResult(Result, Generic[Held]):
             return True
         if best.value is None or given.value is None:
             return None if best.value is None else True
+        if len(set(self._units)) > 1:
+            return None
         return best.value - given.value > ROUNDING * abs(given.value)
+
+    @property
+    def _units(self) -> list[str]:
+        """The units of what was maximized, of the given array and of the best candidate: only those of rates differ."""
+        from nonsmooth.reports.designs.search import rate_unit
+
+        pair = (self.design.base, self.design.best) if self.wish.maximize == "rate" else ()
+        return [rate_unit(found.answers[0]) for found in pair]
 
     @property
     def is_another(self) -> bool:
@@ -186,7 +196,13 @@ class DesignResult(Result, Generic[Held]):
         """Whether anything is better than it was, and by how much."""
         what, given, best = WHAT[self.wish.maximize], self.given_value, self.value
         if self.improved is None:
-            return f"whether that is better than the given array is not known: nothing is known of {what}"
+            why = f"nothing is known of {what}"
+            if given is not None and best is not None:
+                before, after = (
+                    f"{_text(value)} {unit}" for value, unit in zip((given, best), self._units, strict=True)
+                )
+                why = f"{what} is {before} of that and {after} of this, which do not compare"
+            return f"whether that is better than the given array is not known: {why}"
         if self.design.base.unmet or self.design.base.why_not:
             missing = ", ".join(self.design.base.unmet) or self.design.base.why_not
             return f"improved: the given array lacks {missing}"

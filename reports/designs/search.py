@@ -81,6 +81,12 @@ def _rate(check: Check, answers: Sequence[Answer]) -> float | None:
     return None if rate is None else float(rate)
 
 
+def rate_unit(position: Answer) -> str:
+    """The unit of how fast a body comes home: rates of arrival and exponential ones cannot be compared."""
+    arrives = position.verdict is Position.COMES_NEAR or position.numbers.get("seconds_per_distance") is not None
+    return "length per time" if arrives else "1/time"
+
+
 def _held_rate(check: Check, answers: Sequence[Answer]) -> float | None:
     """Kappa: how fast feedback holds the pose, per unit of gain."""
     rate = answers[2].numbers.get("rate")
@@ -94,9 +100,9 @@ def _margin(check: Check, answers: Sequence[Answer]) -> float | None:
 
 
 def _basin(check: Check, answers: Sequence[Answer]) -> float | None:
-    """Radius of the disc of starts that come home."""
+    """Radius of the disc of starts that come home or near."""
     within = answers[0].numbers.get("within")
-    return None if within is None else float(within)
+    return None if within is None or answers[0].exit_status else float(within)
 
 
 def _tolerance(check: Check, answers: Sequence[Answer]) -> float | None:

@@ -187,6 +187,18 @@ def test_the_smaller_domain_of_a_function_is_named(invoke: Invoke, tmp_path: Pat
     )
 
 
+@pytest.mark.parametrize(("states", "shape"), [(["x", "y"], "square"), (["x", "y", "z"], "cube")])
+def test_what_a_larger_region_leaves_is_called_by_its_shape(
+    invoke: Invoke, tmp_path: Path, states: list[str], shape: str
+) -> None:
+    """V' = -2 V + 2 x^2 y is negative on the domain: nothing but the border of that ends the region."""
+    scene = tmp_path / "my.toml"
+    rhs = ["-x + x*y", *(f"-{name}" for name in states[1:])]
+    scene.write_text(f"[system]\nstates = {json.dumps(states)}\nrhs = {json.dumps(rhs)}\n")
+    region = invoke("check", str(scene), "--region", "none", "--json").record["lyapunov"]["region"]
+    assert f" leaves the {shape}, (" in region["text"]
+
+
 # ---- phase portraits -----------------------------------------------------------------------------
 
 PORTRAIT = ("y - 2*sign(x + y)", "-x + y/3 - sign(y)")

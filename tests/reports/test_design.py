@@ -15,9 +15,12 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.proofs.answers.answer import Answer, Position
+from nonsmooth.proofs.findings.verdicts import Fact, Quantity
 from nonsmooth.reports.designs.design import DesignResult
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.request import DesignError, read_freedom
+from nonsmooth.reports.designs.search import OBJECTIVES
 from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
@@ -298,6 +301,29 @@ def test_how_much_is_improved_is_said_by_both_values(
     result: DesignResult[None] = DesignResult(cast("Any", found), cast("Any", wish))
     assert result.improved is improved
     assert result.summary().startswith(f"table: {words}")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "basin"), [(Position.COMES_HOME, 0.25), (Position.COMES_NEAR, 0.25), (Position.STAYS_NEAR, None)]
+)
+def test_a_disc_of_bodies_that_turn_beside_the_point_is_no_basin(verdict: Position, basin: float | None) -> None:
+    """Where only the pose is required, a body may circle beside the point within a disc that is certified, too."""
+    position = Answer("position", verdict, (Fact("within", Quantity(Fraction(1, 4))),))
+    assert OBJECTIVES["basin"](cast("Any", None), (position,)) == basin
+
+
+def test_rates_of_unlike_units_are_not_compared(invoke: Invoke) -> None:
+    """Under rollers the spiral brings bodies near by a certain time; better headings bring them home exponentially."""
+    asked = ("design", "spiral-30", "--rule", "roller", "--maximize", "rate", "--checks", "8")
+    record = invoke(*asked, "--json").record
+    near, home = (record[name]["answers"]["position"] for name in ("given", "best"))
+    assert (near["verdict"], home["verdict"]) == ("comes near", "comes home")
+    assert record["given"]["value"] == pytest.approx((near["within"] - near["ends_within"]) / near["after"])
+    assert record["best"]["value"] == home["rate"]
+    assert record["improved"] is None
+    shown = " ".join(invoke(*asked).out.split())
+    assert "length per time of that and" in shown
+    assert "% more" not in shown
 
 
 def test_a_gain_of_feedback_does_not_hide_what_it_costs_without(invoke: Invoke) -> None:
