@@ -209,9 +209,11 @@ def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Floa
     moment = max(time, leg.start) if time else leg.start
     x = leg.at(moment)
     along = leg.motion(moment, x)
-    returns = _returns(later, x, along, moment)
     places = np.array([state for other in later for state in other.stretch.states])
     extent = float(np.ptp(places, axis=0).max())
+    if math.isinf(len(x) * float(np.abs(along).max()) * extent):  # heights over the section are beyond floats
+        raise OrbitError("the path runs away")
+    returns = _returns(later, x, along, moment)
     near = [(t, distance) for t, distance in returns if distance <= within * extent]
     if not near:
         raise OrbitError(

@@ -384,6 +384,12 @@ def test_a_path_that_runs_away_is_refused_in_words() -> None:
     assert "integrator" not in str(refused.value)
 
 
+def test_a_path_that_grows_almost_beyond_floats_is_refused_without_a_warning() -> None:
+    """Distances along its velocity are products of two large numbers: they overflow before states do."""
+    with pytest.raises(OrbitError, match=r"^the path runs away$"):
+        planar_orbit(["y", "-2*x + 7/4*y - 2*max(y - 1, 0) - 9/2*max(-y - 7/4, 0)"], (1.25, 2.0), 100.0)
+
+
 def test_a_path_ends_after_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """An oscillation that would take days: what was reached is right, and the reason is said."""
     monkeypatch.setattr(smooth_path, "MAX_WORK", 720)
