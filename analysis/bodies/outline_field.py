@@ -444,7 +444,7 @@ class _OnWheels(FilippovFaces):
     """The solutions of the field, with the wheels that come and go told apart from other switches."""
 
     def __init__(self, field: OutlineField, scene: Scene) -> None:
-        super().__init__(field, WorkMeter(MAX_WORK), MAX_EVENTS)
+        super().__init__(field, None, WorkMeter(MAX_WORK), MAX_EVENTS)
         self._outlined, self._scene = field, scene
 
     def next_mode(self, path: Path) -> Mode | EndReason:

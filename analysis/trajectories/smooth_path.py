@@ -24,6 +24,7 @@ from nonsmooth.analysis.trajectories.guards import WHIRL_LOOP, FaceGuards, Surfa
 from nonsmooth.analysis.trajectories.result import (
     EndReason,
     EventKind,
+    LyapunovWatch,
     Piece,
     Trajectory,
     TrajectoryError,
@@ -51,6 +52,7 @@ def follow_smooth(
     field: FacedField,
     start: Sequence[float],
     until: float,
+    watch: LyapunovWatch | None = None,
     *,
     max_events: int = MAX_EVENTS,
     meter: WorkMeter | None = None,
@@ -62,6 +64,7 @@ def follow_smooth(
         field: the field.
         start: initial state.
         until: last time.
+        watch: bound on V' to check every piece against.
         max_events: number of events after which the path ends in any case.
         meter: evaluations of fields after which the path ends in any case; None for :data:`MAX_WORK`.
         stepper: the method; None for DOP853, or Taylor series, and Radau where that is stiff, with tolerances near
@@ -69,9 +72,9 @@ def follow_smooth(
 
     Raises:
         ValueError: for a start outside the domain.
-        TrajectoryError: for a state without continuation.
+        TrajectoryError: for a violated Lyapunov bound or a state without continuation.
     """
-    faces = FilippovFaces(field, meter or WorkMeter(MAX_WORK), max_events)
+    faces = FilippovFaces(field, watch, meter or WorkMeter(MAX_WORK), max_events)
     return faces.path(start, until, stepper or near_rounding(field))
 
 
@@ -89,7 +92,7 @@ def follow_legs(
     Raises:
         ValueError, TrajectoryError: as for :func:`follow_smooth`.
     """
-    faces = FilippovFaces(field, WorkMeter(MAX_WORK), MAX_EVENTS)
+    faces = FilippovFaces(field, None, WorkMeter(MAX_WORK), MAX_EVENTS)
     path = faces.path(start, until, near_rounding(field, coarseness))
     return path, tuple(faces.legs)
 
@@ -163,8 +166,8 @@ class FilippovFaces(HybridField):
         legs: the stretches so far with their motions.
     """
 
-    def __init__(self, field: FacedField, meter: WorkMeter, max_events: int) -> None:
-        self.field, self.meter, self.max_events = field, meter, max_events
+    def __init__(self, field: FacedField, watch: LyapunovWatch | None, meter: WorkMeter, max_events: int) -> None:
+        self.field, self.watch, self.meter, self.max_events = field, watch, meter, max_events
         self.faces: list[Face] = []
         self.before: Face | None = None
         self.legs: list[Leg] = []
@@ -222,6 +225,7 @@ class FilippovFaces(HybridField):
         self._stalled = self._stalled + 1 if stretch.times[-1] == stretch.times[0] else 0
         if self._stalled > MAX_STALLED:
             raise TrajectoryError(f"no progress at t = {path.time:.6g}, {path.state.tolist()}: please report this")
+        self._watch(path)
         self._move_onto(path, [*face.keep, *surfaces])
         self.legs.append(Leg(mode.motion, stretch, path.state, surfaces))
         if surfaces and not face.keep:
@@ -233,6 +237,7 @@ class FilippovFaces(HybridField):
         limit = self.memory.limit_after(path.time, path.state, face.name, path.until)
         if limit is not None:
             path.pieces.append(limit.piece)
+            self._watch(path)
             path.tell(EventKind.CROSS, limit.piece.place, note="infinitely many switches accumulate here")
             around = [s for state in limit.states for other in self.field.faces_at(state) for s in other.keep]
             self._forget()
@@ -261,6 +266,10 @@ class FilippovFaces(HybridField):
         """Begin anew to look for loops of crossings."""
         self.memory = LoopMemory()
         self.crossings: deque[SurfaceCrossing] = deque(maxlen=2 * WHIRL_LOOP + 1)
+
+    def _watch(self, path: Path) -> None:
+        if self.watch is not None:
+            self.watch.check(path.pieces[-1])
 
     def _move_onto(self, path: Path, surfaces: Sequence[Surface]) -> None:
         """Move a state onto the surfaces it has reached, and onto any other within the slack of it."""

@@ -26,7 +26,12 @@ from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 
 def simulate(
-    field: SwitchedField, start: Sequence[Any], until: Any | None = None, *, meter: WorkMeter | None = None
+    field: SwitchedField,
+    start: Sequence[Any],
+    until: Any | None = None,
+    *,
+    watch: LyapunovWatch | None = None,
+    meter: WorkMeter | None = None,
 ) -> Trajectory:
     """Event-driven Filippov solution from a state at time zero.
 
@@ -34,6 +39,7 @@ def simulate(
         field: constant twists on polygons (floats or exact numbers), or one smooth field per cell or sign pattern.
         start: initial state, ``(x, y, theta)`` for arrays.
         until: last time; None only for constant twists: to the rest, however long that takes.
+        watch: certified bound on V'; None watches ``|c - c*|^2`` for constant twists.
         meter: work of several paths together, for fields that are not constant on cells; None for that of one.
 
     Raises:
@@ -45,12 +51,12 @@ def simulate(
     if until is not None and not until > 0:
         raise ValueError(f"required a positive last time, received {until}")
     if isinstance(field, ConstantField):
-        return follow_constant(field, start, until, distance_watch(field))
+        return follow_constant(field, start, until, watch or distance_watch(field))
     if until is None or not math.isfinite(until):
         raise ValueError("required a finite last time for a field that is not constant on its cells")
     if not field.size > 0:
         raise TrajectoryError("required states within the range of floats")
-    return follow_smooth(field, start, float(until), meter=meter)
+    return follow_smooth(field, start, float(until), watch, meter=meter)
 
 
 # ---- the watch on the distance from the checked point --------------------------------------------

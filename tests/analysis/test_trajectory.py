@@ -23,11 +23,11 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, affine_surface
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import (
     EndReason,
     EventKind,
     LyapunovViolationError,
+    LyapunovWatch,
     Trajectory,
     TrajectoryError,
 )
@@ -339,23 +339,24 @@ def test_a_violated_bound_is_an_error(arrays: Arrays, kinematics: Kinematics) ->
     field = array_field(build_nearest_partition(arrays.four_wheel()), kinematics)
     watch = distance_watch(field)
     too_strict = replace(watch, bounds={name: bound - 1 for name, bound in watch.bounds.items()})
-    follow_constant(field, (0.2, 0.1, 0), None, watch)
+    simulate(field, (0.2, 0.1, 0), watch=watch)
     with pytest.raises(LyapunovViolationError, match=r"contradicts the certified bound"):
-        follow_constant(field, (0.2, 0.1, 0), None, too_strict)
+        simulate(field, (0.2, 0.1, 0), watch=too_strict)
 
 
 @pytest.mark.parametrize("kinematics", list(Kinematics))
 def test_feedback_brings_theta_to_zero_as_corrected_and_not_as_printed(arrays: Arrays, kinematics: Kinematics) -> None:
-    """V' <= -sqrt2 V for the corrected law with k = 1; by gradients V never rises; as printed theta stays away."""
+    """V' <= -sqrt2 V for the corrected law with k = 1, watched on every piece; as printed theta stays away."""
     partition = build_nearest_partition(arrays.four_wheel(radius=1))
+    names = [f"cell {cell.index}" for cell in partition.cells]
+    watch = LyapunovWatch(lambda s: s[0] ** 2 + s[1] ** 2 + s[2] ** 2, dict.fromkeys(names, 0.0), slack=1e-12)
     start = (0.5, 0.2, 0.3)
-    path = simulate(feedback_field(partition, corrected_law(1), kinematics), start, 6)
+    path = simulate(feedback_field(partition, corrected_law(1), kinematics), start, 6, watch=watch)
     potential = (path.array**2).sum(axis=1)
     assert (potential <= potential[0] * np.exp(-math.sqrt(2) * np.array(path.times)) + 1e-12).all()
     assert path.end.state[:2] == pytest.approx((0, 0), abs=1e-12)
     assert path.unique
-    gradient = simulate(feedback_field(partition, gradient_law(1), kinematics), start, 6)
-    assert (np.diff((gradient.array**2).sum(axis=1)) <= 1e-12).all()
+    gradient = simulate(feedback_field(partition, gradient_law(1), kinematics), start, 6, watch=watch)
     assert np.abs(gradient.end.state).max() < 0.02
     printed = simulate(feedback_field(partition, printed_law(1), kinematics), start, 6)
     assert abs(printed.end.state[2]) > 0.3
