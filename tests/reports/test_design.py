@@ -312,16 +312,16 @@ def test_a_disc_of_bodies_that_turn_beside_the_point_is_no_basin(verdict: Positi
     assert OBJECTIVES["basin"](cast("Any", None), (position,)) == basin
 
 
-def test_rates_of_unlike_units_are_not_compared(invoke: Invoke) -> None:
+def test_rates_of_unlike_units_are_not_compared() -> None:
     """Under rollers the spiral brings bodies near by a certain time; better headings bring them home exponentially."""
-    asked = ("design", "spiral-30", "--rule", "roller", "--maximize", "rate", "--checks", "8")
-    record = invoke(*asked, "--json").record
+    found = ns.load("spiral-30").with_(rule="roller").design(maximize="rate", checks=8)
+    record = found.to_dict()
     near, home = (record[name]["answers"]["position"] for name in ("given", "best"))
     assert (near["verdict"], home["verdict"]) == ("comes near", "comes home")
     assert record["given"]["value"] == pytest.approx((near["within"] - near["ends_within"]) / near["after"])
     assert record["best"]["value"] == home["rate"]
     assert record["improved"] is None
-    shown = " ".join(invoke(*asked).out.split())
+    shown = str(found.blocks()[0])
     assert "length per time of that and" in shown
     assert "% more" not in shown
 
