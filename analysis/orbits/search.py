@@ -26,7 +26,8 @@ from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 
-EVALUATIONS = 240_000  # of a field, along one path or in all of shooting: some seconds
+EVALUATIONS = 240_000  # of a field, along one path
+SHOOTING = 1_000_000  # in all of shooting: some seconds; the derivative of each turn takes 4 n + 1 for one of the path
 NEARBY = 0.1  # of the extent of the path: a start that returns so near is beside an orbit
 RETURNS = 12  # that are compared: an orbit may pass the section several times in a turn
 PREFERRED = 4.0  # an earlier return is taken unless a later one is so many times nearer
@@ -56,7 +57,7 @@ def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
     except (OrbitError, ValueError):
         raise refusal from None
     try:
-        with _limited(field) as limited:
+        with _limited(field, SHOOTING) as limited:
             return _begun_well(shoot(limited, found.point, found.period))
     except (OrbitError, TrajectoryError, WorkLimitError):
         place = np.round(found.point, 6).tolist()
@@ -77,7 +78,7 @@ def _find_along(field: SignField, start: Sequence[float], until: float) -> Orbit
     refusals = []
     places = [(0.0, NEARBY), (legs[-1].end / 2, math.inf), (0.0, math.inf)] if legs else []
     try:
-        with _limited(field) as limited:
+        with _limited(field, SHOOTING) as limited:
             for number, (first, within) in enumerate(places):
                 if number == 1:
                     if refusal:
@@ -94,7 +95,7 @@ def _find_along(field: SignField, start: Sequence[float], until: float) -> Orbit
                     grows = "; turns of the path still grow: a later --until may find one" if _grows(legs) else ""
                     refusals.append(f"{error}{grows}")
     except WorkLimitError:
-        raise OrbitError(f"no periodic orbit is found within {EVALUATIONS} evaluations of the field") from None
+        raise OrbitError(f"no periodic orbit is found within {SHOOTING} evaluations of the field") from None
     raise OrbitError(refusal or refusals[1])
 
 
@@ -109,13 +110,13 @@ def _grows(legs: Sequence[Leg]) -> bool:
 
 
 @contextmanager
-def _limited(field: SignField) -> Iterator[SignField]:
+def _limited(field: SignField, evaluations: int) -> Iterator[SignField]:
     """The same field, whose evaluations are limited within the block: so many, however fast the machine is.
 
     Raises:
         WorkLimitError: from the field, once there are too many.
     """
-    meter = WorkMeter(EVALUATIONS)
+    meter = WorkMeter(evaluations)
     counts = True
 
     def counted(evaluate: Callable[..., Any]) -> Callable[..., Any]:
@@ -146,7 +147,7 @@ def _legs(field: SignField, start: Sequence[float], until: float) -> tuple[tuple
     reason = ""
     for k in range(SHORTER):
         try:
-            with _limited(field) as limited:
+            with _limited(field, EVALUATIONS) as limited:
                 _, legs = follow_legs(limited, start, until / 4**k)
         except TrajectoryError:
             reason = f"the path cannot be followed until t = {until:g}: it runs away, or has no continuation"

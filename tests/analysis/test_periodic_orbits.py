@@ -399,10 +399,39 @@ def test_a_path_ends_after_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     assert path.end.state == pytest.approx((math.cos(path.end.t), -math.sin(path.end.t)), abs=1e-9)
 
 
+@few(1)
+@pytest.mark.parametrize("strength", ["7/4", "6"])
+def test_relaxation_oscillations_that_drive_other_states_are_found(strength: str) -> None:
+    """Derivatives of turns in three states take many evaluations.  The period is that of SciPy's own integration."""
+    rhs = ["y", f"-x + ({strength} - x**2)*y", "-z + 3/4*sign(x)"]
+    system = ns.System(["x", "y", "z"], rhs)
+    found = system.orbit((2.6, 0.0, 0.5))
+    mu = float(Fraction(strength))
+
+    def upward(_: float, state: Sequence[float]) -> float:
+        return float(state[0])
+
+    upward.direction = 1  # type: ignore[attr-defined]
+    path = solve_ivp(
+        lambda _, s: [s[1], -s[0] + (mu - s[0] ** 2) * s[1]],
+        (0, 100),
+        [2.6, 0.0],
+        events=upward,
+        rtol=1e-11,
+        atol=1e-11,
+    )
+    assert found.period == pytest.approx(np.diff(path.t_events[0])[-1], rel=1e-7)
+    assert found.stability == "attracting"
+
+
 def test_a_search_ends_after_its_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(search, "EVALUATIONS", 2_000)
     with pytest.raises(OrbitError, match="more than 2000 evaluations of the field"):
         planar_orbit(["y", "-x - y/10"], (1.0, 0.0), 1e9)
+    monkeypatch.setattr(search, "EVALUATIONS", 240_000)
+    monkeypatch.setattr(search, "SHOOTING", 2_000)
+    with pytest.raises(OrbitError, match="no periodic orbit is found within 2000 evaluations of the field"):
+        planar_orbit(["y", "-x + (1 - x**2)*y"], (2.0, 0.0), 30.0)
 
 
 def test_a_proof_ends_after_its_work(monkeypatch: pytest.MonkeyPatch) -> None:
