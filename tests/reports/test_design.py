@@ -314,7 +314,9 @@ def test_a_disc_of_bodies_that_turn_beside_the_point_is_no_basin(verdict: Positi
 
 def test_rates_of_unlike_units_are_not_compared() -> None:
     """Under rollers the spiral brings bodies near by a certain time; better headings bring them home exponentially."""
-    found = ns.load("spiral-30").with_(rule="roller").design(maximize="rate", checks=8)
+    spiral = ns.load("spiral-30")
+    assert isinstance(spiral, ns.Array)
+    found = spiral.with_(rule="roller").design(maximize="rate", checks=8)
     record = found.to_dict()
     near, home = (record[name]["answers"]["position"] for name in ("given", "best"))
     assert (near["verdict"], home["verdict"]) == ("comes near", "comes home")
