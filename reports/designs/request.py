@@ -79,7 +79,10 @@ def read_freedom(scene: Scene, free: str, move: Any, symmetry: int | None) -> Fr
         raise DesignError(f"free: required wheels alone, received {free[:60]!r}")
     if WHEELS in kinds and isinstance(scene.contact.loads, LoadTable):
         raise DesignError("free: required loads that some of the wheels have too, received loads stated for all wheels")
-    return replace(Freedom(kinds, move=_distance(scene, move)), order=_order(scene, symmetry))
+    distance = _distance(scene, move)
+    if move is not None and "positions" not in kinds:
+        raise DesignError(f"move: required positions among what is free, received {', '.join(kinds)}")
+    return replace(Freedom(kinds, move=distance), order=_order(scene, symmetry))
 
 
 def _names(text: str, keyword: str, known: tuple[str, ...]) -> tuple[str, ...]:
