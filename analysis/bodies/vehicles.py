@@ -162,7 +162,8 @@ def _least_dissipation(vehicle: Vehicle, rule: SmoothRule) -> VehicleMotion:
     scene = vehicle.scene
     require_friction(scene, rule)
     minimum = minima_under(rule, scene, _centre(vehicle))
-    twists, (forces,) = minimum.faces.get(0, minimum.twists), minimum.forces
+    twists = minimum.faces.get(0, minimum.twists)
+    forces = minimum.forces[0]
     exact = None if minimum.faces else equal_slip_twist(scene, rule)
     motion = VehicleMotion(vehicle, rule, twists, None if exact is None else (exact,), forces)
     if exact is not None and not any(row.residual(exact) for row in scene_rows(scene)):

@@ -453,9 +453,11 @@ def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | N
     positions = [wheel.position for wheel in array.wheels]
     if len(support_polygon(positions)) < 3:
         return 0
-    sides, points = hull_sides(float_points(positions)), np.array(places, float)
-    beyond = points @ sides[:, :2].T + sides[:, 2] >= -INSIDE * np.ptp(float_points(positions), axis=0).max()
-    return next(iter(np.flatnonzero(beyond.any(axis=1)).tolist()), None)
+    corners = float_points(positions)
+    sides, slack = hull_sides(corners), INSIDE * np.ptp(corners, axis=0).max()
+    heights = np.array(places, float) @ sides[:, :2].T + sides[:, 2]
+    outside = np.flatnonzero(heights.max(axis=1) >= -slack)
+    return int(outside[0]) if len(outside) else None
 
 
 def _record(path: FailedPath, move: tuple[float, float] | None) -> Record:
