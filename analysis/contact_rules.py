@@ -31,6 +31,7 @@ class NearestRule(CellRule):
     )
     hardware = "the paper's distributed manipulator; cilia and other MEMS actuators, where two contacts carry the part"
     keeps_rows = True
+    sees_order_of_friction = True
 
     def remark(self, scene: Scene) -> str:
         """Equal frictions leave open which row of the second wheel holds."""

@@ -35,6 +35,8 @@ class ContactRule(ABC):
             they do not exist (the body tips); the regions of any other rule are cut at the support polygon.
         keeps_rows: whether the motion satisfies the rows of its contact state exactly, so that inputs act through the
             control vector fields of that state (feedback clause).
+        sees_order_of_friction: whether all that the motion follows from of a wheel's friction is which of mu_R and mu_S
+            are zero, and which is larger.
         is_massless_limit: whether paths under full dynamics tend to those of the rule as the mass goes to zero, in
             scenes whose own rule has cells and states no friction forces (:func:`massless_rule`).
     """
@@ -44,6 +46,7 @@ class ContactRule(ABC):
     hardware: ClassVar[str] = ""
     needs_loads: ClassVar[bool] = False
     keeps_rows: ClassVar[bool] = False
+    sees_order_of_friction: ClassVar[bool] = False
     is_massless_limit: ClassVar[bool] = False
 
     def remark(self, scene: Scene) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise, product
 from typing import Any, TypeAlias, TypeVar
 
+from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
@@ -29,7 +30,9 @@ from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPlan, Value, WrittenValue
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, standing
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Outcome: TypeAlias = Mapping[str, Any]
@@ -37,6 +40,8 @@ Kept = TypeVar("Kept")
 
 QUESTIONS = ("position", "heading", "pose", "theorem4")
 CLAUSES = ("equilibrium", "translation", "rotation", "feedback")
+
+COEFFICIENTS = ("mu_roll", "mu_side")  # of friction, as key paths end
 
 # Numbers of a record, and where they come from: the answer or clause, and the key of its fact.
 NUMBERS = {
@@ -71,14 +76,20 @@ def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, f
 def outcomes_of(
     base: Base, paths: Sequence[Path], scenes: Iterable[Sequence[Entry]], *, failures: bool = False
 ) -> list[Outcome]:
-    """Check scenes one after the other, and follow the paths by which they are compared all together."""
-    begun = [_begun(base, paths, entries, failures=failures) for entries in scenes]
-    samples = [one.sample for one in begun if isinstance(one, _Decided) and one.sample is not None]
+    """Check scenes one after the other, and follow the paths by which they are compared all together.
+
+    Scenes whose answers follow from the same (:func:`_follows_from`) are checked once.
+    """
+    known: dict[Hashable, _Decided | Outcome] = {}
+    begun = [_begun(base, paths, entries, known, failures=failures) for entries in scenes]
+    decided = list(dict.fromkeys(one for one in begun if isinstance(one, _Decided)))
+    samples = [one.sample for one in decided if one.sample is not None]
     ends = iter(ends_from(samples) if samples else ())
-    return [_ended(one, ends) if isinstance(one, _Decided) else one for one in begun]
+    ended = {one: _ended(one, ends) for one in decided}
+    return [ended[one] if isinstance(one, _Decided) else one for one in begun]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Decided:
     """An array whose verdicts are decided, and not yet compared with paths.
 
@@ -101,24 +112,52 @@ class _Decided:
         return found if self.failures is None else {**found, "failures": self.failures}
 
 
-def _begun(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, failures: bool) -> _Decided | Outcome:
-    """One scene, decided or refused; an array with a number beyond floats is done with at once, since only there
-    errors of arithmetic have that reason.
-    """
+def _begun(
+    base: Base,
+    paths: Sequence[Path],
+    entries: Sequence[Entry],
+    known: dict[Hashable, _Decided | Outcome],
+    *,
+    failures: bool,
+) -> _Decided | Outcome:
+    """One scene, decided or refused; or what is known of one whose answers follow from the same."""
     if base.is_system:
         return system_outcome(base, paths, entries)
 
     def decided() -> _Decided | Outcome:
         scene = base.scene(paths, entries)
         with beyond_floats_named(scene) as is_beyond:
-            check = check_theorem4(scene, beside=False)
-            robust = robust_answer(check.scene, check.results)
-            printed = Printed.of(check, Answers(answers_of(check), None, (), robust))
-            further = failure_records(failures_of(scene)) if failures else None
-            found = _Decided(printed, robust, sample_of(printed), further)
-            return _ended(found, iter(ends_from([found.sample]))) if is_beyond and found.sample else found
+            if is_beyond:  # done with at once: only there errors of arithmetic have that reason
+                found = _decided(scene, failures=failures)
+                return _ended(found, iter(ends_from([found.sample]))) if found.sample else found
+            source = _follows_from(scene, paths, entries)
+            if source not in known:
+                known[source] = _decided(scene, failures=failures)
+            return known[source]
 
     return _unless_refused(decided)
+
+
+def _follows_from(scene: Scene, paths: Sequence[Path], entries: Sequence[Entry]) -> Hashable:
+    """What tells the answers of a scene from those of the others of its sweep.
+
+    That are the values that vary; but of friction, which nobody knows well and many sweeps vary, only what the contact
+    rule sees, where that is less.  Tolerances are of the friction itself.
+    """
+    if scene.tolerances is not None or not rule_of(scene).sees_order_of_friction:
+        return tuple(entries)
+    others = tuple(entry for path, entry in zip(paths, entries, strict=True) if path[-1] not in COEFFICIENTS)
+    frictions = [wheel.friction for wheel in (*scene.wheels, *scene.idle)]
+    return others, tuple((bool(own.roll), bool(own.side), sign(own.side - own.roll)) for own in frictions)
+
+
+def _decided(scene: Scene, *, failures: bool) -> _Decided:
+    """The verdicts and answers of one scene, not yet compared with paths."""
+    check = check_theorem4(scene, beside=False)
+    robust = robust_answer(check.scene, check.results)
+    printed = Printed.of(check, Answers(answers_of(check), None, (), robust))
+    further = failure_records(failures_of(scene)) if failures else None
+    return _Decided(printed, robust, sample_of(printed), further)
 
 
 def _ended(decided: _Decided, ends: Iterator[SampledEnds | None]) -> Outcome:

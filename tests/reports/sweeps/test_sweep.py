@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import tomllib
 from collections.abc import Sequence
 from fractions import Fraction
 from importlib.util import find_spec
@@ -17,15 +18,17 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.reports.output.document import Table, plain_text
 from nonsmooth.reports.output.entries import toml_text
-from nonsmooth.reports.sweeps.base import Base, base_of
+from nonsmooth.reports.sweeps import outcome as outcome_module
+from nonsmooth.reports.sweeps.base import Base, base_of, with_wheels
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.figure import axis_label, build_figure
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of, outcomes_of
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
-from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_plan
+from nonsmooth.reports.sweeps.sweep_plan import LARGE, Entry, Point, SweepPlan, read_plan
 from nonsmooth.reports.sweeps.table import flat_rows, sweep_blocks
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.files.scene_file import load_scene, one_by_one
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text
 from tests.oracles.measured_tables import MeasuredTable
 from tests.reports.conftest import Invoke
@@ -312,6 +315,43 @@ def test_scenes_that_are_checked_together_have_the_outcomes_of_each(name: str) -
     paths = tuple(axis.path for axis in plan.axes)
     scenes = [(side, x) for side in ("1/2", "-1", "3/7", "0", "1e200", "2") for x in ("3/4", "7", "1e-180")]
     assert outcomes_of(base, paths, scenes) == [outcome_of(base, paths, scene) for scene in scenes]
+
+
+TOLERANCES = """
+[tolerance]
+mu_roll = "1/5"
+mu_side = "1/5"
+"""
+
+
+@pytest.mark.parametrize(
+    ("tables", "rule", "rolls", "checks"),
+    [("", "nearest", (1, "0.6", "0.2"), 6), ("", "ellipse", (1,), 4), (TOLERANCES, "nearest", (1,), 4)],
+    ids=["nearest", "ellipse", "tolerances"],
+)
+def test_of_friction_counts_what_the_rule_sees(
+    tables: str, rule: str, rolls: Sequence[Entry], checks: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`nearest` sees which coefficient of each wheel is larger and which are zero: scenes alike in that are checked
+    once, with the answers that each has alone; with tolerances, and under other rules, every scene is checked.
+    """
+    text = toml_text({**read_document("four-wheel", rule=rule)[0]}) + tables
+    base = with_wheels(base_of(tomllib.loads(text), "four.toml", Path("four.toml")), ["wheel.2.mu_side"])
+    paths = (("friction", "mu_roll"), ("wheel", 1, "mu_side"))
+    sides: tuple[Entry, ...] = ("0.1", "1/2", "0.8", 0)
+    scenes = list(product(rolls, sides))
+    failures = rule == "nearest"
+    alone = [outcome_of(base, paths, scene, failures=failures) for scene in scenes]
+    checked: list[Scene] = []
+    decide = vars(outcome_module)["_decided"]
+
+    def counted(scene: Scene, *, failures: bool) -> Any:
+        checked.append(scene)
+        return decide(scene, failures=failures)
+
+    monkeypatch.setattr(outcome_module, "_decided", counted)
+    assert outcomes_of(base, paths, scenes, failures=failures) == alone
+    assert len(checked) == checks
 
 
 @thorough  # the small one: test_a_wheel_of_a_table_varies_on_its_own
