@@ -156,9 +156,13 @@ def _computed(operation: Callable[..., Any], *numbers: Number) -> Number:
         box: arb = operation(*balls)
         pairs = zip(numbers, balls, strict=True)
         member: arb = operation(*(n.member if isinstance(n, Rounded) else ball for n, ball in pairs))
-        distance = abs(member - exact.ball())
-        is_constant = box.is_finite() and bool(distance <= box.rad() * _CONSTANT)
+        is_constant = box.overlaps(member) and box.is_finite() and _is_close(member, exact, box.rad())
     return exact if is_constant else Rounded(exact, box, member)
+
+
+def _is_close(member: arb, exact: Number, radius: arb) -> bool:
+    """Whether the other member is the rounded one, compared with the radius of their box."""
+    return bool(abs(member - exact.ball()) <= radius * _CONSTANT)
 
 
 @contextmanager
