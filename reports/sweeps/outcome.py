@@ -61,24 +61,18 @@ NUMBERS = {
 }
 
 
-def outcome_of(base: Base, paths: Sequence[Path], entries: Sequence[Entry], *, failures: bool = False) -> Outcome:
-    """Check one scene of a sweep.
+def outcomes_of(
+    base: Base, paths: Sequence[Path], scenes: Iterable[Sequence[Entry]], *, failures: bool = False
+) -> list[Outcome]:
+    """Check scenes of a sweep one after the other, and follow the paths by which they are compared all together.
+
+    Scenes whose answers follow from the same (:func:`_follows_from`) are checked once.
 
     Args:
         base: the scene before anything varies.
         paths: the numbers that vary.
-        entries: their values.
+        scenes: their values in each scene.
         failures: also ask what happens when any one wheel fails.
-    """
-    return outcomes_of(base, paths, [entries], failures=failures)[0]
-
-
-def outcomes_of(
-    base: Base, paths: Sequence[Path], scenes: Iterable[Sequence[Entry]], *, failures: bool = False
-) -> list[Outcome]:
-    """Check scenes one after the other, and follow the paths by which they are compared all together.
-
-    Scenes whose answers follow from the same (:func:`_follows_from`) are checked once.
     """
     known: dict[Hashable, _Decided | Outcome] = {}
     begun = [_begun(base, paths, entries, known, failures=failures) for entries in scenes]

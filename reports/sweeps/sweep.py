@@ -22,15 +22,14 @@ from nonsmooth.reports.sweeps.outcome import (
     Outcome,
     certified_cell,
     exact_base,
-    outcome_of,
     planned_cells,
     questions_of,
 )
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Entry, Point, SweepError, SweepPlan
-from nonsmooth.reports.sweeps.workers import Task, Work, Workers, local_workers
+from nonsmooth.reports.sweeps.workers import MOST, Task, Work, Workers, local_workers
 
-SAMPLES = 4  # scenes by which the time of a large sweep is estimated; the first one is not counted
+SAMPLES = 4  # jobs by which the time of a large sweep is estimated; the first one is not counted
 MAX_WORKERS = 1024
 
 
@@ -110,11 +109,11 @@ def run_sweep(base: Base, plan: SweepPlan, means: Means, report: ProgressCall = 
         raise SweepError("borders: required a grid of scenes, received random draws")
     if base.is_system:
         _require_array(means)
-    if plan.size > LARGE and not means.yes:
-        raise SweepError(_estimate(base, plan, means))
-    cells = planned_cells(base, plan) if means.certify else None
     scenes = exact_base(base) if means.certify else base
     work = Work(scenes, tuple(axis.path for axis in plan.axes), means.fail is not None)
+    if plan.size > LARGE and not means.yes:
+        raise SweepError(_estimate(work, plan, means))
+    cells = planned_cells(base, plan) if means.certify else None
     with _runner(work, means, report) as runner:
         outcomes = runner.outcomes((entries_of(plan, k) for k in range(plan.size)), plan.size)
         if all(outcome[questions_of(outcome)[0]] == REFUSED for outcome in outcomes):
@@ -176,14 +175,15 @@ def _borders(plan: SweepPlan, outcomes: Sequence[Outcome], runner: Runner) -> tu
     return find_borders(plan, outcomes, ask)
 
 
-def _estimate(base: Base, plan: SweepPlan, means: Means) -> str:
-    """What to say before a large sweep, from a few measured scenes."""
-    paths = tuple(axis.path for axis in plan.axes)
+def _estimate(work: Work, plan: SweepPlan, means: Means) -> str:
+    """What to say before a large sweep, from a few measured jobs."""
     seconds = []
     for k in range(SAMPLES):
+        first = plan.size * k // SAMPLES
+        job = [entries_of(plan, scene) for scene in range(first, first + MOST)]
         started = time.perf_counter()
-        outcome_of(base, paths, entries_of(plan, plan.size * k // SAMPLES), failures=means.fail is not None)
-        seconds.append(time.perf_counter() - started)
+        checked = len(work.outcomes(job))
+        seconds.append((time.perf_counter() - started) / checked)
     whole = sum(seconds[1:]) / (SAMPLES - 1) * plan.size / means.processes
     return f"yes: required for more than {LARGE} scenes, received {plan.size}: about {_duration(whole)}"
 

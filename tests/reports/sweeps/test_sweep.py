@@ -22,11 +22,12 @@ from nonsmooth.reports.sweeps import outcome as outcome_module
 from nonsmooth.reports.sweeps.base import Base, base_of, with_wheels
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.figure import axis_label, build_figure
-from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of, outcomes_of
+from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcomes_of
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Entry, Point, SweepPlan, read_plan
 from nonsmooth.reports.sweeps.table import flat_rows, sweep_blocks
 from nonsmooth.symbolic.files.documents import read_document
+from nonsmooth.symbolic.files.key_paths import Path as KeyPath
 from nonsmooth.symbolic.files.scene_file import load_scene, one_by_one
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text
@@ -44,6 +45,12 @@ def based(scene: str, vary: dict[str, str], **given: str) -> tuple[Base, SweepPl
 
 def swept(scene: str, vary: dict[str, str], means: Means | None = None, **given: str) -> Sweep:
     return run_sweep(*based(scene, vary, **given), means or Means())
+
+
+def outcome_of(base: Base, paths: Sequence[KeyPath], entries: Sequence[Entry], *, failures: bool = False) -> Outcome:
+    """Of a scene that is checked alone."""
+    (outcome,) = outcomes_of(base, paths, [entries], failures=failures)
+    return outcome
 
 
 def values(border: Border) -> list[Any]:
