@@ -32,6 +32,7 @@ from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Scene, Wheel
 from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
+from nonsmooth.symbolic.numbers.number_text import numbers_text
 
 MAX_CSV_BYTES = 64 << 20
 KEYS_OF_OTHERS = {  # tables of other documents, with the keys that tell them
@@ -110,7 +111,12 @@ def build_scene(
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
     check = build_check(document, numbers, built)
-    hints = (*unit_hints(built, body, check, document.units.labels), *angle_hints(layout.turns(), document.units.angle))
+    units = document.units
+    hints = (
+        *unit_hints(built, body, check, units.labels),
+        *speed_hints(document, built),
+        *angle_hints(layout.turns(), units.angle),
+    )
     numbers.field.remarks += tuple(map(FirstRemark, hints))
     _require_mixed(rule, builder.rule, file)
     if rule not in (None, MIXED) and all("contact" in wheel.named for wheel in built):
@@ -123,9 +129,9 @@ def build_scene(
         check=check,
         source=file,
         continuum=build_continuum(document, numbers, built),
-        units=document.units.labels,
+        units=units.labels,
         body=body,
-        inertia=build_inertia(document.body, document.units.labels.metres, numbers),
+        inertia=build_inertia(document.body, units.labels.metres, numbers),
         tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),
         loop_errors=None if document.feedback is None else build_loop_errors(document.feedback, numbers),
     )
@@ -232,6 +238,19 @@ def unit_hints(wheels: Sequence[Wheel], body: Body | None, check: CheckedSquare,
         wide, apart = f"{body_size(body):.4g} {units.length}", f"{size:.4g} {units.length}"
         yield f"[body]: it is {wide} wide, and the wheels lie within {apart}: are both in {units.length}?"
     yield from _of_check(wheels, check, size, units)
+
+
+def speed_hints(document: SceneDocument, wheels: Sequence[Wheel]) -> Iterator[str]:
+    """Wheels of a scene with units that run at one unit of speed, because nothing says how fast: all times follow."""
+    of_field = document.field is not None and "speed" in document.field.model_fields_set  # of wheels without headings
+    silent = [
+        wheel for wheel in wheels if "speed" not in wheel.named and not (of_field and "heading" not in wheel.named)
+    ]
+    if document.units.length is None or not silent:
+        return
+    numbers = numbers_text(tuple(wheel.index for wheel in silent))
+    who = "no wheel states a speed" if len(silent) == len(wheels) else f"no speed is stated of wheels {numbers}"
+    yield f"[units]: {who}: they run at {float(silent[0].speed):.4g} {document.units.labels.speed}"
 
 
 def angle_hints(turns: Iterable[Fraction], unit: AngleUnit | None) -> Iterator[str]:

@@ -110,6 +110,33 @@ def test_sizes_a_thousand_times_off_are_told(tmp_path: Path, changed: str, hint:
     assert any(hint in remark for remark in scene.field.remarks)
 
 
+SILENT = "no wheel states a speed"
+TWO_SILENT = "no speed is stated of wheels A1, B2"
+
+
+@pytest.mark.parametrize(
+    ("units", "field", "columns", "hint"),
+    [
+        ('length = "mm"', 'kind = "radial", speed = 100', "", None),
+        ('length = "mm"', 'kind = "radial"', "", f"{SILENT}: they run at 1 mm/s"),
+        ('length = "mm", speed = "m/s"', 'kind = "saddle"', "", f"{SILENT}: they run at 1000 mm/s"),
+        ('length = "mm"', 'kind = "radial", speed = 100', "heading", f"{TWO_SILENT}: they run at 1 mm/s"),
+        ('length = "mm"', 'kind = "radial"', "speed", f"{TWO_SILENT}: they run at 1 mm/s"),
+        ('angle = "deg"', 'kind = "radial"', "", None),
+    ],
+)
+def test_wheels_whose_speed_nothing_states_are_told(
+    tmp_path: Path, units: str, field: str, columns: str, hint: str | None
+) -> None:
+    """A field's speed is that of the wheels whose headings it gives."""
+    own = {"heading": ("90", "", "", "90"), "speed": ("", "50", "50", "")}.get(columns, ("",) * 4)
+    rows = zip(TABLE.splitlines(), (columns or "note", *own), strict=True)
+    table = "\n".join(f"{row},{entry}" for row, entry in rows)
+    scene = SCENE.replace('kind = "radial", speed = 100', field).replace('length = "mm"', units)
+    remarks = load_scene(write(tmp_path, table, scene)).field.remarks
+    assert [remark for remark in remarks if remark.startswith("[units]")] == ([f"[units]: {hint}"] if hint else [])
+
+
 @pytest.mark.parametrize("heading", [45, 1.5])
 def test_radians_beyond_a_full_turn_are_told(tmp_path: Path, heading: float) -> None:
     table = TABLE.replace("x,y", "x,y,heading").replace("100\n", f"100,{heading}\n").replace(".4\n", f".4,{heading}\n")
