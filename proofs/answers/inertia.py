@@ -39,7 +39,7 @@ from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, un
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.clauses.at_point.mass import PRECISION, Pencil, mass_limits
 from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, said
-from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
+from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, checked_scene, contact_set
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import part_of
@@ -255,6 +255,7 @@ def settled_from(scene: Scene, start: Pose) -> Settled | None:
         LoadError: for a start without loads.
         TrajectoryError: where the path cannot be followed.
     """
+    scene = checked_scene(scene)
     body, crossing = _body(scene), _crossing(scene, float(scene.check.radius) / 2)
     if body is None:
         return None

@@ -107,17 +107,17 @@ def contact_set(scene: Scene) -> ContactSet:
     return ContactSet(numbers, margin, None if body.is_round else free_angle(body, places, margin))
 
 
-def accuracy_at_point(scene: Scene) -> Fraction:
-    """How near a body must come (length): what a check says, which is about the wheels that carry at the checked pose.
-
-    Where a body cannot be put down there, that of all wheels.
-    """
-    if scene.body is None or scene.check.accuracy is not None:
-        return scene.accuracy
+def checked_scene(scene: Scene) -> Scene:
+    """What a check is about: the wheels that carry at the checked pose; the scene where a body does not stand there."""
     try:
-        return standing(scene).accuracy
+        return standing(scene)
     except SceneError:
-        return scene.accuracy
+        return scene
+
+
+def accuracy_at_point(scene: Scene) -> Fraction:
+    """How near a body must come (length): what a check says."""
+    return checked_scene(scene).accuracy
 
 
 def wheels_text(scene: Scene) -> str:

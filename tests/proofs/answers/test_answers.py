@@ -479,6 +479,13 @@ def test_times_from_half_of_the_stated_radius_stand_beside_those_from_the_checke
     assert alone.settles_after == pytest.approx(stated["from"][0]["settles_after"], rel=0.02)
 
 
+def test_a_body_that_is_followed_alone_is_that_of_the_checked_wheels(table: Scene) -> None:
+    """The accuracy of the wheels that carry it, not that of the whole table, and their slowest motion."""
+    start, scene = (155.0, 96.0, 0.1), standing(table)
+    assert scene.accuracy < table.accuracy
+    assert settled_from(table, start) == settled_from(scene, start)
+
+
 def test_a_body_with_inertia_on_wheels_that_all_stand_still_rests_where_it_starts(table: Scene) -> None:
     scene = standing(table)
     stopped = replace(scene, wheels=tuple(replace(w, given_speed=scene.field.zero) for w in scene.wheels))
