@@ -26,7 +26,16 @@ import numpy as np
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
-from nonsmooth.analysis.cells.outline import Filtered, Form, Three, known_sign, meet, whole_numbers
+from nonsmooth.analysis.cells.outline import (
+    ROUNDED,
+    Filtered,
+    Form,
+    Three,
+    known_sign,
+    meet,
+    size_of,
+    whole_numbers,
+)
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
@@ -161,7 +170,8 @@ class Arrangement:
         is_exact: whether no number stands for others close by.
         error: of the affine forms in floats, in units of the sums of absolute terms.
         corners: of the load region, as rows ``(1, x, y)``.
-        reach: the largest absolute values of these.
+        corner_sizes: the sizes of these.
+        reach: the largest of these.
     """
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
@@ -177,21 +187,28 @@ class Arrangement:
         whole_normals, whole_rhs, whole_weights = map(whole_numbers, numbers)
         wholes = whole_normals or [0], whole_rhs or [0], whole_weights or [0]
         self.whole = bool(whole_normals and whole_rhs and whole_weights) and _are_short(*wholes)
-        normals, self.rhs, weights = (
+        floats = [
             np.array(whole if self.whole else normal_floats(part), dtype=float)
             for part, whole in zip(numbers, wholes, strict=True)
-        )
+        ]
+        sizes = [
+            np.abs(values) if self.whole else _sizes(part, values) for part, values in zip(numbers, floats, strict=True)
+        ]
+        (normals, self.rhs, weights), (normal_sizes, self.rhs_sizes, weight_sizes) = floats, sizes
         self.normals, self.float_weights = normals.reshape(-1, 3), weights.reshape(-1, 3)
-        self.sizes = np.abs(self.normals)
-        self.crossing = np.zeros((len(self.rows), 3, 3))  # a x b = crossing(a) b
+        self.sizes, self.weight_sizes = normal_sizes.reshape(-1, 3), weight_sizes.reshape(-1, 3)
+        self.crossing, self.crossing_sizes = np.zeros((2, len(self.rows), 3, 3))  # a x b = crossing(a) b
         self.crossing[:, NEXT, AFTER], self.crossing[:, AFTER, NEXT] = -self.normals, self.normals
-        self.crossing_sizes = np.abs(self.crossing)
-        self.moment_sizes = self.sizes.T @ np.abs(self.float_weights)
+        self.crossing_sizes[:, NEXT, AFTER] = self.crossing_sizes[:, AFTER, NEXT] = self.sizes
+        self.moment_sizes = self.sizes.T @ self.weight_sizes
         self.is_exact = all(type(x) is Number for part in numbers for x in part)
-        # of affine forms: floats are not trusted with numbers that stand for others close by
-        self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else math.nan
+        self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else ROUNDED
         self.corners = float_corners(region.polygon.vertices)
-        self.reach = np.abs(self.corners).max(axis=0)
+        coordinates = [
+            coordinate for vertex in region.polygon.vertices for coordinate in (self.scene.field.one, *vertex)
+        ]
+        self.corner_sizes = _sizes(coordinates, self.corners.ravel()).reshape(-1, 3)
+        self.reach = self.corner_sizes.max(axis=0)
         self._vertices: dict[bytes, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
         self._ways: dict[tuple[int, int], Three] = {}
@@ -234,7 +251,7 @@ class Arrangement:
         residuals = (rhs @ rates - self.rhs * determinant) * math.copysign(1.0, determinant)
         if not self.whole:
             sizes = self.direction_sizes(first, second) @ self.sizes.T
-            bounds = np.abs(rhs) @ sizes + np.abs(self.rhs) * sizes[0][i]
+            bounds = self.rhs_sizes.take(basis) @ sizes + self.rhs_sizes * sizes[0][i]
             clear = np.abs(residuals) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL
             clear &= abs(determinant) > sizes[0][i] * FLOAT_DOUBT + SMALLEST_NORMAL
             residuals = np.where(clear, residuals / abs(determinant), np.nan)
@@ -324,14 +341,14 @@ class Arrangement:
     @cached_property
     def _loads(self) -> list[Filtered]:
         """The weights of all rows."""
-        weights, sizes = self.numbers(self.float_weights), self.numbers(np.abs(self.float_weights))
+        weights, sizes = self.numbers(self.float_weights), self.numbers(self.weight_sizes)
         return [Filtered.bounded(*pair, self.error) for pair in zip(weights, sizes, strict=True)]
 
     def _beyond(self, form: Form, slope: SlopeOfD, crossed: Sequence[int], passed: Sequence[int]) -> Form:
         """The slope of D along the same direction beyond rows that are crossed, and others that were passed before."""
         (rates, bounds), chosen = self.rates(slope.pair), list(crossed)
-        weights = self.float_weights[chosen]
-        values, sizes = 2 * np.abs(rates[chosen]) @ weights, 2 * bounds[chosen] @ np.abs(weights)
+        values = 2 * np.abs(rates[chosen]) @ self.float_weights[chosen]
+        sizes = 2 * bounds[chosen] @ self.weight_sizes[chosen]
         gained = Filtered.bounded(self.numbers(values), self.numbers(sizes), self.error)
 
         def build() -> Affine:
@@ -437,6 +454,11 @@ def normal_floats(numbers: Collection[Number]) -> list[float]:
     """
     found = ((number, float(number)) for number in numbers)
     return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in found]
+
+
+def _sizes(numbers: Sequence[Any], values: Floats) -> Floats:
+    """Of numbers and their floats (m,), see :func:`size_of`."""
+    return np.array([size_of(number, value) for number, value in zip(numbers, values.tolist(), strict=True)])
 
 
 def float_corners(points: Sequence[Point]) -> Floats:

@@ -56,7 +56,7 @@ class WalkedCell(Cell):
     def __init__(self, index: int, walk: _Walk, found: Found) -> None:
         vars(self).update(index=index, _walk=walk, _found=found)
         if not walk.arrangement.is_exact:  # what rounding decides of it is counted where the partition is built
-            _ = self.polygon, self.states
+            _ = self.states
 
     @cached_property
     def polygon(self) -> Polygon:

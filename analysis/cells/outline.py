@@ -18,14 +18,17 @@ from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 from nonsmooth.analysis.cells.loads import Affine
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, cut, intersection
 from nonsmooth.symbolic.numbers.coefficients import whole_multiples
-from nonsmooth.symbolic.numbers.lazy import sure_float
+from nonsmooth.symbolic.numbers.lazy import Lazy, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.rounded import Rounded
 
 Three: TypeAlias = tuple[Any, Any, Any]
 Exact = TypeVar("Exact")
 
 ROUNDING = 2.0**-50  # relative, of a sum of three products and of its terms' absolute values
 LEAST, MOST = 2.0**-200, 2.0**200  # between these, products of products of products are normal floats
+ROUNDED = 2.0**-29  # of what is computed by a few products from numbers that stand for others close by
+CLOSE = 2.0**-34  # of its size: how far those others are from such a number at most
 MOST_BITS = 100  # of whole numbers: products of products of products are in the range of floats, too
 
 
@@ -44,10 +47,13 @@ class Filtered(NamedTuple):
 
     @classmethod
     def of(cls, numbers: Sequence[Any]) -> Filtered:
-        """From exact numbers."""
+        """From exact numbers, and such as stand for others close by."""
         whole = whole_numbers(numbers)
-        values: list[Any] = whole or [sure_float(number) for number in numbers]
-        return cls.bounded(values, [abs(value) for value in values], 0 if whole else ROUNDING)
+        if whole:
+            return cls.bounded(whole, [abs(value) for value in whole], 0)
+        values = [float(number) if isinstance(number, Rounded) else sure_float(number) for number in numbers]
+        sizes = [size_of(*pair) for pair in zip(numbers, values, strict=True)]
+        return cls.bounded(values, sizes, ROUNDED if any(isinstance(x, Rounded) for x in numbers) else ROUNDING)
 
     @classmethod
     def bounded(cls, values: Sequence[Any], sizes: Sequence[Any], error: float) -> Filtered:
@@ -66,6 +72,17 @@ class Filtered(NamedTuple):
         """Of one factor, which is positive and known as well as these are."""
         (a, b, c), (r, s, t), error = self
         return Filtered((a * factor, b * factor, c * factor), (r * factor, s * factor, t * factor), error)
+
+
+def size_of(number: Any, value: float) -> float:
+    """A bound of the absolute value of a number, given as a float too.
+
+    Where only a ball is known of it, the size is so large that all of that lies within :data:`CLOSE` of it.
+    """
+    if type(number) is Number:
+        return abs(value)
+    ball = number.ball if isinstance(number, Lazy) else number.ball()
+    return max(abs(value), float(ball.rad()) / CLOSE)
 
 
 def whole_numbers(numbers: Sequence[Any]) -> list[int] | None:

@@ -47,7 +47,7 @@ class Slopes:
     def __init__(self, arrangement: Arrangement, signs: Indices) -> None:
         self._arrangement, self._signs = arrangement, signs
         table = _PairTable(arrangement, signs)
-        sure = certainty(table.values, table.bounds[:, None], arrangement.corners)
+        sure = certainty(table.values, table.bounds[:, None], arrangement.corners, arrangement.corner_sizes)
         possible: Mask = np.logical_or.reduce(~(sure > 1), axis=2)
         kept = table.distinct(np.logical_or.reduce(possible, axis=1).nonzero()[0])
         self._pairs: list[list[int]] = table.pairs.take(kept, 0).tolist()

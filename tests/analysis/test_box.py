@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -15,12 +16,14 @@ from flint import arb
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
+from nonsmooth.analysis.cells import arrangement as arrangement_module
+from nonsmooth.analysis.cells import outline as outline_module
 from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD
 from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
 from nonsmooth.analysis.cells.loads import Affine, load_regions, value_at
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.outline import Form
-from nonsmooth.analysis.cells.partition import AREA_ROOTS, Partition, RefusalError
+from nonsmooth.analysis.cells.partition import AREA_ROOTS, Cell, Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, intersection, square
 from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.analysis.fields.contact_model import contact_model
@@ -543,3 +546,31 @@ def test_no_cell_of_a_measured_table_is_left_to_rounding(tmp_path: Path, seed: i
     assert any(isinstance(entry, Rounded) for wheel in scene.wheels for entry in wheel.direction)
     assert build_box_partition(scene.recentred()).cells
     assert scene.field.rounded_signs == 0
+
+
+@few(2)
+@pytest.mark.parametrize("seed", [0, 3, 4, 5, 7, 8, 9, 10, 11])  # of several cells
+def test_floats_of_a_measured_table_hold_for_all_angles_so_close(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    """The balls of all slopes that bound cells lie within the stated errors, and exact signs alone find the same."""
+    file = tmp_path / "table.toml"
+    file.write_text(MeasuredTable.random(seed, "box", off=seed % 10).toml, encoding="utf-8")
+    cells = build_box_partition(load_scene(file).recentred()).cells
+    slopes = [side.origin for cell in cells for side in vars(cell)["_found"][1].sides if side.origin is not None]
+    for slope in slopes:
+        values, sizes, error = slope.filtered
+        assert error == outline_module.ROUNDED
+        for value, size, number in zip(values, sizes, slope.exact, strict=True):
+            assert abs(number.ball() - value) <= error * size
+    assert len(slopes) > len(cells)
+
+    monkeypatch.setattr(outline_module, "ROUNDED", math.nan)
+    monkeypatch.setattr(arrangement_module, "ROUNDED", math.nan)
+    exactly = build_box_partition(load_scene(file).recentred()).cells
+    assert [_twists(cell) for cell in exactly] == [_twists(cell) for cell in cells]
+    assert [len(cell.polygon.vertices) for cell in exactly] == [len(cell.polygon.vertices) for cell in cells]
+
+
+def _twists(cell: Cell) -> list[list[float]]:
+    return [[float(entry) for entry in twist] for twist in cell.twists]
