@@ -35,6 +35,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import XY, Pose
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.rounded import plain
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 # ---- Taylor series -------------------------------------------------------------------------------
@@ -193,10 +194,13 @@ def _beyond(pieces: Sequence[ReferencePiece], left: ReferencePiece, state: Seque
 
 
 def ball(number: Any) -> Any:
-    """An exact number as a ball: at the working precision, or of 256 bits (77 digits) where it is evaluated late."""
+    """An exact number as a ball: at the working precision, or of 256 bits (77 digits) where it is evaluated late.
+
+    Of a rounded number that is the one by which floats go, not the others close by.
+    """
     if isinstance(number, Lazy):
         return number.ball
-    return number.ball() if isinstance(number, Number) else number
+    return plain(number).ball() if isinstance(number, Number) else number
 
 
 def array_pieces(partition: Partition, kinematics: Kinematics) -> tuple[ReferencePiece, ...]:

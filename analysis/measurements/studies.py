@@ -25,6 +25,7 @@ from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
+from nonsmooth.analysis.measurements.reference_paths import ball
 from nonsmooth.analysis.minimizers.agreement import PointLocator
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
@@ -206,7 +207,7 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
         place = _exactly(scene, points[k])
         region = next(r for r in regions if r.polygon.contains(place))
         with ctx.workprec(BALL_BITS):
-            twist = _stationary(scene, [value_at(form, place).ball() for form in region.forces], minima.twists[k])
+            twist = _stationary(scene, [ball(value_at(form, place)) for form in region.forces], minima.twists[k])
         found += [] if twist is None else [ReferenceTwist(points[k], twist)]
         if len(found) == POINTS:
             break
@@ -232,10 +233,10 @@ def _stationary(scene: Scene, loads: Sequence[arb], guess: Floats) -> tuple[arb,
     rows, groups = scene_rows(scene), []
     for wheel, load, pair in zip(scene.wheels, loads, zip(rows[::2], rows[1::2], strict=True), strict=True):
         if load > 0:
-            limits = (wheel.friction.roll.ball(), wheel.friction.side.ball())
-            weights = [load / wheel.grip_length.ball() * mu for mu in limits]
-            matrix = [[w * entry.ball() for entry in row.normal] for w, row in zip(weights, pair, strict=True)]
-            groups.append((arb_mat(matrix), arb_mat([[w * r.rhs.ball()] for w, r in zip(weights, pair, strict=True)])))
+            limits = ball(wheel.friction.roll), ball(wheel.friction.side)
+            weights = [load / ball(wheel.grip_length) * mu for mu in limits]
+            matrix = [[w * ball(entry) for entry in row.normal] for w, row in zip(weights, pair, strict=True)]
+            groups.append((arb_mat(matrix), arb_mat([[w * ball(r.rhs)] for w, r in zip(weights, pair, strict=True)])))
     twist = arb_mat([[arb(float(value))] for value in guess])
     for _ in range(NEWTON_STEPS):
         gradient, hessian = _derivatives(groups, twist)
@@ -379,7 +380,7 @@ def build_derivation(scene: Scene) -> StudyPlan:
         raise LeftOut("no three rows of the array are independent")
     triples, states = zip(*sample, strict=True)
     with ctx.workprec(PRECISION):
-        exact = [tuple(entry.ball() for entry in state.twist) for state in states]
+        exact = [tuple(map(ball, state.twist)) for state in states]
     judge, by_field = partial(_judge_twists, exact), partial(_judge_residuals, triples)
     trials = [
         Trial("number field, cofactors", lambda clock: [solve_rows(rows) for rows in triples], by_field),
@@ -421,22 +422,22 @@ def _by_balls(triples: Sequence[RowTriple], bits: int, clock: Clock) -> Twists:
     found = []
     with ctx.workprec(bits):
         for rows in triples:
-            matrix = arb_mat([[entry.ball() for entry in row.normal] for row in rows])
-            found.append(matrix.solve(arb_mat([[row.rhs.ball()] for row in rows])).entries())
+            matrix = arb_mat([[ball(entry) for entry in row.normal] for row in rows])
+            found.append(matrix.solve(arb_mat([[ball(row.rhs)] for row in rows])).entries())
     return found
 
 
 def _judge_twists(exact: Twists, found: Twists, digits: int | None = None) -> Assessment:
     """Largest distance of an entry (of its middle) from the exact value; 0 where so many digits agree."""
 
-    def ball(value: Any) -> arb:
+    def middle(value: Any) -> arb:
         if isinstance(value, sympy.Expr):
             return arb(str(value.evalf(DIGITS + 10)))
         return value.mid() if isinstance(value, arb) else arb(value)
 
     with ctx.workprec(PRECISION):
         pairs = [(a, b) for right, mine in zip(exact, found, strict=True) for a, b in zip(right, mine, strict=True)]
-        gaps = [abs(a - ball(b)) for a, b in pairs]
+        gaps = [abs(a - middle(b)) for a, b in pairs]
         error = max(0.0 if digits and gap < SAME else float(gap.mid()) for gap in gaps)
     note = f"compared to {digits} digits" if digits else ""
     return Assessment(error, work={"triples": len(found)}, note=note)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache, partial
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -55,6 +56,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.built_in import drift, verdicts
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
+from tests.oracles.measured_tables import MeasuredTable
 from tests.proofs.conftest import Load
 from tests.thorough import keep, thorough
 
@@ -418,6 +420,15 @@ def test_float_elimination_fails_for_wheels_in_line(monkeypatch: pytest.MonkeyPa
     assert failed(collinear_rows(scene)) == []
     monkeypatch.setattr(cases, "solve_rows", careless)
     assert [row.parameter for row in failed(collinear_rows(scene))] == ["1e-3", "1e-6", "1e-9", "1e-12", "1e-14"]
+
+
+def test_measured_angles_are_stressed_at_the_directions_that_stand_for_them(tmp_path: Path) -> None:
+    """Elimination at 60 digits of those close by too would know their twists to no more than a few."""
+    file = tmp_path / "table.toml"
+    file.write_text(MeasuredTable.random(3, "nearest").toml, encoding="utf-8")
+    rows = list(collinear_rows(load_scene(file)))
+    assert len(rows) == 5
+    assert failed(rows) == []
 
 
 def test_loads_by_plain_normal_equations_fail_in_other_units(monkeypatch: pytest.MonkeyPatch) -> None:
