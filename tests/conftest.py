@@ -233,7 +233,7 @@ def pytest_collection() -> Generator[None, object, object]:
 def pytest_collection_finish() -> None:
     """Look for garbage more seldom, and not among modules and collected tests: a tenth of the run time."""
     gc.freeze()
-    gc.set_threshold(50_000, 20, 50)
+    gc.set_threshold(500_000, 2, 50)
 
 
 @pytest.fixture(scope="session")

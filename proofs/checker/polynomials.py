@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import prod
+from operator import add, sub
 from typing import Any, TypeAlias
 
 from .work import BUDGET, longest, product_cost, require
@@ -148,7 +149,7 @@ class Polynomial:
         quotient, rest = constant(self.count, 0), self
         while rest:
             top = max(rest.terms)
-            step = tuple(map(int.__sub__, top, lead))
+            step = tuple(map(sub, top, lead))
             if min(step) < 0:
                 return None
             part = Polynomial(self.count, {step: rest.terms[top] / divisor.terms[lead]})
@@ -167,7 +168,7 @@ def products(terms: Coefficients, factor: Polynomial) -> Coefficients:
     total: Coefficients = {}
     for a, u in terms.items():
         for b, v in factor.terms.items():
-            key = tuple(map(int.__add__, a, b))
+            key = tuple(map(add, a, b))
             total[key] = total[key] + u * v if key in total else u * v
     return total
 
