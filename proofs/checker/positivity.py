@@ -301,9 +301,9 @@ def root_simplices(count: int, *, bounded: bool) -> Iterator[tuple[Corner, ...]]
     ``0, s_k1 e_k1, s_k1 e_k1 + s_k2 e_k2, ...``.  The space: ``2^n``, for signs s with the directions ``s_k e_k``.
     """
     require(count <= MAX_CUBE, f"simplices in at most {MAX_CUBE} variables")
-    origin = (*(Fraction(0) for _ in range(count)), Fraction(1))
+    origin = (*[Fraction(0)] * count, Fraction(1))
     for signs in product((1, -1), repeat=count):
-        steps = [tuple(Fraction(s) if i == k else Fraction(0) for i in range(count)) for k, s in enumerate(signs)]
+        steps = [tuple(Fraction(s * e) for e in unit(count, k)) for k, s in enumerate(signs)]
         if not bounded:
             yield (origin, *((*step, Fraction(0)) for step in steps))
             continue
@@ -534,7 +534,7 @@ def _is_positive(
 
 def _at_corner(form: Coefficients, k: int, size: int) -> Exponents:
     """The exponents of the coefficient that is the value at a corner."""
-    return tuple(degree_of(form) * int(i == k) for i in range(size))
+    return tuple(degree_of(form) * e for e in unit(size, k))
 
 
 # ---- mixtures ----------------------------------------------------------------------------------
@@ -552,7 +552,7 @@ def _show_by_mixture(claim: Claim, evidence: Any) -> None:
         require(total.degree <= 1, f"an affine mixture for {claim.name}")
         slopes = [abs(total.slope(k)) for k in range(total.count)]
         require(claim.bounded or not any(slopes), f"a mixture that is bounded for {claim.name}")
-        least = total.at_origin - sum(slopes, Fraction(0))
+        least = total.at_origin - sum(slopes)
         require(least > 0 or (not claim.strict and not least), f"a mixture that is not negative, for {claim.name}")
 
 
