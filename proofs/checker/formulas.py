@@ -204,10 +204,10 @@ def parsed(data: Any) -> ast.expr:
     formula = text(data).strip()
     BUDGET.spend(1 + len(formula))
     require(WRITTEN.fullmatch(formula), "formulas of names, decimals, brackets, commas and + - * /")
-    return read_once(formula, mode="eval").body
+    return _read_once(formula, mode="eval").body
 
 
-read_once = lru_cache(ast.parse)  # claims ask for the same few formulas again and again
+_read_once = lru_cache(ast.parse)  # claims ask for the same few formulas again and again
 
 
 @lru_cache
