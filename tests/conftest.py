@@ -8,6 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import product
+from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -177,8 +178,11 @@ class Arrays:
         return x / sum(weights), y / sum(weights)
 
 
+DOCUMENTS = Path(__file__).with_name("test_documents.py")  # its tests run the commands of documents, the longest ones
 # Builders of tests/reports/derived.py, whose reports several files read: each is derived once in a process.
 SHARED = {"derived", "derived_afresh"}
+# Fixtures that start other programs: Chromium, and the workbench with its workers.
+PROGRAMS = {"browser", "server"}
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -186,7 +190,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark further cases as thorough, before pytest selects by marks, and sort the tests.
 
     The longest single tests come first, so that no worker is left alone with one of them at the end; next the files
-    that share what is costly to build, together: mostly one worker then builds it once.
+    that share what is costly to build or to start, together: mostly one worker then does it once.
     """
     mark_further(items)
     items.sort(key=lambda item: (place(item), item.path))
@@ -194,10 +198,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def place(item: pytest.Item) -> int:
     """Whether a test comes early: lower numbers first."""
-    if "test_documents.py" in item.nodeid:
+    if item.path == DOCUMENTS:
         return 0
-    names = vars(item.module).keys() if isinstance(item, pytest.Function) else set[str]()
-    return 1 if SHARED & names else 2
+    if not isinstance(item, pytest.Function):
+        return 2
+    return 1 if SHARED & vars(item.module).keys() or PROGRAMS & set(item.fixturenames) else 2
 
 
 @pytest.hookimpl(wrapper=True)
@@ -228,7 +233,7 @@ def pytest_collection() -> Generator[None, object, object]:
 def pytest_collection_finish() -> None:
     """Look for garbage more seldom, and not among modules and collected tests: a tenth of the run time."""
     gc.freeze()
-    gc.set_threshold(50_000, 20, 50)
+    gc.set_threshold(500_000, 2, 50)
 
 
 @pytest.fixture(scope="session")

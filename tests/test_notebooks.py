@@ -11,7 +11,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from tests.thorough import thorough
+from tests.thorough import keep
 
 ROOT = Path(__file__).resolve().parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
@@ -23,7 +23,9 @@ warnings.simplefilter("error")
 warnings.filterwarnings("ignore", module=".*(ipykernel|matplotlib_inline)")
 """
 SECONDS = 60  # for a whole notebook: a student waits for it
-SHORTER = ("until=0.15", "until=0.05")  # of a path under a law, whose picture is the same kind
+RUN = "from-a-measured-table-to-a-law"
+# Of its paths, whose pictures are of the same kind.
+SHORTER = {"until=0.15,": "until=0.05,", "start, until=1": "start, until=0.2"}
 FORMULA, PICTURE, TABLE = "text/latex", "image/svg+xml", "text/html"
 VIEW = "application/vnd.jupyter.widget-view+json"
 
@@ -102,13 +104,13 @@ def test_notebook_is_stored_as_a_source(path: Path) -> None:
     assert sorted(notebook.metadata) == ["kernelspec", "language_info"]
 
 
-def long(path: Path) -> object:
-    """One notebook runs in `make test`; of the calls in the others: test_every_program_of_the_page, test_api.py."""
-    return path if path.stem == "from-a-measured-table-to-a-law" else pytest.param(path, marks=thorough)
+# One notebook runs in `make test`, with shorter paths; of the calls in the others: test_every_program_of_the_page,
+# test_api.py. `make bench` runs all as they are.
+RUNS = [*((path, True) for path in NOTEBOOKS if path.stem == RUN), *((path, False) for path in NOTEBOOKS)]
 
 
-@pytest.mark.parametrize("path", list(map(long, NOTEBOOKS)), ids=[path.stem for path in NOTEBOOKS])
-def test_notebook_runs_and_renders(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("path", "short"), keep(1, RUNS), ids=lambda given: getattr(given, "stem", str(given)))
+def test_notebook_runs_and_renders(path: Path, short: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from nbclient import NotebookClient
     from nbconvert import HTMLExporter
 
@@ -117,7 +119,8 @@ def test_notebook_runs_and_renders(path: Path, tmp_path: Path, monkeypatch: pyte
     notebook = nbformat.read(path, nbformat.NO_CONVERT)
     cells = len(notebook.cells)
     for cell in notebook.cells:
-        cell.source = cell.source.replace(*SHORTER)
+        for written, shorter in SHORTER.items() if short else ():
+            cell.source = cell.source.replace(written, shorter)
     notebook.cells.insert(0, nbformat.v4.new_code_cell(STRICT))
     NotebookClient(
         notebook, timeout=SECONDS, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}

@@ -164,7 +164,7 @@ class Core:
 
     def show_kept(self, plane: ArrayPlane) -> None:
         """K is convex, and on every closed side all velocities lead into it."""
-        constant = plane.cells.array.field.constant
+        constant = plane.cells.array.field.rational
         plane.cells.require_convex(
             "the polygon in which bodies end", [(constant(x), constant(y), constant(1)) for x, y in self.places]
         )

@@ -68,7 +68,7 @@ class Cells:
     """
 
     def __init__(self, array: Array, points: Any, cells: Any) -> None:
-        self.array, self.zero, self.one = array, array.field.constant(0), array.field.constant(1)
+        self.array, self.zero, self.one = array, array.field.rational(0), array.field.rational(1)
         self.parse, self.vector, self.rational = array.field.parse, array.field.vector, array.field.rational
         self.points = [self.vector(point, 3) for point in items(points)]
         require(min(signs(point[2] for point in self.points), default=0) > 0, "points with positive weights")
@@ -147,7 +147,7 @@ class _Nearest:
     """
 
     def __init__(self, array: Array) -> None:
-        two, self.array = array.field.constant(2), array
+        two, self.array = array.field.rational(2), array
         self.orders = {k: self._orders(k) for k in array.wheels}
         self.normals: dict[tuple[Row, ...], Vector] = {}  # of two rows, to both
         # |c - p|^2 - |c|^2 as a form in (c, 1)

@@ -163,7 +163,7 @@ class Escape:
     def show_start(self) -> None:
         """U has points at all small distances: S has a curve in the direction, where the lowest terms are positive."""
         for own in (*self.forms, *self.curved):
-            slope = sum((own.slope(k) * d for k, d in enumerate(self.direction)), Fraction(0))
+            slope = sum(own.slope(k) * d for k, d in enumerate(self.direction))
             require(not slope, "a direction along the subspace")
         require(not self._on(self.rise).at_origin, "a function that is zero at the point")
         for own in (self.rise, *(p for p, _ in self.barriers)):

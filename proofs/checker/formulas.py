@@ -24,6 +24,7 @@ import ast
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from math import factorial
 from typing import Any, TypeAlias
 
@@ -203,9 +204,13 @@ def parsed(data: Any) -> ast.expr:
     formula = text(data).strip()
     BUDGET.spend(1 + len(formula))
     require(WRITTEN.fullmatch(formula), "formulas of names, decimals, brackets, commas and + - * /")
-    return ast.parse(formula, mode="eval").body
+    return _read_once(formula, mode="eval").body
 
 
+_read_once = lru_cache(ast.parse)  # claims ask for the same few formulas again and again
+
+
+@lru_cache
 def parts_without_calls(tree: ast.expr, switching: Collection[str] = ()) -> set[ast.AST]:
     """The parts of a formula that hold no sine or cosine, and nothing that switches, as some names may do."""
     found: set[ast.AST] = set()
@@ -216,6 +221,7 @@ def parts_without_calls(tree: ast.expr, switching: Collection[str] = ()) -> set[
     return found
 
 
+@lru_cache
 def waves_in(*nodes: ast.expr) -> list[ast.Call]:
     """The sines and cosines in parts of a formula."""
     calls = [part for node in nodes for part in ast.walk(node) if isinstance(part, ast.Call)]
@@ -229,9 +235,9 @@ def switched(name: str, values: list[Polynomial], sign_of: SignOf) -> Polynomial
         RejectedError: for other functions, and for the wrong number of arguments.
     """
     if name in ("Max", "max", "Min", "min"):
-        chosen = values[0]
+        chosen, choose = values[0], larger if name in ("Max", "max") else smaller
         for value in values[1:]:
-            chosen = larger(chosen, value, sign_of) if name in ("Max", "max") else smaller(chosen, value, sign_of)
+            chosen = choose(chosen, value, sign_of)
         return chosen
     if name == "sat":
         value, low, high = values

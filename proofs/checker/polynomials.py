@@ -9,15 +9,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import prod
+from operator import add, sub
 from typing import Any, TypeAlias
 
 from .work import BUDGET, longest, product_cost, require
 
 MAX_DEGREE, MAX_TERMS = 40, 50_000
+TOO_LONG, TOO_HIGH = f"polynomials of at most {MAX_TERMS} terms", f"polynomials of degree at most {MAX_DEGREE}"
 MAX_LINES = 8  # on which it is tried whether two polynomials have a common factor
 
 Exponents: TypeAlias = tuple[int, ...]
 Coefficient: TypeAlias = Any  # a Fraction or a Number
+Coefficients: TypeAlias = dict[Exponents, Coefficient]
 
 
 class Polynomial:
@@ -38,8 +41,8 @@ class Polynomial:
         self.count = count
         self.terms = {exponents: value for exponents, value in terms.items() if value}
         self._bits = 0
-        require(len(self.terms) <= MAX_TERMS, f"polynomials of at most {MAX_TERMS} terms")
-        require(self.degree <= MAX_DEGREE, f"polynomials of degree at most {MAX_DEGREE}")
+        require(len(self.terms) <= MAX_TERMS, TOO_LONG)
+        require(self.degree <= MAX_DEGREE, TOO_HIGH)
 
     @property
     def bits(self) -> int:
@@ -80,7 +83,7 @@ class Polynomial:
         BUDGET.spend(1 + len(other.terms) * product_cost(self.bits, other.bits))
         total = dict(self.terms)
         for exponents, value in other.terms.items():
-            total[exponents] = total.get(exponents, Fraction(0)) + value
+            collect(total, exponents, value)
         return Polynomial(self.count, total)
 
     def __neg__(self) -> Polynomial:
@@ -90,17 +93,11 @@ class Polynomial:
         return self + -other
 
     def __mul__(self, other: Polynomial) -> Polynomial:
-        BUDGET.spend(1 + len(self.terms) * len(other.terms) * product_cost(self.bits, other.bits))
-        total: dict[Exponents, Coefficient] = {}
-        for a, u in self.terms.items():
-            for b, v in other.terms.items():
-                key = tuple(map(int.__add__, a, b))
-                total[key] = total.get(key, Fraction(0)) + u * v
-        return Polynomial(self.count, total)
+        return Polynomial(self.count, products(self.terms, other))
 
     def times(self, factor: Coefficient) -> Polynomial:
         """A multiple by a number."""
-        return self * constant(self.count, factor)
+        return Polynomial(self.count, products({(0,) * self.count: factor}, self))
 
     def power(self, exponent: int) -> Polynomial:
         """A power with a whole exponent.
@@ -109,10 +106,7 @@ class Polynomial:
             RejectedError: for a degree beyond the limit, before anything is multiplied.
         """
         require(0 <= exponent <= MAX_DEGREE, f"exponents from 0 to {MAX_DEGREE}")
-        value = constant(self.count, 1)
-        for _ in range(exponent):
-            value *= self
-        return value
+        return prod([self] * exponent, start=constant(self.count, 1))
 
     def parts_at(self, direction: Sequence[Fraction]) -> dict[int, Coefficient]:
         """The terms of each degree, added at a vector."""
@@ -135,18 +129,18 @@ class Polynomial:
 
     def on(self, coordinates: Sequence[Polynomial], count: int) -> Polynomial:
         """Itself where every variable is a polynomial in ``count`` other ones."""
-        powers = [[constant(count, 1)] for _ in coordinates]
-        total: dict[Exponents, Coefficient] = {}
+        powers = [[constant(count, 1), form] for form in coordinates]
+        total: Coefficients = {}
         for exponents, value in self.terms.items():
-            part = constant(count, value)
-            for own, form, exponent in zip(powers, coordinates, exponents, strict=True):
+            part: Coefficients = {(0,) * count: value}
+            for own, exponent in zip(powers, exponents, strict=True):
                 while len(own) <= exponent:
-                    own.append(own[-1] * form)
+                    own.append(own[-1] * own[1])
                 if exponent:
-                    part *= own[exponent]
-            BUDGET.spend(len(part.terms) * product_cost(self.bits, part.bits))
-            for key, added in part.terms.items():
-                total[key] = total.get(key, Fraction(0)) + added
+                    part = products(part, own[exponent])
+            BUDGET.spend(len(part) * product_cost(self.bits, longest(part.values())))
+            for key, added in part.items():
+                collect(total, key, added)
         return Polynomial(count, total)
 
     def divided(self, divisor: Polynomial) -> Polynomial | None:
@@ -155,12 +149,28 @@ class Polynomial:
         quotient, rest = constant(self.count, 0), self
         while rest:
             top = max(rest.terms)
-            step = tuple(map(int.__sub__, top, lead))
+            step = tuple(map(sub, top, lead))
             if min(step) < 0:
                 return None
             part = Polynomial(self.count, {step: rest.terms[top] / divisor.terms[lead]})
             quotient, rest = quotient + part, rest - part * divisor
         return quotient
+
+
+def collect(total: Coefficients, key: Exponents, value: Coefficient) -> None:
+    """Add a number to the one with the same key, if there is one."""
+    total[key] = total[key] + value if key in total else value
+
+
+def products(terms: Coefficients, factor: Polynomial) -> Coefficients:
+    """The terms of a product, some of which may be zero."""
+    BUDGET.spend(1 + len(terms) * len(factor.terms) * product_cost(longest(terms.values()), factor.bits))
+    total: Coefficients = {}
+    for a, u in terms.items():
+        for b, v in factor.terms.items():
+            key = tuple(map(add, a, b))
+            total[key] = total[key] + u * v if key in total else u * v
+    return total
 
 
 def unit(count: int, k: int) -> Exponents:
@@ -180,10 +190,7 @@ def variable(count: int, k: int, factor: Fraction | int = 1) -> Polynomial:
 
 def lie_derivative(potential: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
     """The derivative ``grad V . f`` of a function V along a field f."""
-    total = constant(potential.count, 0)
-    for k, part in enumerate(field):
-        total += potential.derivative(k) * part
-    return total
+    return sum((potential.derivative(k) * part for k, part in enumerate(field)), constant(potential.count, 0))
 
 
 def are_coprime(a: Polynomial, b: Polynomial) -> bool:
@@ -214,6 +221,15 @@ def remainder(value: Polynomial, divisor: Polynomial) -> Polynomial:
     return value
 
 
+def clear_column(rows: list[list[Any]], column: int, pivot: int, top: int) -> None:
+    """A step of Gauss's elimination: the row of the pivot changes places with another and clears a column."""
+    rows[top], rows[pivot] = rows[pivot], rows[top]
+    rows[top] = [value / rows[top][column] for value in rows[top]]
+    for i, row in enumerate(rows):
+        if i != top and row[column]:
+            rows[i] = [a - row[column] * b for a, b in zip(row, rows[top], strict=True)]
+
+
 def solve(forms: Sequence[Polynomial], count: int) -> tuple[Polynomial, ...] | None:
     """The variables where affine forms vanish, as affine forms in the free ones, by Gauss's elimination."""
     rows = [[*(form.slope(k) for k in range(count)), form.at_origin] for form in forms]
@@ -225,11 +241,7 @@ def solve(forms: Sequence[Polynomial], count: int) -> tuple[Polynomial, ...] | N
             continue
         if column == count:
             return None
-        rows[top], rows[found] = rows[found], rows[top]
-        rows[top] = [value / rows[top][column] for value in rows[top]]
-        for i, row in enumerate(rows):
-            if i != top and row[column]:
-                rows[i] = [a - row[column] * b for a, b in zip(row, rows[top], strict=True)]
+        clear_column(rows, column, found, top)
         pivots.append(column)
     free = [k for k in range(count) if k not in pivots]
     size = len(free)

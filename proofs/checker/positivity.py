@@ -31,7 +31,7 @@ from itertools import permutations, product
 from math import comb, lcm, prod
 from typing import Any, TypeAlias
 
-from .polynomials import MAX_DEGREE, Coefficient, Exponents, Polynomial, constant, unit, variable
+from .polynomials import MAX_DEGREE, Coefficient, Coefficients, Exponents, Polynomial, collect, constant, unit, variable
 from .tower import Field, Number
 from .work import BUDGET, bits, items, longest, product_cost, rational, require, take, whole
 
@@ -39,7 +39,6 @@ MAX_SQUARES, MAX_ROWS, MAX_FACTORS = 400, 200, 4
 MAX_CUBE = 4  # dimensions in which the cube is cut into simplices
 
 Corner: TypeAlias = tuple[Coefficient, ...]  # (z_1, ..., z_n, w): the point z / w, or the direction z where w = 0
-Coefficients: TypeAlias = dict[Exponents, Coefficient]
 
 
 @dataclass(frozen=True)
@@ -229,7 +228,7 @@ def read_polynomial(data: Any, count: int) -> Polynomial:
     for entry in items(data):
         value, exponents = items(entry, 2)
         key = tuple(whole(k, MAX_DEGREE) for k in items(exponents, count))
-        terms[key] = terms.get(key, Fraction(0)) + rational(value)
+        collect(terms, key, rational(value))
     return Polynomial(count, terms)
 
 
@@ -252,7 +251,7 @@ class Square:
         for i, row in enumerate(self.gram):
             for j, value in enumerate(row):
                 key = tuple(map(int.__add__, self.monomials[i], self.monomials[j]))
-                total[key] = total.get(key, Fraction(0)) + (value if i == j else 2 * value)
+                collect(total, key, value if i == j else 2 * value)
         found = Polynomial(self.count, total)
         for name in self.guards:
             require(type(name) is str and name in guards, "guards that hold there")
@@ -302,9 +301,9 @@ def root_simplices(count: int, *, bounded: bool) -> Iterator[tuple[Corner, ...]]
     ``0, s_k1 e_k1, s_k1 e_k1 + s_k2 e_k2, ...``.  The space: ``2^n``, for signs s with the directions ``s_k e_k``.
     """
     require(count <= MAX_CUBE, f"simplices in at most {MAX_CUBE} variables")
-    origin = (*(Fraction(0) for _ in range(count)), Fraction(1))
+    origin = (*[Fraction(0)] * count, Fraction(1))
     for signs in product((1, -1), repeat=count):
-        steps = [tuple(Fraction(s) if i == k else Fraction(0) for i in range(count)) for k, s in enumerate(signs)]
+        steps = [tuple(Fraction(s * e) for e in unit(count, k)) for k, s in enumerate(signs)]
         if not bounded:
             yield (origin, *((*step, Fraction(0)) for step in steps))
             continue
@@ -435,13 +434,15 @@ def _substituted(
         coordinates: the coefficients of each linear form by the numbers of its variables.
         still: the exponents of a number.
     """
+    if not terms:
+        return {}
     if not coordinates:
-        return dict.fromkeys([still], sum(terms.values()))
+        return {still: sum(terms.values())}
     by_exponent: dict[int, dict[Exponents, int]] = {}
     for (first, *others), c in terms.items():
         by_exponent.setdefault(first, {})[tuple(others)] = c
     total: dict[Exponents, int] = {}
-    for exponent in range(max(by_exponent, default=-1), -1, -1):
+    for exponent in range(max(by_exponent), -1, -1):
         lengths = [max(map(int.bit_length, own.values()), default=0) for own in (total, coordinates[0])]
         BUDGET.spend(1 + len(total) * len(coordinates[0]) * product_cost(*lengths))
         times: dict[Exponents, int] = {}
@@ -471,8 +472,7 @@ def add(total: Coefficients, form: Coefficients, factor: Coefficient, k: int | N
         return
     BUDGET.spend(len(form) * product_cost(longest(form.values()), bits(factor)))
     for e, value in form.items():
-        key = e if k is None else (*e[:k], e[k] + 1, *e[k + 1 :])
-        total[key] = total.get(key, Fraction(0)) + factor * value
+        collect(total, e if k is None else (*e[:k], e[k] + 1, *e[k + 1 :]), factor * value)
 
 
 def cut_form(form: Coefficients, moved: int, kept: int, share: Coefficient) -> Coefficients:
@@ -486,8 +486,7 @@ def cut_form(form: Coefficients, moved: int, kept: int, share: Coefficient) -> C
         for k in range(top + 1):
             key = list(exponents)
             key[kept], key[moved] = top - k, own + k
-            at = tuple(key)
-            found[at] = found.get(at, Fraction(0)) + scaled * comb(top, k) * rest**k
+            collect(found, tuple(key), scaled * comb(top, k) * rest**k)
     return found
 
 
@@ -535,7 +534,7 @@ def _is_positive(
 
 def _at_corner(form: Coefficients, k: int, size: int) -> Exponents:
     """The exponents of the coefficient that is the value at a corner."""
-    return tuple(degree_of(form) * int(i == k) for i in range(size))
+    return tuple(degree_of(form) * e for e in unit(size, k))
 
 
 # ---- mixtures ----------------------------------------------------------------------------------
@@ -553,7 +552,7 @@ def _show_by_mixture(claim: Claim, evidence: Any) -> None:
         require(total.degree <= 1, f"an affine mixture for {claim.name}")
         slopes = [abs(total.slope(k)) for k in range(total.count)]
         require(claim.bounded or not any(slopes), f"a mixture that is bounded for {claim.name}")
-        least = total.at_origin - sum(slopes, Fraction(0))
+        least = total.at_origin - sum(slopes)
         require(least > 0 or (not claim.strict and not least), f"a mixture that is not negative, for {claim.name}")
 
 

@@ -154,7 +154,8 @@ class RootedFormula(Formula):
         known = [root.value for root in roots.values()]
         self.states = {name: own for name, own in place.items() if own not in known}
         self.roots, self.factors = roots, factors
-        self.smooth = parts_without_calls(self.tree, roots)  # such a state is another polynomial on each side of zero
+        # a root is another polynomial on each side of zero
+        self.smooth = parts_without_calls(self.tree, tuple(roots))
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell."""

@@ -149,7 +149,7 @@ def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     direction = [rational(value) for value in items(data, system.count)]
     for cell in inclusion.around():
         for _, field in cell.fields:
-            product = sum((n * part.at_origin for n, part in zip(direction, field, strict=True)), Fraction(0))
+            product = sum(n * part.at_origin for n, part in zip(direction, field, strict=True))
             require(product > 0, "a direction in which all velocities at the point lead")
     return [{"stability": UNSTABLE}, {"equilibrium": False}]
 

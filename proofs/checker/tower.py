@@ -22,6 +22,7 @@ from fractions import Fraction
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
+from .polynomials import clear_column
 from .work import BUDGET, RejectedError, items, limit, rational, require, take, whole
 
 MAX_GENERATORS = 400
@@ -83,11 +84,7 @@ class Field:
         require(monic and first < 0 <= min(others), "field: polynomials with one root")
         return Generator(coefficients[:-1], rational(above))
 
-    def constant(self, value: int) -> Number:
-        """A whole number."""
-        return Number(self, {(): value})
-
-    def rational(self, value: Fraction) -> Number:
+    def rational(self, value: Fraction | int) -> Number:
         """A rational number."""
         return Number(self, {(): value.numerator}, value.denominator)
 
@@ -146,10 +143,10 @@ class Field:
             generator, power = self.generators[k], monomial.count(k)
             if power >= generator.degree:  # x^degree = -(lower terms)
                 others = [factor for factor in monomial if factor != k]
-                total = self.constant(0)
+                total = self.rational(0)
                 for j, coefficient in enumerate(generator.lower):
                     rest = tuple(sorted(others + [k] * (power - generator.degree + j)))
-                    total = total - Number(self, {rest: 1}) * coefficient
+                    total = total - self.reduced(rest) * coefficient
                 return total
         return Number(self, {monomial: 1})
 
@@ -160,24 +157,21 @@ class Field:
         return self._roots[k, bits]
 
     def _bisect(self, generator: Generator, bits: int) -> tuple[int, int]:
-        low = math.floor(generator.above * 2**bits)
-        high = 2 * low + 2
-        while self._is_below_root(generator, high, bits):
-            low, high = high, 2 * high
-        while high - low > 1:
-            middle = (low + high) // 2
-            if self._is_below_root(generator, middle, bits):
-                low = middle
-            else:
-                high = middle
-        return low, high
+        low, step = math.floor(generator.above * 2**bits), 1 << bits
+        while self._is_below_root(generator, low + step, bits):
+            step *= 2
+        while step:
+            if self._is_below_root(generator, low + step, bits):
+                low += step
+            step //= 2
+        return low, low + 1
 
     def _is_below_root(self, generator: Generator, place: int, bits: int) -> bool:
         """Whether the polynomial is at most zero at ``place 2^-bits``; by Horner's scheme, scaled to whole numbers."""
-        value = self.constant(1)
+        value = self.rational(1)
         for j, coefficient in enumerate(reversed(generator.lower), 1):
-            value = value * self.constant(place) + coefficient * self.constant(1 << bits * j)
-        return value.sign() <= 0
+            value = value * place + coefficient * (1 << bits * j)
+        return value <= 0
 
 
 class Number:
@@ -200,11 +194,13 @@ class Number:
         return self.words * WORD
 
     def _operand(self, value: Number | Fraction | int) -> Number:
-        return value if isinstance(value, Number) else self.field.rational(Fraction(value))
+        return value if isinstance(value, Number) else self.field.rational(value)
 
     def __add__(self, value: Number | Fraction | int) -> Number:
         other = self._operand(value)
         charge(len(self.terms) + len(other.terms), self.words + other.words)
+        if not other.terms:
+            return self
         terms: dict[Monomial, int] = {}
         for number, factor in ((self, other.bottom), (other, self.bottom)):
             for monomial, c in number.terms.items():
@@ -223,6 +219,11 @@ class Number:
     def __mul__(self, value: Number | Fraction | int) -> Number:
         other = self._operand(value)
         charge(len(self.terms) * len(other.terms), self.words * other.words)
+        for number, factor in ((self, other), (other, self)):
+            if factor.terms.keys() <= {()}:
+                scale = factor.terms.get((), 0)
+                scaled = {monomial: c * scale for monomial, c in number.terms.items()}
+                return Number(self.field, scaled, self.bottom * other.bottom)
         terms: dict[Monomial, int] = {}
         for (left, a), (right, b) in product(self.terms.items(), other.terms.items()):
             reduced = self.field.reduced(tuple(sorted(left + right)))
@@ -249,11 +250,7 @@ class Number:
         for k in range(size):
             pivot = next((i for i in range(k, size) if rows[i][k]), k)
             require(rows[pivot][k], "divisors that are not zero")
-            rows[k], rows[pivot] = rows[pivot], rows[k]
-            rows[k] = [value / rows[k][k] for value in rows[k]]
-            for i, row in enumerate(rows):
-                if i != k and row[k]:
-                    rows[i] = [a - row[k] * b for a, b in zip(row, rows[k], strict=True)]
+            clear_column(rows, k, pivot, k)
         bottom = math.lcm(*(row[-1].denominator for row in rows))
         return Number(self.field, {own: int(row[-1] * bottom) for own, row in zip(basis, rows, strict=True)}, bottom)
 
@@ -268,10 +265,7 @@ class Number:
         return float(Fraction(low + high, self.bottom << PRECISIONS[0] + 1))
 
     def __pow__(self, exponent: int) -> Number:
-        power = self.field.constant(1)
-        for _ in range(exponent):
-            power = power * self
-        return power
+        return math.prod([self] * exponent, start=self.field.rational(1))
 
     def __abs__(self) -> Number:
         return -self if self.sign() < 0 else self
@@ -366,7 +360,7 @@ def cross(a: Sequence[Number], b: Sequence[Number]) -> Number:
 
 def normal_to(a: Vector, b: Vector) -> Vector:
     """The cross product in space: at right angles to both."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    return cross(a[1:], b[1:]), a[2] * b[0] - a[0] * b[2], cross(a, b)
 
 
 def negative(a: Vector) -> Vector:

@@ -105,7 +105,7 @@ def read_wheel(field: Field, at: Vector, name: str, data: Any) -> Wheel:
     *pairs, speed, axis = take(data, "position direction friction speed", "axis")
     position, direction, friction = (field.vector(pair, 2) for pair in pairs)
     grip = direction if axis is None else field.vector(axis, 2)
-    one, u = field.constant(1), field.parse(speed)
+    one, u = field.rational(1), field.parse(speed)
     lengths = signs(dot(v, v) - one for v in (direction, grip))
     sound = not any(lengths) and min(signs(friction)) >= 0
     require(sound, f"{name}: a unit direction, and friction that is not negative")

@@ -85,7 +85,8 @@ class Budget:
             LimitError: where fewer are left.
         """
         self.left -= units
-        limit(self.left >= 0, "a certificate that is checked within the limits of work")
+        if self.left < 0:
+            raise LimitError("a certificate that is checked within the limits of work")
 
 
 BUDGET = Budget()
@@ -93,7 +94,9 @@ BUDGET = Budget()
 
 def bits(value: Any) -> int:
     """The length of a number: of a fraction, or of an irrational one as it says itself."""
-    return value.bits if hasattr(value, "bits") else value.numerator.bit_length() + value.denominator.bit_length()
+    if hasattr(value, "numerator"):
+        return value.numerator.bit_length() + value.denominator.bit_length()
+    return value.bits
 
 
 def product_cost(a: int, b: int) -> int:

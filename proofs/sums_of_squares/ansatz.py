@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import combinations, combinations_with_replacement
+from operator import add
 from typing import TypeAlias
 
 import numpy as np
@@ -74,14 +75,11 @@ def without_idle(blocks: Blocks, support: Collection[Exponents]) -> Blocks:
     """
     first, *others = blocks
     beside = {
-        tuple(map(int.__add__, e, shift))
-        for block in others
-        for shift in reached(block.monomials)
-        for e in block.product
+        tuple(map(add, e, shift)) for block in others for shift in reached(block.monomials) for e in block.product
     }
     kept = list(first.monomials)
     while True:
-        mixed = {tuple(map(int.__add__, a, b)) for a, b in combinations(kept, 2)}
+        mixed = {tuple(map(add, a, b)) for a, b in combinations(kept, 2)}
         alive = {*support, *beside, *mixed}
         needed = [a for a in kept if tuple(2 * e for e in a) in alive]
         if len(needed) == len(kept):
@@ -211,7 +209,7 @@ def monomials_of(count: int, degree: int) -> Iterator[Exponents]:
 
 def reached(monomials: Collection[Exponents]) -> set[Exponents]:
     """The products of two monomials."""
-    return {tuple(map(int.__add__, a, b)) for a in monomials for b in monomials}
+    return {tuple(map(add, a, b)) for a in monomials for b in monomials}
 
 
 def separates(monomials: Collection[Exponents], *, at_origin: bool) -> bool:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import sqrt
+from operator import add
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -182,9 +183,9 @@ def entries(block: Block) -> Iterator[tuple[int, dict[Exponents, Any]]]:
     """For each entry of the upper triangle, column by column, the polynomial that it multiplies (exact)."""
     for column, b in enumerate(block.monomials):
         for row, a in enumerate(block.monomials[: column + 1]):
-            shift = tuple(map(int.__add__, a, b))
+            shift = tuple(map(add, a, b))
             twice = 1 if row == column else 2
-            terms = {tuple(map(int.__add__, shift, e)): c * twice for e, c in block.product.items()}
+            terms = {tuple(map(add, shift, e)): c * twice for e, c in block.product.items()}
             yield column * (column + 1) // 2 + row, terms
 
 
@@ -317,7 +318,7 @@ def _error(condition: Condition, blocks: Blocks, triangles: Triangles) -> Terms:
         for column, b in enumerate(block.monomials):
             for row, a in enumerate(block.monomials[: column + 1]):
                 value = triangle[column * (column + 1) // 2 + row] * (-1 if row == column else -2)
-                e = tuple(map(int.__add__, a, b))
+                e = tuple(map(add, a, b))
                 plain[e] = plain.get(e, fmpq(0)) + value
         total = add_terms(total, multiply_terms({e: c for e, c in plain.items() if c}, block.product))
     return total

@@ -106,8 +106,13 @@ def _parsed(value: object, variables: frozenset[str]) -> Expression:
 _parsed_once = lru_cache(maxsize=4096, typed=True)(_parsed)  # scenes of a sweep repeat most of their texts
 
 
+_read_once = lru_cache(ast.parse)
+
+
 def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.expr]:
     """The text of a TOML number or string, and its tree, of which nothing is checked yet; ``abs(x)`` is ``Abs(x)``.
+
+    Equal texts have one tree: who changes a tree parses its own.
 
     Args:
         value: what the file holds.
@@ -138,7 +143,7 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
             raise SyntaxError("a comment")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
-            return text, ast.parse(text, mode="eval").body
+            return text, _read_once(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         hint = _without_unit(text)
         raise ExpressionError(f"required {hint or required}, received {shown(value)}") from None

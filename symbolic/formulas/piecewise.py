@@ -101,6 +101,9 @@ class PiecewiseExpression:
         return found
 
 
+_known = lru_cache(PiecewiseExpression)  # with what was read of its tree
+
+
 def parse_piecewise(value: object, states: Collection[str], beside: Sequence[str] = ()) -> PiecewiseExpression:
     """Check a formula of the states.
 
@@ -113,7 +116,7 @@ def parse_piecewise(value: object, states: Collection[str], beside: Sequence[str
         ExpressionError: for anything outside the whitelist.
     """
     text, tree = parse_tree(value, MAX_TEXT, 'a formula such as "-sign(x)"')
-    expression = PiecewiseExpression(text, tree, frozenset(states))
+    expression = _known(text, tree, frozenset(states))
     try:
         _check(tree, expression, MAX_DEPTH)
     except _OutsideError as error:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import comb
+from operator import add
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -47,7 +48,7 @@ def multiply_terms(first: Mapping[Exponents, Any], second: Mapping[Exponents, An
     total: Terms = {}
     for a, c in first.items():
         for b, d in second.items():
-            exponents = tuple(map(int.__add__, a, b))
+            exponents = tuple(map(add, a, b))
             total[exponents] = total[exponents] + c * d if exponents in total else c * d
     return {exponents: c for exponents, c in total.items() if c}
 
@@ -57,7 +58,7 @@ def in_generators(terms: Mapping[Exponents, Any], generators: Sequence[Sequence[
     count = len(generators)
     units = [tuple(int(i == k) for i in range(count)) for k in range(count)]
     rows = [{unit: g[k] for unit, g in zip(units, generators, strict=True) if g[k]} for k in range(len(generators[0]))]
-    powers: list[list[Terms]] = [[{(0,) * count: 1}] for _ in rows]
+    powers: list[list[Terms]] = [[{(0,) * count: 1}, row] for row in rows]
     total: Terms = {}
     for exponents, coefficient in terms.items():
         product: Terms = {(0,) * count: coefficient}
@@ -78,11 +79,12 @@ def with_mixture(terms: Mapping[Exponents, Any], kept: int, replaced: int, alpha
     for exponents, c in terms.items():
         scaled = c * powers_of_beta[exponents[replaced]] if exponents[replaced] else c
         for k in range(exponents[kept] + 1):
-            target = list(exponents)
-            target[kept] -= k
-            target[replaced] += k
-            key = tuple(target)
-            value = scaled * (powers_of_alpha[k] * comb(exponents[kept], k)) if k else scaled
+            key, value = exponents, scaled
+            if k:
+                target = list(exponents)
+                target[kept] -= k
+                target[replaced] += k
+                key, value = tuple(target), scaled * (powers_of_alpha[k] * comb(exponents[kept], k))
             total[key] = total[key] + value if key in total else value
     return {e: c for e, c in total.items() if c}
 
