@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import product
+from math import comb
 from random import Random
 from typing import Any
 
@@ -24,6 +25,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.polynomials import Polynomial as Checked
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.kernel import second_function
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families
 from nonsmooth.proofs.kernel.cells import SignCells, build_cells, is_empty
 from nonsmooth.proofs.many_states import lyapunov_search
@@ -457,6 +459,19 @@ def test_a_family_that_holds_another_has_the_larger_program(rhs: list[str]) -> N
     sizes = [program_size(own, cells, basis) for basis in bases]
     for (small, size), (large, other) in itertools.permutations(zip(bases, sizes, strict=True), 2):
         assert size <= other or not set(small) <= set(large)
+
+
+def test_six_relays_are_decided_though_their_mixtures_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A face on which five of them slide has 32 fields and a million sets of them: the check did not end."""
+    states, looked_at = list("abcdef"), second_function.extreme_velocities
+
+    def few_looked_at(fields: Any, normals: Any) -> Any:
+        assert sum(comb(len(fields), size) for size in range(1, len(normals) + 2)) <= second_function.MOST_MIXTURES
+        return looked_at(fields, normals)
+
+    monkeypatch.setattr(second_function, "extreme_velocities", few_looked_at)
+    rhs = ["-2*sgn(a) - a", *(f"-2*sgn({own}) + sgn({before})/2" for before, own in itertools.pairwise(states))]
+    assert decide_system(system(states, rhs)).verdict is ATTRACTS
 
 
 def program_size(own: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> int:
