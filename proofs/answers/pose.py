@@ -161,15 +161,15 @@ def late_and_wrong(found: AnyFeedback, errors: LoopErrors, scene: Scene) -> Fact
         "largest_delay": Quantity(bound.largest_delay),
         "gain": Quantity(bound.gain),
     }
-    return Fact("loop", record, _words(bound, within, start))
+    return Fact("loop", record, _words(bound, within, start, scene.units.after_length))
 
 
-def _words(bound: UltimateBound, within: Fraction | None, start: Fraction | None) -> str:
+def _words(bound: UltimateBound, within: Fraction | None, start: Fraction | None, unit: str) -> str:
     if bound.verdict is Certainty.UNDECIDED:
         serves = "no gain k is known that serves"
         if bound.gain is not None:
             serves = f"take a gain k of at most {lower_text(bound.gain, 2)}: with these it is certified"
         return f"with a pose as late and wrong as [feedback] says: undecided, {bound.reason}; {serves}"
-    where = "near the point" if start is None else f"from errors below {lower_text(start, 4)}"
-    ends = f"within {upper_text(within, 4)}" if within else "at zero"
+    where = "near the point" if start is None else f"from errors below {lower_text(start, 4)}{unit}"
+    ends = f"within {upper_text(within, 4)}{unit}" if within else "at zero"
     return f"with a pose as late and wrong as [feedback] says, and gain k = 1, {where} the error ends {ends}"

@@ -16,6 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,7 @@ MOST_BENDING = 4  # surfaces
 SLOWEST = 2.0**-80  # velocities below that are called zero
 DENOMINATORS = (1, 2, 3, 4, 6, 8, 16, 64)
 MOST_TRIES = 24  # lists of functions
+MOST_MIXTURES = 20_000  # of velocities on one face: 7 thousand where four of five relays slide, a million for six
 
 
 def find_second(
@@ -132,7 +134,8 @@ class Survey(Chain):
         left: where the functions may stay constant: points with velocities, and a cell with their polynomials there.
 
     Raises:
-        NotShownError: where a rate is negative at a point, or a bound is not shown.
+        NotShownError: where a rate is negative at a point, or a bound is not shown, and where a face has too many
+            mixtures of velocities.
     """
 
     def __init__(
@@ -148,6 +151,8 @@ class Survey(Chain):
         super().__init__(Inclusion(system, dict(cells), [function, *others], search), search, {})
         self.below = below
         self.left: list[tuple[Cell, Samples]] = []
+        if any(_mixtures(place, cells) > MOST_MIXTURES for place, _, cells in self.bends):
+            raise NotShownError("too many mixtures of velocities that slide on a face")
         self.show_chain()
 
     def leave(self, name: str, place: Face, cells: Sequence[Cell]) -> None:
@@ -218,6 +223,12 @@ class Samples:
     def where(self, kept: Mask) -> Samples:
         """Some of them."""
         return Samples(self.coordinates[kept], self.points[kept], self.velocities[kept])
+
+
+def _mixtures(place: Face, cells: Sequence[Cell]) -> int:
+    """How many sets of velocities beside a face are looked at for mixtures that keep its surfaces zero."""
+    fields = sum(len(cell.fields) for cell in cells)
+    return sum(comb(fields, size) for size in range(1, len(place.zero) + 2))
 
 
 def sampled(place: Face, cells: Sequence[Cell], coordinates: Floats | None = None) -> Samples:

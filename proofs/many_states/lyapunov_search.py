@@ -98,22 +98,32 @@ def proposals(
     """Rounded proposals, family by family, on the checked cube and on smaller ones.
 
     What serves on a cube serves on smaller ones: a family without a proposal on the smallest is left out.  No V falls
-    at a place of rest, so there is none beside rays of these.
+    at a place of rest, so there is none beside rays of these.  A family that holds one whose program is too large has
+    a larger one, which is not built: that alone may take minutes.
     """
     with suppress(BeyondReachError):
         if ray_of_rest(system) is not None:
             return
     cubes = _cubes(system)
     bases = [list(families(cells)) for _, cells in cubes]
+    too_large: dict[int, Sequence[PiecewiseFunction]] = {}
     for number in range(max(map(len, bases), default=0)):
         for k in (0, *range(len(cubes) - 1, 0, -1)):
             if number >= len(bases[k]):
                 continue
-            radius, cells = cubes[k]
-            found = list(_of_family(system, cells, bases[k][number], positive=positive, entries=entries))
+            (radius, cells), basis, found = cubes[k], bases[k][number], list[PiecewiseExpression]()
+            if k not in too_large or not set(too_large[k]).issubset(basis):
+                try:
+                    found = list(_of_family(system, cells, basis, positive=positive, entries=entries))
+                except _TooLargeError:
+                    too_large[k] = basis
             yield from ((radius, formula) for formula in found)
             if k and not found:
                 break
+
+
+class _TooLargeError(ValueError):
+    """A program with more entries than are solved."""
 
 
 def _cubes(system: SwitchedSystem) -> list[tuple[Number, SignCells]]:
@@ -139,12 +149,19 @@ def _looks_alike(cells: SignCells) -> bool:
 def _of_family(
     system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction], *, positive: bool, entries: range
 ) -> Iterator[PiecewiseExpression]:
-    """Sums of the functions of a basis, coefficients rounded more and more finely."""
+    """Sums of the functions of a basis, coefficients rounded more and more finely.
+
+    Raises:
+        _TooLargeError: for a program beyond the sizes that are solved.
+    """
     try:
         problems, parameters = _problems(system, cells, basis, positive=positive)
     except BeyondReachError:
         return
-    if sum(gram_entries(blocks) for _, blocks in problems) not in entries:
+    size = sum(gram_entries(blocks) for _, blocks in problems)
+    if size >= entries.stop:
+        raise _TooLargeError
+    if size < entries.start:
         return
     solved = solve_inside(problems, parameters, bounded=True)
     seen = {"0"}

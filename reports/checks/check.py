@@ -252,6 +252,9 @@ def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
                 return compared(results)
     except TipsError as tipping:
         tipped = TippedResult(scenes[0], tipping)
+        asked = [f"--{name}" for name in ("continuum", "fail") if getattr(options, name)]
+        if asked:
+            notice(scenes[0].origin, f"{' and '.join(asked)}: nothing is said of a body that tips")
         if options.certificate or options.law:
             raise UnwrittenError(
                 f"{scenes[0].origin}: required a body that stands, received one that tips", tipped

@@ -144,6 +144,11 @@ def test_a_body_that_tips_has_no_file_beside_the_answer(
     assert not (tmp_path / flag[1]).exists()
 
 
+def test_what_is_not_said_of_a_body_that_tips_is_named(carton: str, invoke: Invoke) -> None:
+    done = invoke("check", carton, "--at", "2.9,2.9", "--continuum", "--fail", "any")
+    assert (done.status, done.err) == (1, f"{carton}: --continuum and --fail: nothing is said of a body that tips\n")
+
+
 def test_tipping_among_many_scenes(carton: str, invoke: Invoke) -> None:
     done = invoke("check", carton, "four-wheel", "--at", "2.9,2.9")
     assert done.status != 0

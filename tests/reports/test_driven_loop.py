@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import runpy
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -234,6 +235,12 @@ def test_an_exact_pose_that_is_only_late_comes_home(invoke: Invoke, tmp_path: Pa
         loop = pose_answer(invoke, write(tmp_path, rule, "delay = 0.02"))["loop"]
         assert (loop["verdict"], loop["ends_within"]) == ("certified", 0.0)
         assert (loop["from_within"] is None) == (rule == "ellipse")
+
+
+def test_the_bound_is_said_in_the_unit_of_length(invoke: Invoke, tmp_path: Path) -> None:
+    file = Path(write(tmp_path, "box", LATE, radius='200\n[units]\nlength = "mm"'))
+    words = str(pose_answer(invoke, str(file))["reason"])
+    assert re.search(r"from errors below [0-9.]+ mm the error ends within [0-9.]+ mm$", words)
 
 
 def late_scene(folder: Path, delay: Fraction) -> tuple[Scene, DrivenLoop, Any]:

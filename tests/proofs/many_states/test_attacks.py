@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import product
+from math import comb
 from random import Random
 from typing import Any
 
@@ -24,12 +25,16 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.polynomials import Polynomial as Checked
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
-from nonsmooth.proofs.kernel.cells import build_cells, is_empty
+from nonsmooth.proofs.kernel import second_function
+from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families
+from nonsmooth.proofs.kernel.cells import SignCells, build_cells, is_empty
+from nonsmooth.proofs.many_states import lyapunov_search
 from nonsmooth.proofs.many_states.decision import Spectrum, escaping_rate, first_cells, spectrum_of
 from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, find_slide
 from nonsmooth.proofs.many_states.lyapunov_search import high_degree_relay, proposals
 from nonsmooth.proofs.many_states.rest_beside import ray_of_rest
 from nonsmooth.proofs.many_states.weak_functions import find_weak_lyapunov
+from nonsmooth.proofs.sums_of_squares.ansatz import gram_entries
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
@@ -441,6 +446,50 @@ def test_no_function_that_falls_is_proposed_beside_places_of_rest() -> None:
     """Both searches took 45 s of a processor here, and could find nothing."""
     own = system("xyz", ["-2*x + 3*x*sin(z)/2", "-2*x - x*y", "-z + 2*x*sign(y)"])
     assert not any(True for positive in (True, False) for _ in proposals(own, positive=positive))
+
+
+@pytest.mark.parametrize(
+    "rhs", [CHAIN, ["y - sgn(x)", "-y - Abs(x - y)", "-z + Max(y, 0)"], ["-x + z*Abs(y)", "-y", "-z"]]
+)
+def test_a_family_that_holds_another_has_the_larger_program(rhs: list[str]) -> None:
+    own = system("xyz", rhs)
+    cells = build_cells(own, own.check.radius)
+    bases = list(families(cells))
+    assert len(bases) > 1
+    sizes = [program_size(own, cells, basis) for basis in bases]
+    for (small, size), (large, other) in itertools.permutations(zip(bases, sizes, strict=True), 2):
+        assert size <= other or not set(small) <= set(large)
+
+
+def test_six_relays_are_decided_though_their_mixtures_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A face on which five of them slide has 32 fields and a million sets of them: the check did not end."""
+    states, looked_at = list("abcdef"), second_function.extreme_velocities
+
+    def few_looked_at(fields: Any, normals: Any) -> Any:
+        assert sum(comb(len(fields), size) for size in range(1, len(normals) + 2)) <= second_function.MOST_MIXTURES
+        return looked_at(fields, normals)
+
+    monkeypatch.setattr(second_function, "extreme_velocities", few_looked_at)
+    rhs = ["-2*sgn(a) - a", *(f"-2*sgn({own}) + sgn({before})/2" for before, own in itertools.pairwise(states))]
+    assert decide_system(system(states, rhs)).verdict is ATTRACTS
+
+
+def program_size(own: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> int:
+    problems, _ = lyapunov_search._problems(own, cells, basis, positive=True)
+    return sum(gram_entries(blocks) for _, blocks in problems)
+
+
+def test_programs_that_hold_one_that_is_too_large_are_not_built(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In eight states with nine switching surfaces they took more than five minutes, and were thrown away."""
+    own, sizes, build = system("xyz", CHAIN), list[int](), lyapunov_search._problems
+
+    def counted(*given: Any, **named: Any) -> Any:
+        sizes.append(len(given[2]))
+        return build(*given, **named)
+
+    monkeypatch.setattr(lyapunov_search, "_problems", counted)
+    assert not list(proposals(own, positive=True, entries=range(1)))
+    assert set(sizes) == {len(next(families(build_cells(own, own.check.radius))))}
 
 
 @pytest.mark.parametrize(("states", "rhs"), RESTS)
