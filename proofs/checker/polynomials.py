@@ -180,10 +180,15 @@ def variable(count: int, k: int, factor: Fraction | int = 1) -> Polynomial:
 
 def lie_derivative(potential: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
     """The derivative ``grad V . f`` of a function V along a field f."""
-    total = constant(potential.count, 0)
+    total: dict[Exponents, Coefficient] = {}
     for k, part in enumerate(field):
-        total += potential.derivative(k) * part
-    return total
+        slope = potential.derivative(k)
+        BUDGET.spend(1 + len(slope.terms) * len(part.terms) * product_cost(slope.bits, part.bits))
+        for a, u in slope.terms.items():
+            for b, v in part.terms.items():
+                key = tuple(map(int.__add__, a, b))
+                total[key] = total.get(key, Fraction(0)) + u * v
+    return Polynomial(potential.count, total)
 
 
 def are_coprime(a: Polynomial, b: Polynomial) -> bool:

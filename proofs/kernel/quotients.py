@@ -247,8 +247,7 @@ def _functions(heavy: str, light: str, most: int) -> list[str]:
 def _falling_claims(subject: System, cells: Record, functions: Sequence[str]) -> list[list[Claim]]:
     """That each function falls on each cell, in one order."""
     own = Functions(subject, {**cells, "empty": []}, functions)
-    every = (own.claims(k, positive=False) for k in range(len(functions)))
-    return [[claim for claim in claims if claim.name.startswith("cell")] for claims in every]
+    return list(map(own.claims_on_cells, range(len(functions))))
 
 
 def _proposals(claims: Sequence[Sequence[Claim]], functions: Sequence[str], heavy: int, q: int) -> Iterator[str]:
