@@ -12,11 +12,11 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial
 from itertools import product
 from math import comb
 
@@ -30,7 +30,7 @@ from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.inequalities.linear_program import least_sum
+from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on, rates, values
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around
@@ -76,16 +76,12 @@ SLACK = 2.0**-30  # by which floats may miss an equality
 DIRECTIONS = 200
 THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
 BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its sign
+MOST_KEPT = 8  # cubes with their families
 MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
 def weak_functions(
-    system: SwitchedSystem,
-    radius: Number,
-    *,
-    positive: bool,
-    power: int = 2,
-    known: Iterable[FunctionFamily] | None = None,
+    system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2
 ) -> Iterator[PiecewiseExpression]:
     """Proposals of V in the displacement.
 
@@ -94,14 +90,13 @@ def weak_functions(
         radius: half the side of a cube.
         positive: whether V is to be positive; else it is to be negative at a point of an axis.
         power: of the distance, which V is at least; of a function of some degree.
-        known: the families on the cube, where they were made before.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
         ExpressionError: for sums that are too long.
     """
     seen = {"0"}
-    for family in families_on(system, radius) if known is None else known:
+    for family in families_on(system, radius):
         basis = family.basis
         if power > max(own.degree for own in basis):
             continue
@@ -139,17 +134,18 @@ class FunctionFamily:
     @cached_property
     def kept(self) -> fmpq_mat:
         """Columns of coefficients whose sums stay constant to first order."""
-        return kept_forms([self._conditions.claims(k, positive=False) for k in range(len(self.basis))])
+        return kept_forms(list(map(self._conditions.claims_on_cells, range(len(self.basis)))))
 
     @cached_property
     def _conditions(self) -> Functions:
         return functions_on(self.system, self.stated, [own.text for own in self.basis])
 
 
-def families_on(system: SwitchedSystem, radius: Number) -> Iterator[FunctionFamily]:
-    """The families on a cube; raises as :func:`weak_functions`."""
+@lru_cache(maxsize=MOST_KEPT)
+def families_on(system: SwitchedSystem, radius: Number) -> tuple[FunctionFamily, ...]:
+    """The families on a cube, for energies and for what shows instability; raises as :func:`weak_functions`."""
     stated = stated_cells(system, radius)
-    return (FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
+    return tuple(FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
 
 
 def near_planes(place: Face) -> Floats:
@@ -204,7 +200,8 @@ class LinearProgram:
             rows = self.rates
             for _ in range(MOST_ROUNDS):
                 bounds = np.r_[np.zeros(len(rows)), limits]
-                solved = least_sum(np.vstack([rows, matrix]), bounds, self.costs, MOST)
+                stated = np.vstack([rows, matrix]), bounds, self.costs, MOST
+                solved = None if some_contradict(*stated) else least_sum(*stated)
                 if solved is None:
                     break
                 found = rounded(solved, partial(_holds, rows, matrix))
@@ -239,15 +236,12 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
 
 def _energies(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
     """Proposals of a positive V that does not rise, with half the side of a cube; raises as above."""
-    known: dict[Fraction, list[FunctionFamily]] = {}
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius) if power == 2 else None
         if energy is not None:
             yield energy, radius
-        if share not in known:
-            known[share] = list(families_on(system, radius))
-        for formula in weak_functions(system, radius, positive=True, power=power, known=known[share]):
+        for formula in weak_functions(system, radius, positive=True, power=power):
             yield formula, radius
 
 
