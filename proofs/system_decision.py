@@ -239,6 +239,8 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
         return None
     found: list[StabilityResult] = []
     for block in blocks:
+        if block.is_driven and any(result.exit_status for result in found):
+            continue  # what is driven says nothing of the whole any more
         found.append(_decided(block.system))
         if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
             return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
