@@ -290,6 +290,8 @@ def extreme_velocities(fields: Sequence[tuple[Mask, Floats]], normals: Sequence[
             for speeds in zip(*(across[k] for k in chosen), strict=True):  # else no mixture of them is tangent
                 meet &= (np.min(speeds, axis=0) <= 2 * NEAR) & (np.max(speeds, axis=0) >= -2 * NEAR)
             (own,) = np.nonzero(meet)
+            if size > 1 and not len(own):
+                continue
             velocities = np.stack([fields[k][1][own] for k in chosen], axis=2)
             rows = np.stack([across[k][:, own].T for k in chosen], axis=2) if normals else np.zeros((len(own), 0, size))
             matrix = np.concatenate([rows, np.ones((len(own), 1, size))], axis=1)
