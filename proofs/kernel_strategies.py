@@ -203,6 +203,15 @@ def decide_by_energy(point: SpacePoint) -> Finding | None:
     return None if found is None else conclude_function(point, found)
 
 
+def decide_by_weighted_energy(point: SpacePoint) -> Finding | None:
+    """A positive form of one weight that does not rise."""
+    from nonsmooth.proofs.many_states.decision import conclude_function
+    from nonsmooth.proofs.many_states.weighted_functions import find_weighted_energy
+
+    found = find_weighted_energy(with_known_numbers(point.system))
+    return None if found is None else conclude_function(point, found)
+
+
 def decide_rest_beside(point: SpacePoint) -> Finding | None:
     """Of a stable point, that it does not attract, as others of rest lie at all distances."""
     from nonsmooth.proofs.many_states.rest_beside import ray_of_rest

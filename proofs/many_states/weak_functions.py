@@ -23,7 +23,7 @@ from math import comb
 import numpy as np
 from flint import fmpq_mat
 
-from nonsmooth.proofs.checker.cells import Face, Inclusion
+from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import lie_derivative
@@ -33,8 +33,8 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on, rates, values
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, started, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.first_terms import fields_around
-from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
+from nonsmooth.proofs.kernel.first_terms import fields_around, neutral_subspace
+from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms, proposed
 from nonsmooth.proofs.kernel.search import (
     Entry,
     Functions,
@@ -48,6 +48,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
     combined,
     formula_in_states,
+    null_basis,
     part_of,
     powers_between,
     terms_of,
@@ -64,10 +65,10 @@ from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave, in_pla
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
@@ -108,6 +109,11 @@ def weak_functions(
                 if text not in seen:
                     seen.add(text)
                     yield parse_piecewise(text, system.states)
+        if positive and family.beside_neutral.ncols():
+            rows = np.vstack([-family.program.rates, family.program.values])
+            for chosen in proposed(rows @ np.array(family.beside_neutral.tolist(), dtype=float)):
+                text = formula_text(basis, coefficients_of(family.beside_neutral, chosen))
+                yield parse_piecewise(text, system.states)
 
 
 @dataclass(frozen=True)
@@ -137,6 +143,28 @@ class FunctionFamily:
         return kept_forms(list(map(self._conditions.claims_on_cells, range(len(self.basis)))))
 
     @cached_property
+    def beside_neutral(self) -> fmpq_mat:
+        """Columns of coefficients whose sums do not rise beside the neutral subspaces of cells, to first order.
+
+        Where eigenvalues of the field of a cell lie on the imaginary axis, no V falls on the whole subspace N of these:
+        one that does not rise is kept there, and V' has no terms of first order beside N.  No columns without an N.
+        """
+        signs: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
+        claims = list(map(self._conditions.claims_on_cells, range(len(self.basis))))
+        fields = [(cell, field) for cell in self._conditions.inclusion.cells for _, field in cell.fields]
+        for number, (cell, field) in enumerate(fields):
+            neutral = neutral_subspace(field)
+            if neutral is None or not _meets(self._conditions.inclusion, cell, neutral):
+                continue
+            for own, same in zip(signs, claims, strict=True):
+                value = same[number].inequalities[0].value
+                slopes = (value, *map(value.derivative, range(value.count)))
+                own += [slope.on(neutral, neutral[0].count) for slope in slopes]
+        places = sorted({(k, e) for own in signs for k, part in enumerate(own) for e in part.terms})
+        rows = [[as_fmpq(own[k].terms.get(e, Fraction(0))) for own in signs] for k, e in places]
+        return null_basis(fmpq_mat(rows)) if rows else fmpq_mat(0, 0)
+
+    @cached_property
     def _conditions(self) -> Functions:
         return functions_on(self.system, self.stated, [own.text for own in self.basis])
 
@@ -146,6 +174,15 @@ def families_on(system: SwitchedSystem, radius: Number) -> tuple[FunctionFamily,
     """The families on a cube, for energies and for what shows instability; raises as :func:`weak_functions`."""
     stated = stated_cells(system, radius)
     return tuple(FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
+
+
+def _meets(inclusion: Inclusion, cell: Cell, neutral: Sequence[CheckedPolynomial]) -> bool:
+    """Whether points of a subspace are seen in a cell."""
+    points = sample_points(neutral[0].count, bounded=True)
+    for j, sign in enumerate(cell.signs):
+        own = inclusion.surfaces.signed(j, sign).on(neutral, neutral[0].count)
+        points = points[float_values(own.terms, points) > 0]
+    return len(points) > 0
 
 
 def near_planes(place: Face) -> Floats:
@@ -187,9 +224,9 @@ class LinearProgram:
         beside = cache(lambda: self.beside() @ sums)
         return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums), beside)
 
-    def solutions(self, power: int, *, positive: bool) -> Iterator[list[Fraction]]:
-        """In short fractions, of a V that is positive like this power of the distance, or negative somewhere."""
-        sizes = np.sum(self.points**power, axis=1)
+    def solutions(self, power: int | Floats, *, positive: bool) -> Iterator[list[Fraction]]:
+        """In short fractions, of a V that is positive like these powers of the states, or negative somewhere."""
+        sizes = np.sum(np.abs(self.points) ** power, axis=1)
         if positive:
             asked = [(-self.values, -sizes)]
         else:
@@ -260,7 +297,7 @@ def find_weak_growth(system: SwitchedSystem) -> Entry | None:
             try:
                 subject, search = started(system)
                 cells = stated_cells(system, radius, surfaces_of(system, formula)).record
-                second = find_second(subject, cells, formula.text, search)
+                second = find_second(subject, cells, formula.text, search, below=Fraction(0))
                 stated = Lyapunov(Inclusion(subject, cells, [formula.text], search), search)
             except (NotShownError, RejectedError):
                 continue
