@@ -511,7 +511,6 @@ STRATEGIES = [
     Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy", SILENT),
     Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles", SILENT),
     Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry", SILENT),
-    Strategy("energy of one weight", MORE, KERNEL, "decide_by_weighted_energy", SILENT),
     Strategy("searched V, in large programs", MORE, IN_SPACE, "search_large_function"),
     Strategy("function that shows instability, in large programs", MORE, KERNEL, "decide_by_large_growth", SILENT),
 ]

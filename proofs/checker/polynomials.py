@@ -182,12 +182,8 @@ def lie_derivative(potential: Polynomial, field: Sequence[Polynomial]) -> Polyno
     """The derivative ``grad V . f`` of a function V along a field f."""
     total: dict[Exponents, Coefficient] = {}
     for k, part in enumerate(field):
-        slope = potential.derivative(k)
-        BUDGET.spend(1 + len(slope.terms) * len(part.terms) * product_cost(slope.bits, part.bits))
-        for a, u in slope.terms.items():
-            for b, v in part.terms.items():
-                key = tuple(map(int.__add__, a, b))
-                total[key] = total.get(key, Fraction(0)) + u * v
+        for exponents, value in (potential.derivative(k) * part).terms.items():
+            total[exponents] = total.get(exponents, Fraction(0)) + value
     return Polynomial(potential.count, total)
 
 

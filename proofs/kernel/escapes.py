@@ -16,7 +16,6 @@ from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq_mat
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
@@ -24,11 +23,11 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_deriv
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
-from nonsmooth.proofs.kernel.search import SLACK, Entry, NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
+from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Field: TypeAlias = tuple[Polynomial, ...]
@@ -390,7 +389,8 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
     marked = zip(surfaces, motion.signs, strict=True)
     sides = [own.times("-0+".index(mark) - 1) for own, mark in marked]
     sides = [own.on(motion.coordinates, count) for own in sides if own and not own.at_origin]
-    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count))
+    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist()
+    within = [own for own in (tuple(map(Fraction, own)) for own in drawn) if all(sign_along(s, own) > 0 for s in sides)]
     for column in null_basis(jacobian * jacobian).transpose().tolist():
         kept = jacobian * fmpq_mat([[value] for value in column])
         lead, late = (
@@ -398,21 +398,11 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
             for own in (kept.entries(), column)
         )
         for further in ([], [lead], [-lead]):
-            inside = [*sides, *further]
-            for direction in map(tuple, _where_positive([*inside, lead * late], drawn)):
-                if all(sign_along(own, direction) > 0 for own in (*inside, lead * late)):
-                    barriers = tuple((own, constant(count, 0)) for own in inside)
+            for direction in within:
+                if all(sign_along(own, direction) > 0 for own in (*further, lead * late)):
+                    barriers = tuple((own, constant(count, 0)) for own in (*sides, *further))
                     yield BarrierRegion(barriers, lead * late, direction, SPEED)
                     break
-
-
-def _where_positive(forms: Sequence[Polynomial], drawn: NDArray[np.int64]) -> Iterator[list[Fraction]]:
-    """Those of some vectors along which the lowest terms of forms are not seen to be negative."""
-    for own in forms:
-        lowest = part_of(own, min(map(sum, own.terms), default=0))
-        values, sizes = float_values_and_sizes(lowest.terms, drawn.astype(float))
-        drawn = drawn[values >= -SLACK * sizes]
-    return (list(map(Fraction, own)) for own in drawn.tolist())
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:

@@ -34,7 +34,7 @@ from nonsmooth.proofs.kernel.search import (
     sample_points,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import formula_text, null_basis
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, vanishing_columns
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
@@ -130,10 +130,9 @@ def _claims(subject: System, cube: Record, forms: Sequence[str], power: int) -> 
 def kept_forms(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
     """The sums of functions, in columns, that the lowest terms of all fields leave as they are."""
     falling = [[claim for claim in same if claim.name.startswith("cell")] for same in claims]
-    falls = [[own.value.terms for claim in same for own in claim.inequalities] for same in falling]
-    lowest = min((sum(e) for own in falls for terms in own for e in terms), default=0)
-    places = sorted({(k, e) for own in falls for k, terms in enumerate(own) for e in terms if sum(e) == lowest})
-    return null_basis(fmpq_mat([[as_fmpq(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
+    falls = [[own.value for claim in same for own in claim.inequalities] for same in falling]
+    lowest = min((sum(e) for own in falls for value in own for e in value.terms), default=0)
+    return vanishing_columns([[part_of(value, lowest) for value in own] for own in falls])
 
 
 def coefficients_of(basis: fmpq_mat, chosen: Sequence[Fraction]) -> list[Fraction]:

@@ -282,19 +282,13 @@ def extreme_velocities(fields: Sequence[tuple[Mask, Floats]], normals: Sequence[
         The numbers of the points in ascending order, of shape (k,), and a velocity there, of shape (k, n).
     """
     target = np.r_[np.zeros(len(normals)), 1.0]
-    across = [np.array([np.sum(normal * velocity, axis=1) for normal in normals]) for _, velocity in fields]
     found = []
     for size in range(1, len(normals) + 2):
-        for chosen in combinations(range(len(fields)), size):
-            meet = np.all([fields[k][0] for k in chosen], axis=0)
-            for speeds in zip(*(across[k] for k in chosen), strict=True):  # else no mixture of them is tangent
-                meet &= (np.min(speeds, axis=0) <= 2 * NEAR) & (np.max(speeds, axis=0) >= -2 * NEAR)
-            (own,) = np.nonzero(meet)
-            if size > 1 and not len(own):
-                continue
-            velocities = np.stack([fields[k][1][own] for k in chosen], axis=2)
-            rows = np.stack([across[k][:, own].T for k in chosen], axis=2) if normals else np.zeros((len(own), 0, size))
-            matrix = np.concatenate([rows, np.ones((len(own), 1, size))], axis=1)
+        for chosen in combinations(fields, size):
+            (own,) = np.nonzero(np.all([acts for acts, _ in chosen], axis=0))
+            velocities = np.stack([velocity[own] for _, velocity in chosen], axis=2)
+            rows = [np.einsum("mi,mis->ms", normal[own], velocities) for normal in normals]
+            matrix = np.stack([*rows, np.ones((len(own), size))], axis=1)
             weights = _weights(matrix, target)
             mixes = np.all(weights > NEAR, axis=1)
             mixes &= np.all(np.abs(np.einsum("mrs,ms->mr", matrix, weights) - target) <= NEAR, axis=1)

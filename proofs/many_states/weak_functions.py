@@ -11,19 +11,20 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 
 from __future__ import annotations
 
+import operator
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, partial
-from itertools import product
+from itertools import islice, product
 from math import comb
 
 import numpy as np
 from flint import fmpq_mat
 
-from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
+from nonsmooth.proofs.checker.cells import Face, Inclusion
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import lie_derivative
@@ -31,9 +32,18 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
-from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on, rates, values
+from nonsmooth.proofs.kernel.bases import (
+    PiecewiseFunction,
+    families,
+    formula_text,
+    functions_on,
+    monomial,
+    rates,
+    values,
+)
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.first_terms import fields_around, neutral_subspace
+from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms, proposed
 from nonsmooth.proofs.kernel.search import (
     Entry,
@@ -48,10 +58,10 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.kernel.written import (
     combined,
     formula_in_states,
-    null_basis,
     part_of,
     powers_between,
     terms_of,
+    vanishing_columns,
     vanishing_combinations,
 )
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
@@ -65,10 +75,10 @@ from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave, in_pla
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
@@ -149,20 +159,23 @@ class FunctionFamily:
         Where eigenvalues of the field of a cell lie on the imaginary axis, no V falls on the whole subspace N of these:
         one that does not rise is kept there, and V' has no terms of first order beside N.  No columns without an N.
         """
-        signs: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
-        claims = list(map(self._conditions.claims_on_cells, range(len(self.basis))))
-        fields = [(cell, field) for cell in self._conditions.inclusion.cells for _, field in cell.fields]
-        for number, (cell, field) in enumerate(fields):
-            neutral = neutral_subspace(field)
-            if neutral is None or not _meets(self._conditions.inclusion, cell, neutral):
-                continue
-            for own, same in zip(signs, claims, strict=True):
-                value = same[number].inequalities[0].value
-                slopes = (value, *map(value.derivative, range(value.count)))
-                own += [slope.on(neutral, neutral[0].count) for slope in slopes]
-        places = sorted({(k, e) for own in signs for k, part in enumerate(own) for e in part.terms})
-        rows = [[as_fmpq(own[k].terms.get(e, Fraction(0))) for own in signs] for k, e in places]
-        return null_basis(fmpq_mat(rows)) if rows else fmpq_mat(0, 0)
+        known = self._conditions
+        fields = [field for cell in known.inclusion.cells for _, field in cell.fields]
+        neutral = [(k, own) for k, own in enumerate(map(neutral_subspace, fields)) if own is not None]
+        lists: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
+        for number, own in enumerate(lists):
+            claims = known.claims_on_cells(number)
+            for k, coordinates in neutral:
+                rate = claims[k].inequalities[0].value
+                parts = (rate, *map(rate.derivative, range(rate.count)))
+                own += [part.on(coordinates, coordinates[0].count) for part in parts]
+        return vanishing_columns(lists) if neutral else fmpq_mat(0, 0)
+
+    @cached_property
+    def vanishing(self) -> fmpq_mat:
+        """Columns of coefficients whose sums stay constant on all cells."""
+        claims = map(self._conditions.claims_on_cells, range(len(self.basis)))
+        return vanishing_columns([[own.value for claim in same for own in claim.inequalities] for same in claims])
 
     @cached_property
     def _conditions(self) -> Functions:
@@ -174,15 +187,6 @@ def families_on(system: SwitchedSystem, radius: Number) -> tuple[FunctionFamily,
     """The families on a cube, for energies and for what shows instability; raises as :func:`weak_functions`."""
     stated = stated_cells(system, radius)
     return tuple(FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
-
-
-def _meets(inclusion: Inclusion, cell: Cell, neutral: Sequence[CheckedPolynomial]) -> bool:
-    """Whether points of a subspace are seen in a cell."""
-    points = sample_points(neutral[0].count, bounded=True)
-    for j, sign in enumerate(cell.signs):
-        own = inclusion.surfaces.signed(j, sign).on(neutral, neutral[0].count)
-        points = points[float_values(own.terms, points) > 0]
-    return len(points) > 0
 
 
 def near_planes(place: Face) -> Floats:
@@ -448,6 +452,7 @@ def _text(side: PiecewiseExpression, waves: Mapping[str, Polynomial], others: Se
 
 
 MOST_DEGREE = 6
+MOST_FORMS = 60  # of one weight
 MOST_UNKNOWNS = 250  # coefficients of an integral
 DENOMINATORS = (1, 8, 64)  # of the coefficients of integrals in V
 INTEGRAL_SHARES = (Fraction(1), Fraction(1, 8), Fraction(1, 64))  # of the checked cube
@@ -476,6 +481,49 @@ def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
             if examined.decrease is Decrease.WEAK:
                 return examined
     return None
+
+
+def find_kept_form(system: SwitchedSystem) -> ExaminedLyapunov | None:
+    """A positive form of one weight that solutions keep, of a field that is homogeneous beside the point.
+
+    With weights ``r_k`` it is a sum of products of powers of weight ``2 max r``, one state perhaps in absolute value.
+    The chain ``x' = y, y' = z, z' = -sign(y)`` has the weights 3, 2, 1, and with ``J = x + abs(y) z + z^3/3`` keeps
+    ``J^2 + (abs(y) + z^2/2)^3``.  Raises as :func:`find_kept_function`.
+    """
+    own = homogeneity_of(system, system.check.radius)
+    if own is None or own.orders != (1,) * len(system.states):
+        return None
+    degree, states = 2 * max(own.weights), system.states
+    basis = tuple(islice(_forms_of_weight(states, own.weights, degree), MOST_FORMS + 1))
+    if len(basis) > MOST_FORMS:
+        return None
+    bends = parse_piecewise(" + ".join(map("Abs({})".format, states)), states)
+    family = FunctionFamily(system, stated_cells(system, system.check.radius, surfaces_of(system, bends)), basis)
+    kept = family.vanishing
+    if not kept.ncols():
+        return None
+    program = replace(family.program, points=float(system.check.radius) * family.program.points)
+    powers = np.array([float(degree / weight) for weight in own.weights])
+    for chosen in program.combined(kept).solutions(powers, positive=True):
+        formula = parse_piecewise(formula_text(basis, coefficients_of(kept, chosen)), states)
+        examined = examine(system, formula, system.check.radius, effort=Effort.FULL)
+        if examined.decrease is Decrease.WEAK:
+            return examined
+    return None
+
+
+def _forms_of_weight(
+    states: Sequence[str], weights: Sequence[Fraction], degree: Fraction
+) -> Iterator[PiecewiseFunction]:
+    """Products of powers of some weight, alone and times the absolute value of a state."""
+    for exponents in product(*(range(int(degree / weight) + 1) for weight in weights)):
+        rest = degree - sum(map(operator.mul, exponents, weights))
+        own = monomial(states, exponents)
+        if not rest:
+            yield own
+        for weight, name in zip(weights, states, strict=True):
+            if rest == weight:
+                yield PiecewiseFunction(f"{own.text}*Abs({name})".removeprefix("1*"), own.degree + 1)
 
 
 def _positive_integrals(field: Sequence[CheckedPolynomial]) -> list[CheckedPolynomial]:

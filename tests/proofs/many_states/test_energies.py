@@ -10,8 +10,8 @@ import pytest
 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
+from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 from nonsmooth.proofs.many_states import lyapunov_search
-from nonsmooth.proofs.many_states.weighted_functions import weighted_families
 from nonsmooth.proofs.system_certificates import certificate_of
 from tests.oracles.floats import Floats, runge_kutta, velocity
 from tests.plain import built, decided, refused
@@ -88,12 +88,18 @@ def test_a_chain_before_a_relay_keeps_a_form_of_one_weight(text: str) -> None:
     assert sizes[-30:].max() > 0.5  # it does not come to the point
 
 
-def test_weights_are_those_of_the_lowest_terms() -> None:
-    system = built(("y", "z", "-sign(x) - sign(y) - z"))
-    found = {own.powers for own in weighted_families(system, system.check.radius)}
-    assert (2.0, 3.0, 6.0) in found
-    assert all(round(c / a, 9) == 3 and round(c / b, 9) == 2 for a, b, c in found)
-    assert not list(weighted_families(built(("y", "-x + z", "-z**3")), system.check.radius))
+@pytest.mark.parametrize(
+    ("rhs", "weights"),
+    [
+        (("y", "z", "-sign(y) - sign(z + 1)*y"), None),  # a term of another weight
+        (("y", "z", "-2*sign(z + sign(y))"), (3, 2, 1)),  # z + 1 and z - 1 keep their signs beside the point
+        (("y", "-x", "Abs(x)"), (1, 1, 1)),
+    ],
+)
+def test_weights_beside_the_point(rhs: tuple[str, ...], weights: tuple[int, ...] | None) -> None:
+    system = built(rhs)
+    found = homogeneity_of(system, system.check.radius)
+    assert (None if found is None else found.weights) == weights
 
 
 def test_few_products_are_asked_that_fail_nearer_an_axis(monkeypatch: pytest.MonkeyPatch) -> None:
