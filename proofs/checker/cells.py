@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import partial
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
 from .formulas import MAX_WAVES, NAME, Formula, WaveAt, parsed, series, waves_in
-from .polynomials import Coefficient, Exponents, Polynomial, are_coprime, constant, solve, variable
+from .polynomials import Coefficient, Polynomial, are_coprime, constant, solve, variable
 from .positivity import Claim, Inequality, Proofs, cube_guards, identity
 from .tower import Field, Number
-from .work import BUDGET, RejectedError, items, product_cost, rational, require, take, text, whole
+from .work import BUDGET, RejectedError, items, rational, require, take, text, whole
 
 MIN_STATES, MAX_STATES = 1, 8
 MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 64, 64, 1_000, 2_000
@@ -504,24 +504,8 @@ class Face:
     dimension: int
 
     def restricted(self, value: Polynomial) -> Polynomial:
-        """A polynomial on the subspace, by those of its monomials, each of which is written once."""
-        if self.dimension == value.count:
-            return value
-        total: dict[Exponents, Coefficient] = {}
-        for exponents, factor in value.terms.items():
-            image = self._images.get(exponents)
-            if image is None:
-                image = Polynomial(value.count, {exponents: Fraction(1)}).on(self.coordinates, self.dimension)
-                self._images[exponents] = image
-            BUDGET.spend(1 + len(image.terms) * product_cost(value.bits, image.bits))
-            for key, added in image.terms.items():
-                total[key] = total.get(key, Fraction(0)) + factor * added
-        return Polynomial(self.dimension, total)
-
-    @cached_property
-    def _images(self) -> dict[Exponents, Polynomial]:
-        """What monomials are on the subspace."""
-        return {}
+        """A polynomial on the subspace."""
+        return value.on(self.coordinates, self.dimension) if self.dimension < value.count else value
 
     @property
     def holds_origin(self) -> bool:

@@ -180,11 +180,10 @@ def variable(count: int, k: int, factor: Fraction | int = 1) -> Polynomial:
 
 def lie_derivative(potential: Polynomial, field: Sequence[Polynomial]) -> Polynomial:
     """The derivative ``grad V . f`` of a function V along a field f."""
-    total: dict[Exponents, Coefficient] = {}
+    total = constant(potential.count, 0)
     for k, part in enumerate(field):
-        for exponents, value in (potential.derivative(k) * part).terms.items():
-            total[exponents] = total.get(exponents, Fraction(0)) + value
-    return Polynomial(potential.count, total)
+        total += potential.derivative(k) * part
+    return total
 
 
 def are_coprime(a: Polynomial, b: Polynomial) -> bool:
