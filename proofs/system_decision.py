@@ -31,6 +31,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -195,6 +196,7 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
 def _ask_strategies(point: CheckedPoint) -> None:
     """Note what the strategies find, one after the other, until one says that none says more."""
     for strategy in STRATEGIES:
+        tell(strategy.name)
         try:
             found = strategy.decide(point)
         except BeyondReachError:
