@@ -239,11 +239,12 @@ def decide_beside_curve_of_rest(point: CheckedPoint) -> Finding | None:
 
 
 def decide_by_first_integrals(point: SpacePoint) -> Finding | None:
-    """A positive polynomial that solutions keep."""
+    """A positive polynomial that solutions keep, or a form of one weight with absolute values."""
     from nonsmooth.proofs.many_states.decision import conclude_function
-    from nonsmooth.proofs.many_states.weak_functions import find_kept_function
+    from nonsmooth.proofs.many_states.weak_functions import find_kept_form, find_kept_function
 
-    found = find_kept_function(with_known_numbers(point.system))
+    system = with_known_numbers(point.system)
+    found = find_kept_function(system) or find_kept_form(system)
     return None if found is None else conclude_function(point, found)
 
 

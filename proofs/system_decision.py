@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.falling_function import FallingFunction, claims_about
@@ -30,6 +31,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import SignOf, parse_piecewise
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -37,6 +39,7 @@ from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 if TYPE_CHECKING:
     from nonsmooth.proofs.parts import CascadeBlock, Parts
 
+MOST_PARTS = 32  # that are kept
 MOST_ORDER = 2  # further terms of sines and cosines
 MOST_HALVINGS = 20  # of the cube, until switching surfaces that do not hold the point lie outside
 NARROW = 1  # half-width of a square on which the first terms enclose sines closely
@@ -165,6 +168,12 @@ def _decided(system: SwitchedSystem) -> StabilityResult:
     return StabilityResult(point.system, equilibrium, findings, given, reach_of(point, deciding))
 
 
+@lru_cache(maxsize=MOST_PARTS)
+def _decided_part(system: SwitchedSystem) -> StabilityResult:
+    """The stability of a part; it may be met again as a part of another one."""
+    return _decided(system)
+
+
 def checked_point(system: SwitchedSystem) -> CheckedPoint:
     """The checked point with what strategies share.
 
@@ -187,6 +196,7 @@ def checked_point(system: SwitchedSystem) -> CheckedPoint:
 def _ask_strategies(point: CheckedPoint) -> None:
     """Note what the strategies find, one after the other, until one says that none says more."""
     for strategy in STRATEGIES:
+        tell(strategy.name)
         try:
             found = strategy.decide(point)
         except BeyondReachError:
@@ -239,7 +249,9 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
         return None
     found: list[StabilityResult] = []
     for block in blocks:
-        found.append(_decided(block.system))
+        if block.is_driven and any(result.exit_status for result in found):
+            continue  # what is driven says nothing of the whole any more
+        found.append(_decided_part(block.system))
         if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
             return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
     resting = [k for k, result in enumerate(found) if result.verdict is Translation.STABLE]
@@ -285,7 +297,7 @@ def decide_by_sliding(point: CheckedPoint) -> Finding | None:
         return None
     with suppress(SceneError, ExpressionError):
         for slide in slides(system):
-            result = _decided(slide.system)
+            result = _decided_part(slide.system)
             if result.verdict is not Translation.UNDECIDED:
                 reason = f"solutions near the equilibrium come to {slide.words}: {result.reason}"
                 refutes = result.deciding.refutes

@@ -120,6 +120,12 @@ class Lyapunov:
 
     def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
         """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""
+        self.show_falls_on_cells(prefix, shift, strict=strict)
+        for face, name, cells in self.bends:
+            self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
+
+    def show_falls_on_cells(self, prefix: str, shift: Shift, *, strict: bool) -> None:
+        """The same on closed cells alone."""
         space = whole_domain(self.inclusion)
         for cell in self.inclusion.cells:
             guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
@@ -127,8 +133,6 @@ class Lyapunov:
                 value = -(self.derivative(cell, field) + shift(cell))
                 name = f"{prefix}cell {pattern(cell.signs)} field {number}"
                 self._show_on_cell(name, value, guards, strict=strict)
-        for face, name, cells in self.bends:
-            self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
 
     def show_falls_by_square(self, speed: Fraction) -> None:
         """``V' <= -speed V^2``."""

@@ -390,6 +390,7 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
     sides = [own.times("-0+".index(mark) - 1) for own, mark in marked]
     sides = [own.on(motion.coordinates, count) for own in sides if own and not own.at_origin]
     drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist()
+    within = [own for own in (tuple(map(Fraction, own)) for own in drawn) if all(sign_along(s, own) > 0 for s in sides)]
     for column in null_basis(jacobian * jacobian).transpose().tolist():
         kept = jacobian * fmpq_mat([[value] for value in column])
         lead, late = (
@@ -397,10 +398,9 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
             for own in (kept.entries(), column)
         )
         for further in ([], [lead], [-lead]):
-            inside = [*sides, *further]
-            for direction in (tuple(map(Fraction, own)) for own in drawn):
-                if all(sign_along(own, direction) > 0 for own in (*inside, lead * late)):
-                    barriers = tuple((own, constant(count, 0)) for own in inside)
+            for direction in within:
+                if all(sign_along(own, direction) > 0 for own in (*further, lead * late)):
+                    barriers = tuple((own, constant(count, 0)) for own in (*sides, *further))
                     yield BarrierRegion(barriers, lead * late, direction, SPEED)
                     break
 

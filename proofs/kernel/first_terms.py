@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
+from flint import fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
@@ -31,7 +32,8 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
 )
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
-from nonsmooth.proofs.kernel.written import formula_text, slopes
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, slopes
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -223,3 +225,24 @@ def _in_general_position(quadratic: Polynomial, vector: Floats) -> list[Fraction
         if sign_along(quadratic, direction) < 0:
             return direction
     return [Fraction(float(x)) for x in vector]
+
+
+def axis_factor(characteristic: fmpq_poly) -> fmpq_poly:
+    """The factor with all roots of a characteristic polynomial whose opposites are roots, as of imaginary ones."""
+    mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
+    return characteristic.gcd(mirrored)
+
+
+def neutral_subspace(field: Sequence[Polynomial]) -> tuple[Polynomial, ...] | None:
+    """The states as forms of coordinates of the subspace of the imaginary eigenvalues; None without these."""
+    count = len(field)
+    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
+    on_axis = axis_factor(matrix.charpoly())
+    if any(part.at_origin for part in field) or not on_axis.degree():
+        return None
+    value = fmpq_mat(count, count)
+    for factor in reversed(on_axis.coeffs()):
+        value = value * matrix + fmpq_mat([[factor * int(i == j) for j in range(count)] for i in range(count)])
+    basis = null_basis(value)
+    size, rows = basis.ncols(), [list(map(as_fraction, row)) for row in basis.tolist()]
+    return tuple(sum((variable(size, j, x) for j, x in enumerate(row)), constant(size, 0)) for row in rows)

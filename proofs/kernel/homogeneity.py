@@ -18,8 +18,9 @@ import numpy as np
 
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
-from nonsmooth.proofs.kernel.cells import BeyondReachError, build_cells, stated_cells
+from nonsmooth.proofs.kernel.cells import BeyondReachError, adjoining, build_cells, stated_cells
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 LARGEST = 64  # denominators of weights, of which the least is one
@@ -63,11 +64,12 @@ class Homogeneity:
         return f"homogeneous of degree {self.degree} with the weights {weights}"
 
 
-def homogeneity_of(system: SwitchedSystem) -> Homogeneity | None:
+def homogeneity_of(system: SwitchedSystem, radius: Number | None = None) -> Homogeneity | None:
     """Weights with which the stated field is homogeneous about the point; None where there are none.
 
     Args:
         system: in any number of states; of roots of states the field in the time of the states counts.
+        radius: half the side of a cube in which surfaces beside the point are left out; None for the whole space.
     """
     roots = () if system.by_roots is None else system.by_roots.roots.names.values()
     at = system.named(system.check.equilibrium)
@@ -76,7 +78,7 @@ def homogeneity_of(system: SwitchedSystem) -> Homogeneity | None:
     known = {} if system.by_roots is None else system.by_roots.roots.order
     orders = tuple(known.get(name, 1) for name in system.stated_states)
     try:
-        rows = sorted(set(_rows(system, orders)))
+        rows = sorted(set(_rows(system, orders, radius)))
     except (BeyondReachError, SceneError):
         return None
     count = len(system.states)
@@ -93,14 +95,16 @@ def homogeneity_of(system: SwitchedSystem) -> Homogeneity | None:
     return Homogeneity(of_states, orders, system.stated_states, degree)
 
 
-def _rows(system: SwitchedSystem, orders: Sequence[int]) -> Iterator[Row]:
+def _rows(system: SwitchedSystem, orders: Sequence[int], radius: Number | None) -> Iterator[Row]:
     """What weights of the coordinates, and the degree, must solve."""
     stated = system if system.by_roots is None else system.by_roots.unscaled
-    cells = build_cells(stated, None, irrational=True)
+    cells = build_cells(stated, radius, irrational=True)
     for surface in cells.surfaces:
+        if radius is not None and surface.at_origin:
+            continue
         for first, second in pairwise(surface.terms):
             yield (*map(int.__sub__, first, second), 0)
-    for cell in cells.cells:
+    for cell in adjoining(cells) if radius is not None else cells.cells:
         for velocity in cell.velocities:
             for k, part in enumerate(velocity):
                 for exponents in part.terms:

@@ -34,7 +34,7 @@ from nonsmooth.proofs.kernel.search import (
     sample_points,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import formula_text, null_basis
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, vanishing_columns
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
@@ -130,10 +130,9 @@ def _claims(subject: System, cube: Record, forms: Sequence[str], power: int) -> 
 def kept_forms(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
     """The sums of functions, in columns, that the lowest terms of all fields leave as they are."""
     falling = [[claim for claim in same if claim.name.startswith("cell")] for same in claims]
-    falls = [[own.value.terms for claim in same for own in claim.inequalities] for same in falling]
-    lowest = min((sum(e) for own in falls for terms in own for e in terms), default=0)
-    places = sorted({(k, e) for own in falls for k, terms in enumerate(own) for e in terms if sum(e) == lowest})
-    return null_basis(fmpq_mat([[as_fmpq(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
+    falls = [[own.value for claim in same for own in claim.inequalities] for same in falling]
+    lowest = min((sum(e) for own in falls for value in own for e in value.terms), default=0)
+    return vanishing_columns([[part_of(value, lowest) for value in own] for own in falls])
 
 
 def coefficients_of(basis: fmpq_mat, chosen: Sequence[Fraction]) -> list[Fraction]:
@@ -247,8 +246,7 @@ def _functions(heavy: str, light: str, most: int) -> list[str]:
 def _falling_claims(subject: System, cells: Record, functions: Sequence[str]) -> list[list[Claim]]:
     """That each function falls on each cell, in one order."""
     own = Functions(subject, {**cells, "empty": []}, functions)
-    every = (own.claims(k, positive=False) for k in range(len(functions)))
-    return [[claim for claim in claims if claim.name.startswith("cell")] for claims in every]
+    return list(map(own.claims_on_cells, range(len(functions))))
 
 
 def _proposals(claims: Sequence[Sequence[Claim]], functions: Sequence[str], heavy: int, q: int) -> Iterator[str]:

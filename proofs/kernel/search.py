@@ -373,6 +373,13 @@ class Functions(Lyapunov):
         self.show_falls("", self.zero, strict=strict)
         return self.collected.claims
 
+    def claims_on_cells(self, number: int) -> list[Claim]:
+        """That a function falls on closed cells."""
+        self.number = number
+        self.proofs = self.collected = Collected()
+        self.show_falls_on_cells("", self.zero, strict=True)
+        return self.collected.claims
+
     def claims_by_square(self, speed: Fraction) -> list[Claim]:
         """That ``V' <= -speed V^2`` where V is not positive, of the first function."""
         self.number, self.below = 0, Fraction(0)

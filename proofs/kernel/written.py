@@ -140,11 +140,16 @@ def part_of(value: Polynomial, degree: int) -> Polynomial:
     return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) == degree})
 
 
+def vanishing_columns(lists: Sequence[Sequence[Polynomial]]) -> fmpq_mat:
+    """A basis of the coefficients with which lists of polynomials add up to zero, place by place, in columns."""
+    places = sorted({(k, e) for own in lists for k, value in enumerate(own) for e in value.terms})
+    table = [[exact(own[k].terms.get(e, Fraction(0))) for own in lists] for k, e in places]
+    return null_basis(fmpq_mat(table or [[fmpq(0)] * len(lists)]))
+
+
 def vanishing_combinations(columns: Sequence[Sequence[Polynomial]]) -> Iterator[list[Fraction]]:
-    """A basis of the coefficients with which lists of polynomials add up to zero, place by place."""
-    places = sorted({(k, e) for own in columns for k, value in enumerate(own) for e in value.terms})
-    table = [[exact(own[k].terms.get(e, Fraction(0))) for own in columns] for k, e in places]
-    basis = null_basis(fmpq_mat(table or [[fmpq(0)] * len(columns)]))
+    """The same, one after the other."""
+    basis = vanishing_columns(columns)
     for j in range(basis.ncols()):
         yield [as_fraction(basis[i, j]) for i in range(len(columns))]
 

@@ -39,7 +39,7 @@ from nonsmooth.proofs.kernel.cells import (
     build_cells,
     require_denominators,
 )
-from nonsmooth.proofs.kernel.first_terms import common_jacobian
+from nonsmooth.proofs.kernel.first_terms import axis_factor, common_jacobian
 from nonsmooth.proofs.kernel.written import slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import (
@@ -179,8 +179,7 @@ def linear_part(cells: SignCells) -> LinearPart | None:
 def spectrum_of(matrix: fmpq_mat, *, linear: bool) -> Spectrum:
     """On which sides of the imaginary axis the eigenvalues lie; of a linear field also what those on it do."""
     characteristic = matrix.charpoly()
-    mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
-    axis = characteristic.gcd(mirrored)
+    axis = axis_factor(characteristic)
     rest, once = characteristic // axis, axis // axis.gcd(axis.derivative())
     if 1 in _sides(rest) or not _has_imaginary_roots_only(once):
         return Spectrum.UNSTABLE

@@ -22,6 +22,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import combinations, pairwise, product
 from typing import Any
 
@@ -43,11 +44,19 @@ from nonsmooth.proofs.kernel.cells import (
     started,
     stated_cells,
 )
-from nonsmooth.proofs.kernel.search import Entry, Functions, NotShownError, instability_hypotheses
+from nonsmooth.proofs.kernel.search import (
+    SLACK,
+    Entry,
+    Functions,
+    NotShownError,
+    instability_hypotheses,
+    sample_points,
+)
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import (
+    POSITIVE,
     ExaminedLyapunov,
     answer,
     conditions_on,
@@ -73,6 +82,7 @@ DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried 
 # ones are not solved.
 SMALL = range(8_000)
 LARGE = range(8_000, 24_000)
+MOST_KEPT = 16  # claims about sums of functions: of all families on all cubes
 
 
 def find_lyapunov(system: SwitchedSystem, entries: range = SMALL) -> ExaminedLyapunov | None:
@@ -155,9 +165,10 @@ def _of_family(
         _TooLargeError: for a program beyond the sizes that are solved.
     """
     try:
-        problems, parameters = _problems(system, cells, basis, positive=positive)
+        above, falling, parameters = _problems(system, cells.radius, tuple(basis))
     except BeyondReachError:
         return
+    problems = [*above, *falling] if positive else falling
     size = sum(gram_entries(blocks) for _, blocks in problems)
     if size >= entries.stop:
         raise _TooLargeError
@@ -177,24 +188,31 @@ def _of_family(
             return
 
 
+@lru_cache(maxsize=MOST_KEPT)
 def _problems(
-    system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction], *, positive: bool
-) -> tuple[list[Problem], int]:
-    """The claims about a sum of functions, affine in its coefficients and in those of mu; how many these are.
+    system: SwitchedSystem, radius: fmpq, basis: tuple[PiecewiseFunction, ...]
+) -> tuple[list[Problem], list[Problem], int]:
+    """That a sum of functions is positive, and that it falls, affine in its coefficients and in those of mu.
 
     In the displacement divided by the half-width of the cube, every function is as large near the point as that is.
+    They are asked for by searches for both signs of V, in small programs and in large ones.
+
+    Returns:
+        The claims of either kind, and how many coefficients there are.
     """
-    stated = stated_cells(system, system.field(cells.radius))
+    stated = stated_cells(system, system.field(radius))
     functions = functions_on(system, stated, [function.text for function in basis])
-    by_function = [functions.claims(k, positive=positive) for k in range(len(basis))]
-    sizes = [cells.radius**function.degree for function in basis]
-    parameters, asked = len(basis), list[Condition]()
+    by_function = [functions.claims(k) for k in range(len(basis))]
+    sizes = [radius**function.degree for function in basis]
+    parameters, above, falling = len(basis), list[Problem](), list[Problem]()
     for claims in zip(*by_function, strict=True):
         shapes = mu_shapes(claims)
-        asked += about_sum(claims, sizes, shapes, parameters)
+        kept = above if claims[0].name.split()[0] == POSITIVE else falling
+        for condition in map(normalized, about_sum(claims, sizes, shapes, parameters)):
+            if condition.slopes:
+                kept.append((condition, build_blocks(condition)))
         parameters += len(shapes)
-    own = [normalized(condition) for condition in asked]
-    return [(condition, build_blocks(condition)) for condition in own if condition.slopes], parameters
+    return above, falling, parameters
 
 
 def about_sum(
@@ -226,7 +244,6 @@ def _unscaled(basis: Sequence[PiecewiseFunction], found: Sequence[fmpq], radius:
 
 SPEED = Fraction(1, 16)  # of a product that falls where it is negative
 HIGHEST_POWER = 3  # of a state in a product
-SAMPLES, HALVINGS = 600, 8  # points at which a product is looked at first, and how near some of them are
 DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
 FINE = 1 << 10  # denominator of a direction
 
@@ -302,16 +319,14 @@ def _may_fall(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpres
     """Whether a product is negative at some of many points, and falls with :data:`SPEED` at all of these."""
     value, positive = _where_not_zero(system, formula)
     slopes = [value.derivative(name).terms for name in system.states]
-    rng = np.random.default_rng(0)
-    shrunk = 2.0 ** -rng.integers(0, HALVINGS, (SAMPLES, 1))
-    points = float(cells.radius) * shrunk * rng.uniform(-1, 1, (SAMPLES, len(slopes)))
+    points = float(cells.radius) * sample_points(len(slopes), bounded=True)
     for below in (value, *(-inner for inner in positive)):
         points = points[float_values(below.terms, points) < 0]
     for own, field in _fields_at(cells, points):
-        rates = float(SPEED) * np.square(float_values(value.terms, own))
+        rates = [float(SPEED) * np.square(float_values(value.terms, own))]
         for slope, part in zip(slopes, field, strict=True):
-            rates += float_values(slope, own) * float_values(part.terms, own)
-        if (rates > 0).any():
+            rates.append(float_values(slope, own) * float_values(part.terms, own))
+        if np.any(sum(rates) > SLACK * sum(map(np.abs, rates))):
             return False
     return len(points) > 0
 

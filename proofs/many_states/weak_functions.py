@@ -11,13 +11,14 @@ is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' =
 
 from __future__ import annotations
 
+import operator
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property, partial
-from itertools import product
+from functools import cache, cached_property, lru_cache, partial
+from itertools import islice, product
 from math import comb
 
 import numpy as np
@@ -30,11 +31,20 @@ from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.inequalities.linear_program import least_sum
-from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families, formula_text, functions_on, rates, values
+from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
+from nonsmooth.proofs.kernel.bases import (
+    PiecewiseFunction,
+    families,
+    formula_text,
+    functions_on,
+    monomial,
+    rates,
+    values,
+)
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, started, stated_cells, surfaces_of
-from nonsmooth.proofs.kernel.first_terms import fields_around
-from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms
+from nonsmooth.proofs.kernel.first_terms import fields_around, neutral_subspace
+from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
+from nonsmooth.proofs.kernel.quotients import coefficients_of, kept_forms, proposed
 from nonsmooth.proofs.kernel.search import (
     Entry,
     Functions,
@@ -51,6 +61,7 @@ from nonsmooth.proofs.kernel.written import (
     part_of,
     powers_between,
     terms_of,
+    vanishing_columns,
     vanishing_combinations,
 )
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
@@ -76,16 +87,12 @@ SLACK = 2.0**-30  # by which floats may miss an equality
 DIRECTIONS = 200
 THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
 BESIDE = 2.0**-12  # of a distance from planes on which a velocity changes its sign
+MOST_KEPT = 8  # cubes with their families
 MOST_ROUNDS = 4  # of one program, with points that refuted the proposals before
 
 
 def weak_functions(
-    system: SwitchedSystem,
-    radius: Number,
-    *,
-    positive: bool,
-    power: int = 2,
-    known: Iterable[FunctionFamily] | None = None,
+    system: SwitchedSystem, radius: Number, *, positive: bool, power: int = 2
 ) -> Iterator[PiecewiseExpression]:
     """Proposals of V in the displacement.
 
@@ -94,14 +101,13 @@ def weak_functions(
         radius: half the side of a cube.
         positive: whether V is to be positive; else it is to be negative at a point of an axis.
         power: of the distance, which V is at least; of a function of some degree.
-        known: the families on the cube, where they were made before.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
         ExpressionError: for sums that are too long.
     """
     seen = {"0"}
-    for family in families_on(system, radius) if known is None else known:
+    for family in families_on(system, radius):
         basis = family.basis
         if power > max(own.degree for own in basis):
             continue
@@ -113,6 +119,11 @@ def weak_functions(
                 if text not in seen:
                     seen.add(text)
                     yield parse_piecewise(text, system.states)
+        if positive and family.beside_neutral.ncols():
+            rows = np.vstack([-family.program.rates, family.program.values])
+            for chosen in proposed(rows @ np.array(family.beside_neutral.tolist(), dtype=float)):
+                text = formula_text(basis, coefficients_of(family.beside_neutral, chosen))
+                yield parse_piecewise(text, system.states)
 
 
 @dataclass(frozen=True)
@@ -139,17 +150,43 @@ class FunctionFamily:
     @cached_property
     def kept(self) -> fmpq_mat:
         """Columns of coefficients whose sums stay constant to first order."""
-        return kept_forms([self._conditions.claims(k, positive=False) for k in range(len(self.basis))])
+        return kept_forms(list(map(self._conditions.claims_on_cells, range(len(self.basis)))))
+
+    @cached_property
+    def beside_neutral(self) -> fmpq_mat:
+        """Columns of coefficients whose sums do not rise beside the neutral subspaces of cells, to first order.
+
+        Where eigenvalues of the field of a cell lie on the imaginary axis, no V falls on the whole subspace N of these:
+        one that does not rise is kept there, and V' has no terms of first order beside N.  No columns without an N.
+        """
+        known = self._conditions
+        fields = [field for cell in known.inclusion.cells for _, field in cell.fields]
+        neutral = [(k, own) for k, own in enumerate(map(neutral_subspace, fields)) if own is not None]
+        lists: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
+        for number, own in enumerate(lists):
+            claims = known.claims_on_cells(number)
+            for k, coordinates in neutral:
+                rate = claims[k].inequalities[0].value
+                parts = (rate, *map(rate.derivative, range(rate.count)))
+                own += [part.on(coordinates, coordinates[0].count) for part in parts]
+        return vanishing_columns(lists) if neutral else fmpq_mat(0, 0)
+
+    @cached_property
+    def vanishing(self) -> fmpq_mat:
+        """Columns of coefficients whose sums stay constant on all cells."""
+        claims = map(self._conditions.claims_on_cells, range(len(self.basis)))
+        return vanishing_columns([[own.value for claim in same for own in claim.inequalities] for same in claims])
 
     @cached_property
     def _conditions(self) -> Functions:
         return functions_on(self.system, self.stated, [own.text for own in self.basis])
 
 
-def families_on(system: SwitchedSystem, radius: Number) -> Iterator[FunctionFamily]:
-    """The families on a cube; raises as :func:`weak_functions`."""
+@lru_cache(maxsize=MOST_KEPT)
+def families_on(system: SwitchedSystem, radius: Number) -> tuple[FunctionFamily, ...]:
+    """The families on a cube, for energies and for what shows instability; raises as :func:`weak_functions`."""
     stated = stated_cells(system, radius)
-    return (FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
+    return tuple(FunctionFamily(system, stated, basis) for basis in families(stated.cells, all_lines=True))
 
 
 def near_planes(place: Face) -> Floats:
@@ -191,9 +228,9 @@ class LinearProgram:
         beside = cache(lambda: self.beside() @ sums)
         return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums), beside)
 
-    def solutions(self, power: int, *, positive: bool) -> Iterator[list[Fraction]]:
-        """In short fractions, of a V that is positive like this power of the distance, or negative somewhere."""
-        sizes = np.sum(self.points**power, axis=1)
+    def solutions(self, power: int | Floats, *, positive: bool) -> Iterator[list[Fraction]]:
+        """In short fractions, of a V that is positive like these powers of the states, or negative somewhere."""
+        sizes = np.sum(np.abs(self.points) ** power, axis=1)
         if positive:
             asked = [(-self.values, -sizes)]
         else:
@@ -204,7 +241,8 @@ class LinearProgram:
             rows = self.rates
             for _ in range(MOST_ROUNDS):
                 bounds = np.r_[np.zeros(len(rows)), limits]
-                solved = least_sum(np.vstack([rows, matrix]), bounds, self.costs, MOST)
+                stated = np.vstack([rows, matrix]), bounds, self.costs, MOST
+                solved = None if some_contradict(*stated) else least_sum(*stated)
                 if solved is None:
                     break
                 found = rounded(solved, partial(_holds, rows, matrix))
@@ -239,15 +277,12 @@ def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
 
 def _energies(system: SwitchedSystem) -> Iterator[tuple[PiecewiseExpression, Number]]:
     """Proposals of a positive V that does not rise, with half the side of a cube; raises as above."""
-    known: dict[Fraction, list[FunctionFamily]] = {}
     for power, share in product((2, 4), SHARES):
         radius = system.check.radius * share
         energy = energy_near(system, radius) if power == 2 else None
         if energy is not None:
             yield energy, radius
-        if share not in known:
-            known[share] = list(families_on(system, radius))
-        for formula in weak_functions(system, radius, positive=True, power=power, known=known[share]):
+        for formula in weak_functions(system, radius, positive=True, power=power):
             yield formula, radius
 
 
@@ -266,7 +301,7 @@ def find_weak_growth(system: SwitchedSystem) -> Entry | None:
             try:
                 subject, search = started(system)
                 cells = stated_cells(system, radius, surfaces_of(system, formula)).record
-                second = find_second(subject, cells, formula.text, search)
+                second = find_second(subject, cells, formula.text, search, below=Fraction(0))
                 stated = Lyapunov(Inclusion(subject, cells, [formula.text], search), search)
             except (NotShownError, RejectedError):
                 continue
@@ -417,6 +452,7 @@ def _text(side: PiecewiseExpression, waves: Mapping[str, Polynomial], others: Se
 
 
 MOST_DEGREE = 6
+MOST_FORMS = 60  # of one weight
 MOST_UNKNOWNS = 250  # coefficients of an integral
 DENOMINATORS = (1, 8, 64)  # of the coefficients of integrals in V
 INTEGRAL_SHARES = (Fraction(1), Fraction(1, 8), Fraction(1, 64))  # of the checked cube
@@ -445,6 +481,49 @@ def find_kept_function(system: SwitchedSystem) -> ExaminedLyapunov | None:
             if examined.decrease is Decrease.WEAK:
                 return examined
     return None
+
+
+def find_kept_form(system: SwitchedSystem) -> ExaminedLyapunov | None:
+    """A positive form of one weight that solutions keep, of a field that is homogeneous beside the point.
+
+    With weights ``r_k`` it is a sum of products of powers of weight ``2 max r``, one state perhaps in absolute value.
+    The chain ``x' = y, y' = z, z' = -sign(y)`` has the weights 3, 2, 1, and with ``J = x + abs(y) z + z^3/3`` keeps
+    ``J^2 + (abs(y) + z^2/2)^3``.  Raises as :func:`find_kept_function`.
+    """
+    own = homogeneity_of(system, system.check.radius)
+    if own is None or own.orders != (1,) * len(system.states):
+        return None
+    degree, states = 2 * max(own.weights), system.states
+    basis = tuple(islice(_forms_of_weight(states, own.weights, degree), MOST_FORMS + 1))
+    if len(basis) > MOST_FORMS:
+        return None
+    bends = parse_piecewise(" + ".join(map("Abs({})".format, states)), states)
+    family = FunctionFamily(system, stated_cells(system, system.check.radius, surfaces_of(system, bends)), basis)
+    kept = family.vanishing
+    if not kept.ncols():
+        return None
+    program = replace(family.program, points=float(system.check.radius) * family.program.points)
+    powers = np.array([float(degree / weight) for weight in own.weights])
+    for chosen in program.combined(kept).solutions(powers, positive=True):
+        formula = parse_piecewise(formula_text(basis, coefficients_of(kept, chosen)), states)
+        examined = examine(system, formula, system.check.radius, effort=Effort.FULL)
+        if examined.decrease is Decrease.WEAK:
+            return examined
+    return None
+
+
+def _forms_of_weight(
+    states: Sequence[str], weights: Sequence[Fraction], degree: Fraction
+) -> Iterator[PiecewiseFunction]:
+    """Products of powers of some weight, alone and times the absolute value of a state."""
+    for exponents in product(*(range(int(degree / weight) + 1) for weight in weights)):
+        rest = degree - sum(map(operator.mul, exponents, weights))
+        own = monomial(states, exponents)
+        if not rest:
+            yield own
+        for weight, name in zip(weights, states, strict=True):
+            if rest == weight:
+                yield PiecewiseFunction(f"{own.text}*Abs({name})".removeprefix("1*"), own.degree + 1)
 
 
 def _positive_integrals(field: Sequence[CheckedPolynomial]) -> list[CheckedPolynomial]:

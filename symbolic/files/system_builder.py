@@ -10,6 +10,7 @@ import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import chain
 from math import lcm
 from pathlib import Path
@@ -43,6 +44,7 @@ TWO_MEANINGS = (
     "V is a state here, and the Lyapunov function too: before =, < and in V' it is the function, in its formula and in "
     "abs(V) the state"
 )
+MOST_PARTS = 64  # that are kept
 LARGEST_RADIUS = 10**150  # squares of such numbers are floats
 SQUARE = 2  # the order of a square root
 
@@ -120,9 +122,17 @@ def part_of(system: SwitchedSystem, chosen: Sequence[str], texts: Mapping[str, s
     """
     numbers = [system.stated_states.index(name) for name in chosen]
     lists = dict.fromkeys(tuple(_replaced(system, side[k], texts) for k in numbers) for side in stated_lists(system))
-    point = {"equilibrium": [str(system.stated_point[k]) for k in numbers], "radius": str(system.check.radius)}
-    document = {"system": {"states": list(chosen), "rhs": list(map(list, lists))}, "check": point}
-    return build_system(document, system.source, Path(system.name))
+    at, radius = tuple(str(system.stated_point[k]) for k in numbers), str(system.check.radius)
+    return _built_part(tuple(chosen), tuple(lists), at, radius, system.source, Path(system.name))
+
+
+@lru_cache(maxsize=MOST_PARTS)
+def _built_part(
+    states: tuple[str, ...], lists: tuple[tuple[str, ...], ...], at: tuple[str, ...], radius: str, *origin: Any
+) -> SwitchedSystem:
+    """One object for equal parts, which are met again as parts of parts: what is decided of one is known of all."""
+    stated = {"states": list(states), "rhs": list(map(list, lists))}
+    return build_system({"system": stated, "check": {"equilibrium": list(at), "radius": radius}}, *origin)
 
 
 def _replaced(system: SwitchedSystem, formula: str, texts: Mapping[str, str]) -> str:
