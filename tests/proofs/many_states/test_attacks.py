@@ -475,8 +475,8 @@ def test_six_relays_are_decided_though_their_mixtures_are_not_looked_at(monkeypa
 
 
 def program_size(own: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> int:
-    problems, _ = lyapunov_search._problems(own, cells, basis, positive=True)
-    return sum(gram_entries(blocks) for _, blocks in problems)
+    above, falling, _ = lyapunov_search._problems(own, cells.radius, tuple(basis))
+    return sum(gram_entries(blocks) for _, blocks in [*above, *falling])
 
 
 def test_programs_that_hold_one_that_is_too_large_are_not_built(monkeypatch: pytest.MonkeyPatch) -> None:
