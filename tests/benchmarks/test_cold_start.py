@@ -13,7 +13,7 @@ RUNS = 10
 COMMAND_LINE = ("-m", "nonsmooth.reports.cli")
 # Of `import sympy`. The help cannot cost less than `import typer`, some 0.2 of it.
 ALLOWED: dict[tuple[str, ...], float] = {
-    **{("check", "four-wheel", "--rule", rule): 1.45 for rule in ("nearest", "box", "ellipse", "roller")},
+    **{("check", "four-wheel", "--rule", rule): 1.4 for rule in ("nearest", "box", "ellipse", "roller")},
     ("--help",): 0.3,
 }
 
