@@ -8,6 +8,7 @@ inherits exact combinatorics.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -206,7 +207,14 @@ def build_complex(polygons: Sequence[Polygon], size: float) -> CellComplex:
     numbering = {key: k for k, key in enumerate(beside)}
     borders = tuple(tuple(tuple(numbering[min(s), max(s)] for s in side) for side in sides) for sides in chains)
     edges = tuple(Edge(a, b, *cells) for (a, b), cells in beside.items())
-    corners = tuple(_corner(k, point, edges) for k, point in enumerate(points))
+    leaving: list[list[int]] = [[] for _ in points]
+    for k, edge in enumerate(edges):
+        leaving[edge.start].append(k)
+        leaving[edge.end].append(k)
+    corners = tuple(
+        Corner(point, tuple(sorted({cell for k in own for cell in edges[k].cells})), tuple(own))
+        for point, own in zip(points, leaving, strict=True)
+    )
     return CellComplex(tuple(polygons), corners, edges, borders, size)
 
 
@@ -236,30 +244,56 @@ def _boundaries(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], 
     return points, [[list(pairwise(next(stops))) for _ in own] for own in numbers]
 
 
-def _corner(number: int, point: Point, edges: Sequence[Edge]) -> Corner:
-    own = tuple(k for k, edge in enumerate(edges) if number in (edge.start, edge.end))
-    return Corner(point, tuple(sorted({cell for k in own for cell in edges[k].cells})), own)
-
-
 def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], list[list[int]]]:
     """Distinct vertices, and their numbers polygon by polygon."""
     points: list[Point] = []
-    places: list[XY] = []
+    places = _Places(SAME_CORNER_DOUBT * size)
     numbers: list[list[int]] = []
     for polygon in polygons:
         own: list[int] = []
         for point in polygon.vertices:
-            x, y = float(point[0]), float(point[1])
-            doubt = SAME_CORNER_DOUBT * size
-            close = (k for k, (a, b) in enumerate(places) if not (abs(a - x) > doubt or abs(b - y) > doubt))
+            place = float(point[0]), float(point[1])
+            close = places.close(place)
             known = next((k for k in close if points[k][0] == point[0] and points[k][1] == point[1]), None)
             if known is None:
                 known = len(points)
                 points.append(point)
-                places.append((x, y))
+                places.add(place)
             own.append(known)
         numbers.append(own)
     return points, numbers
+
+
+class _Places:
+    """Places in the plane in the order in which they come, sorted into squares so that those close by are soon found.
+
+    Args:
+        doubt: the largest difference of coordinates of places that are close.
+    """
+
+    def __init__(self, doubt: float) -> None:
+        self._width = 2 * doubt
+        self._squares: dict[Step | None, list[int]] = {None: []}  # None: beyond floats, close to all
+        self._count = 0
+
+    def add(self, place: XY) -> None:
+        """One more, with the next number."""
+        self._squares.setdefault(self._square(place), []).append(self._count)
+        self._count += 1
+
+    def close(self, place: XY) -> Iterator[int]:
+        """The numbers of all that may be close to a place, and some others."""
+        square = self._square(place)
+        if square is None:
+            return iter(range(self._count))
+        around_it = ((square[0] + i, square[1] + j) for i in (0, -1, 1) for j in (0, -1, 1))
+        return chain.from_iterable(self._squares.get(key, ()) for key in (*around_it, None))
+
+    def _square(self, place: XY) -> Step | None:
+        try:
+            return math.floor(place[0] / self._width), math.floor(place[1] / self._width)
+        except (ArithmeticError, ValueError):  # of infinite numbers, and where the width is zero
+            return None
 
 
 def _stops(points: Sequence[Point], sides: Sequence[tuple[int, int, HalfPlane]], size: float) -> Iterator[list[int]]:

@@ -17,6 +17,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from nonsmooth.analysis.cells import arrangement as arrangement_module
+from nonsmooth.analysis.cells import cell_complex
 from nonsmooth.analysis.cells import outline as outline_module
 from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD
 from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
@@ -574,3 +575,21 @@ def test_floats_of_a_measured_table_hold_for_all_angles_so_close(
 
 def _twists(cell: Cell) -> list[list[float]]:
     return [[float(entry) for entry in twist] for twist in cell.twists]
+
+
+@pytest.mark.parametrize("centre", [0.0, 3e5, -1e-9])
+def test_squares_hold_all_places_that_are_close(centre: float) -> None:
+    """Those whose coordinates differ by the doubt at most, in whatever squares; where one is beyond floats, all."""
+    doubt, rng = 2.0**-20, np.random.default_rng(0)
+    drawn = centre + doubt * (rng.integers(-4, 5, (400, 2)) + rng.uniform(-1e-9, 1e-9, (400, 2)))
+    drawn[::50] = math.inf, math.nan
+    sorted_places = cell_complex._Places(doubt)
+    for number, (x, y) in enumerate(drawn.tolist()):
+        close = set(sorted_places.close((x, y)))
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(drawn[:number] - (x, y)) > doubt
+        apart[~np.isfinite(drawn[:number])] = False
+        asked = ~apart.any(axis=1) if math.isfinite(x) else np.ones(number, dtype=bool)
+        assert close >= set(np.flatnonzero(asked).tolist())
+        sorted_places.add((x, y))
+    assert len(close) < 300
