@@ -204,9 +204,7 @@ class Arrangement:
         self.is_exact = all(type(x) is Number for part in numbers for x in part)
         self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else ROUNDED
         self.corners = float_corners(region.polygon.vertices)
-        coordinates = [
-            coordinate for vertex in region.polygon.vertices for coordinate in (self.scene.field.one, *vertex)
-        ]
+        coordinates = [x for vertex in region.polygon.vertices for x in (scene.field.one, *vertex)]
         self.corner_sizes = _sizes(coordinates, self.corners.ravel()).reshape(-1, 3)
         self.reach = self.corner_sizes.max(axis=0)
         self._vertices: dict[bytes, Vertex] = {}
@@ -304,10 +302,10 @@ class Arrangement:
         kept = along = _zero_form(self.scene)
         for k in tight_rows(signs):
             reach = None if k in pair else abs(inner(self.rows[k].normal, direction))
-            if reach:
+            if reach is not None and not _is_always_zero(reach):
                 kept = added(kept, scaled(self.weights[k], reach))
         for entry, part in zip(direction, self._pull(signs), strict=True):
-            if entry:
+            if not _is_always_zero(entry):
                 along = added(along, scaled(part, entry))
         return added(kept, along), subtracted(kept, along)
 
@@ -454,6 +452,11 @@ def normal_floats(numbers: Collection[Number]) -> list[float]:
     """
     found = ((number, float(number)) for number in numbers)
     return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in found]
+
+
+def _is_always_zero(number: Number) -> bool:
+    """Whether a number is zero, and so are all for which it stands: asking that decides nothing by rounding."""
+    return type(number) is Number and not number
 
 
 def _sizes(numbers: Sequence[Any], values: Floats) -> Floats:

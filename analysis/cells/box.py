@@ -55,8 +55,8 @@ class WalkedCell(Cell):
 
     def __init__(self, index: int, walk: _Walk, found: Found) -> None:
         vars(self).update(index=index, _walk=walk, _found=found)
-        if not walk.arrangement.is_exact:  # what rounding decides of it is counted where the partition is built
-            _ = self.states
+        if not walk.arrangement.is_exact:  # what rounding decides of them is counted where the partition is built
+            _ = self.states  # of the polygon nothing is left to decide: its corners are quotients
 
     @cached_property
     def polygon(self) -> Polygon:

@@ -74,7 +74,7 @@ def outcomes_of(
         scenes: their values in each scene.
         failures: also ask what happens when any one wheel fails.
     """
-    known: dict[Hashable, _Decided | Outcome] = {}
+    known: dict[Hashable, _Decided] = {}
     begun = [_begun(base, paths, entries, known, failures=failures) for entries in scenes]
     decided = list(dict.fromkeys(one for one in begun if isinstance(one, _Decided)))
     samples = [one.sample for one in decided if one.sample is not None]
@@ -110,7 +110,7 @@ def _begun(
     base: Base,
     paths: Sequence[Path],
     entries: Sequence[Entry],
-    known: dict[Hashable, _Decided | Outcome],
+    known: dict[Hashable, _Decided],
     *,
     failures: bool,
 ) -> _Decided | Outcome:
