@@ -27,6 +27,7 @@ MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number 
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
 SHORTEST = 2.0**-30  # of the domain: sides that are shorter may be corners
+WIDER = 1 + 2.0**-6  # than the square in which no slope vanishes, in floats: there one surely does
 LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
 
 Corner: TypeAlias = tuple[float, float, int]  # and the number of the slope behind the side that starts there, or -1
@@ -125,6 +126,25 @@ class Slopes:
         (falling,) = (sure < -1).nonzero()
         steepest = int(falling[sure[falling].argmin()]) if falling.size else None
         return steepest, (~(np.abs(sure) > 1)).nonzero()[0].tolist()
+
+    def first_to_vanish(self) -> list[int]:
+        """Where none falls at the origin: numbers of the slopes that may vanish there, or before all others beside it.
+
+        Squares about the origin are meant, that grow: the others are positive in a square where one of these is not.
+        """
+        everything = list(range(len(self)))
+        positive = certainty(self._values, self._bounds, np.array([1.0, 0.0, 0.0])) > 1
+        if not positive.any():
+            return everything
+        constants, *rates = np.abs(self._values[positive]).T
+        with np.errstate(divide="ignore"):
+            width = (constants / np.add(*rates)).min() * WIDER
+        if not np.isfinite(width):
+            return everything
+        corners = np.array([(1.0, x, y) for x in (-width, width) for y in (-width, width)])
+        sure = certainty(self._values, self._bounds, corners)
+        is_beyond = bool((sure[positive] < -1).any())
+        return (~(sure > 1).all(axis=1)).nonzero()[0].tolist() if is_beyond else everything
 
     @cached_property
     def flat(self) -> dict[int, SlopeOfD]:

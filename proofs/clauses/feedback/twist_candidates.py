@@ -75,13 +75,14 @@ _SMALLEST = 2.0**-10  # of sqrt(1 - kappa^2): below it a box holds next to nothi
 
 @dataclass(frozen=True)
 class BoxTwist:
-    """A twist with the slopes of D there that are not certainly positive in a load region.
+    """A twist with the slopes of D there that may vanish at the equilibrium, or first beside it.
 
     Attributes:
         twist: xi.
         slopes: affine forms of c; xi is not realizable where one is negative.  Where the rows that it satisfies are of
-            rank three, it is realizable iff none is negative, and the only minimizer iff all are positive.  Where it
-            is excluded at the equilibrium, one that is negative there stands alone.
+            rank three, it is realizable iff none is negative, and the only minimizer iff all are positive, in each
+            square about the equilibrium in which those that are positive there stay so.  Where it is excluded at the
+            equilibrium, one that is negative there stands alone.
         region: where the forms hold.
         determined: whether the rows that it satisfies are of rank three; if not, it is nowhere the only minimizer.
     """
@@ -133,8 +134,8 @@ class Drives:
         tight = [row.normal for row, slip in zip(rows, signs, strict=True) if not slip]
         table = Slopes(self._arrangement, signs)
         falling, _ = table.at(np.array([1.0, 0.0, 0.0]))
-        slopes = table if falling is None else (table[falling],)
-        return BoxTwist(twist, tuple(slope.exact for slope in slopes), self.region, len(independent(tight)) == 3)
+        numbers = table.first_to_vanish() if falling is None else [falling]
+        return BoxTwist(twist, tuple(table[k].exact for k in numbers), self.region, len(independent(tight)) == 3)
 
 
 # ---- candidates --------------------------------------------------------------------------
