@@ -9,6 +9,7 @@ from nonsmooth.symbolic.mechanics.rule import MIXED
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.analysis.cells.polygon import Polygon
     from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
     from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
     from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -39,11 +40,11 @@ class NearestRule(CellRule):
             return "mu_roll = mu_side leaves open which way the second wheel slips: every mixture is taken; see ellipse"
         return ""
 
-    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
+    def build_partition(self, scene: Scene, *, prune: bool = True, domain: Polygon | None = None) -> Partition:
         """Ordered Voronoi cells."""
         from nonsmooth.analysis.cells.nearest import build_nearest_partition
 
-        return build_nearest_partition(scene, prune=prune)
+        return build_nearest_partition(scene, prune=prune, domain=domain)
 
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """Wheels by distance, rows greedily to rank three."""
@@ -85,21 +86,20 @@ class BoxRule(CellRule, LimitedForces):
 
         return Box(friction.roll, friction.side, friction.roll.field.one)
 
-    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
+    def build_partition(self, scene: Scene, *, prune: bool = True, domain: Polygon | None = None) -> Partition:
         """Cells by walking from one to its neighbours; every wheel carries load, so there is none to leave out."""
         from nonsmooth.analysis.cells.box import build_box_partition
 
-        return build_box_partition(scene)
+        return build_box_partition(scene, domain)
 
     def build_standing_partition(self, scene: Scene) -> Partition:
         """Loads exist in the hull of the wheels."""
-        from nonsmooth.analysis.cells.box import build_box_partition
         from nonsmooth.analysis.cells.polygon import convex_polygon
         from nonsmooth.symbolic.mechanics.body import support_polygon
         from nonsmooth.symbolic.mechanics.similar_scenes import covering
 
         hull = convex_polygon(support_polygon([wheel.position for wheel in scene.wheels]))
-        return build_box_partition(covering(scene), hull)
+        return self.build_partition(covering(scene), domain=hull)
 
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """One linear program for each point."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias, TypeVar, cas
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
+from nonsmooth.analysis.cells.polygon import strips_about
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.clauses.authority import Authority, roll_authority
 from nonsmooth.proofs.clauses.clause import Clause, JudgedEquilibrium
@@ -321,7 +322,7 @@ CENSUS_LIMIT = 20_000  # row triples that are counted unasked: 25 wheels; a coun
 FULL_CENSUS_LIMIT = 500_000  # row triples that are counted without pruning: 72 wheels, some ten seconds
 CHECK_UNITS = 15_000_000  # of exact arithmetic in a whole check: a minute or so
 SEARCH_UNITS = 4_000_000  # in the search for other equilibria, which no clause needs
-WIDER = Fraction(65, 64)  # of the checked square: what is cut off there, so that its border lies inside
+WIDTH = Fraction(1, 64)  # of the half-width of the checked square: so far strips reach to both sides of its border
 
 
 def check_theorem4(
@@ -405,7 +406,7 @@ def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:
     try:
         with work_limit(work.scene.field, SEARCH_UNITS):
             before = work.scene.field.rounded_signs
-            found = find_equilibria(work.partition, _wider(work.partition))
+            found = find_equilibria(work.partition, _about_border(work.partition))
             if work.scene.field.rounded_signs > before:
                 work.skip("search for other equilibria", 1, ROUNDING_DECIDES)
                 return None
@@ -416,11 +417,11 @@ def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:
         return None
 
 
-def _wider(partition: Partition) -> Partition | None:
-    """The partition of a slightly larger square; None where the body tips beyond the checked one: there F ends."""
-    check = partition.scene.check
+def _about_border(partition: Partition) -> list[Partition] | None:
+    """Partitions of narrow strips about the sides of the square; None where the body tips beyond it: there F ends."""
+    width = partition.scene.check.radius * WIDTH
     try:
-        return build_partition(replace(partition.scene, check=replace(check, radius=check.radius * WIDER)))
+        return [build_partition(partition.scene, domain=strip) for strip in strips_about(partition.domain, width)]
     except RefusalError:
         return None
 

@@ -19,6 +19,7 @@ from nonsmooth.symbolic.numbers.number_text import numbers_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.analysis.cells.polygon import Polygon
     from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
     from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
     from nonsmooth.symbolic.numbers.plane_arrays import Floats
@@ -71,12 +72,13 @@ class CellRule(ContactRule):
     """A rule under which the checked square falls into polygons with a constant twist each."""
 
     @abstractmethod
-    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
-        """Exact cells that cover the checked square, in the scene's coordinates.
+    def build_partition(self, scene: Scene, *, prune: bool = True, domain: Polygon | None = None) -> Partition:
+        """Exact cells that cover the checked square, or another convex domain, in the scene's coordinates.
 
         Args:
             scene: the array.
             prune: leave out wheels that cannot matter; without, the cells are the same.
+            domain: in place of the square.
 
         Raises:
             RefusalError: where the motion is not determined.

@@ -11,12 +11,12 @@ With exact kinematics ``c' = v + omega J c`` a point is an equilibrium of the tr
 Areas and segments of equilibria are reported as such, points once.
 
 The square cuts the plane only to end the search: at its border F is the hull of all cells of the plane whose closure
-holds the point, those beyond the square too.  So the border is looked at in a partition of a slightly larger square.
+holds the point, those beyond the square too.  So each side is looked at in a partition of a narrow strip about it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
@@ -50,22 +50,24 @@ class RestPlace(ShortRepr):
     cells: tuple[int, ...]
 
 
-def find_equilibria(partition: Partition, wider: Partition | None = None) -> tuple[RestPlace, ...]:
+def find_equilibria(partition: Partition, strips: Sequence[Partition] | None = None) -> tuple[RestPlace, ...]:
     """Every equilibrium of the square, areas first.
 
     Args:
         partition: of the closed square.
-        wider: the same array's on a larger square about it; without it cells beyond the border do not count there.
+        strips: the same array's about each side, in their order; without them cells beyond the border do not count.
     """
     found = _find_inside(partition)
-    return found if wider is None else (*found, *_on_border(partition, found, _find_inside(wider)))
+    return found if strips is None else (*found, *_on_border(partition, found, map(_find_inside, strips)))
 
 
-def _on_border(partition: Partition, known: Sequence[RestPlace], wide: Sequence[RestPlace]) -> Iterator[RestPlace]:
-    """Equilibria on the border of the square that the cells inside do not show, in parts of those of a larger one."""
+def _on_border(
+    partition: Partition, known: Sequence[RestPlace], beside: Iterable[Sequence[RestPlace]]
+) -> Iterator[RestPlace]:
+    """Equilibria on the border of the square that the cells inside do not show, in parts of those beside each side."""
     seen = list(known)
-    for start, end in around(partition.domain.vertices):
-        for place in wide:
+    for (start, end), places in zip(around(partition.domain.vertices), beside, strict=True):
+        for place in places:
             met = _met(place.points, start, end)
             if met and not all(any(_holds(own, point) for own in seen) for point in (*met, _middle(met))):
                 kind = EquilibriumPlace.SEGMENT if len(met) > 1 else place.place

@@ -41,18 +41,19 @@ from nonsmooth.symbolic.numbers.plane import dot, in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
 
 
-def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
-    """Cells of rule ``nearest`` in the checked square.
+def build_nearest_partition(scene: Scene, *, prune: bool = True, domain: Polygon | None = None) -> Partition:
+    """Cells of rule ``nearest`` in the checked square, or in another convex domain.
 
     Args:
         scene: the array.
         prune: look only at wheels that can be among the nearest ones; without, at every wheel.
+        domain: in place of the square.
 
     Raises:
         RefusalError: where the rows with friction leave a motion free.
     """
     _require_friction(scene)
-    domain = square(scene.check.equilibrium, scene.check.radius)
+    domain = domain or square(scene.check.equilibrium, scene.check.radius)
     search = _Search(scene, prune)
     cells: list[Cell] = []
     with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):

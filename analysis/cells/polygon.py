@@ -157,6 +157,16 @@ def convex_polygon(corners: Sequence[Point]) -> Polygon:
     return Polygon(tuple(corners), tuple(sides))
 
 
+def strips_about(square: Polygon, width: Any) -> list[Polygon]:
+    """Rectangles about the sides of a square, in their order, that reach beyond them by a width, all around."""
+    (x, y), _, (u, v), _ = square.vertices
+    strips = [(x, y, u, y), (u, y, u, v), (x, v, u, v), (x, y, x, v)]
+    return [
+        convex_polygon([(a - width, b - width), (c + width, b - width), (c + width, d + width), (a - width, d + width)])
+        for a, b, c, d in strips
+    ]
+
+
 class _Clipped(Protocol):
     def clipped(self, side: Any, /) -> Self | None: ...
 

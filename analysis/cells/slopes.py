@@ -144,7 +144,7 @@ class Slopes:
         corners = np.array([(1.0, x, y) for x in (-width, width) for y in (-width, width)])
         sure = certainty(self._values, self._bounds, corners)
         is_beyond = bool((sure[positive] < -1).any())
-        return (~(sure > 1).all(axis=1)).nonzero()[0].tolist() if is_beyond else everything
+        return np.flatnonzero(~(sure > 1).all(axis=1)).tolist() if is_beyond else everything
 
     @cached_property
     def flat(self) -> dict[int, SlopeOfD]:
