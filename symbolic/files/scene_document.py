@@ -104,7 +104,7 @@ class ContactTable(TomlTable):
 class CheckTable(TomlTable):
     """``[check]``: the equilibrium, the square's half-width, a Lyapunov function V, a length l, and an accuracy.
 
-    Without a radius it comes from the array (:func:`nonsmooth.symbolic.mechanics.body.default_radius`), and
+    Without a radius it comes from the array (:func:`nonsmooth.symbolic.mechanics.springs.radius_to_check`), and
     so does the length (:func:`nonsmooth.symbolic.mechanics.scene.default_length`), and the accuracy,
     how near a body must come (:attr:`nonsmooth.symbolic.mechanics.scene.Scene.accuracy`).
     """

@@ -110,7 +110,8 @@ def build_scene(
     builder = WheelBuilder(document, numbers)
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
-    check = build_check(document, numbers, built)
+    contact = build_contact(document.contact, builder.rule, numbers, built)
+    check = build_check(document, numbers, built, contact)
     units = document.units
     hints = (
         *unit_hints(built, body, check, units.labels),
@@ -125,7 +126,7 @@ def build_scene(
         name=document.name or path.stem,
         field=numbers.field,
         wheels=built,
-        contact=build_contact(document.contact, builder.rule, numbers, built),
+        contact=contact,
         check=check,
         source=file,
         continuum=build_continuum(document, numbers, built),

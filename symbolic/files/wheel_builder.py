@@ -9,9 +9,10 @@ from nonsmooth.symbolic.files.layouts import INWARD, LINEAR_KINDS, Own, WheelPla
 from nonsmooth.symbolic.files.load_values import build_loads
 from nonsmooth.symbolic.files.scene_document import ContactTable, SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
-from nonsmooth.symbolic.mechanics.body import ContinuousField, chosen, default_radius
+from nonsmooth.symbolic.mechanics.body import ContinuousField, chosen
 from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Wheel, WheelNumber, default_length
+from nonsmooth.symbolic.mechanics.springs import radius_to_check
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import short_text
@@ -250,7 +251,9 @@ def build_continuum(document: SceneDocument, numbers: Numbers, wheels: tuple[Whe
     return ContinuousField(field.kind, matrix, speed_of_field(document, numbers), (zero, zero))
 
 
-def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...]) -> CheckedSquare:
+def build_check(
+    document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...], contact: Contact
+) -> CheckedSquare:
     """What ``[check]`` says is checked; the square and the length follow from the wheels where it does not say.
 
     Raises:
@@ -259,7 +262,7 @@ def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, 
     table = document.check
     x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
     if table.radius is None:
-        radius = chosen(default_radius([wheel.position for wheel in wheels], (x, y)), document.units.labels)
+        radius = chosen(radius_to_check([wheel.position for wheel in wheels], (x, y), contact), document.units.labels)
     else:
         radius = numbers.positive(table.radius, "check.radius")
     if table.length is not None:

@@ -21,13 +21,13 @@ from nonsmooth.symbolic.mechanics.body import (
     Body,
     Disc,
     chosen,
-    default_radius,
     outer_positions,
     square_rooms,
     support_polygon,
 )
 from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel, default_length
+from nonsmooth.symbolic.mechanics.springs import radius_to_check
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
@@ -148,7 +148,7 @@ def standing(scene: Scene) -> Scene:
     positions = [wheel.position for wheel in carrying]
     check = scene.check
     if check.has_default_radius:
-        check = replace(check, radius=chosen(default_radius(positions, point), scene.units))
+        check = replace(check, radius=chosen(radius_to_check(positions, point, scene.contact), scene.units))
     if check.has_default_length:
         check = replace(check, length=default_length(positions, point))
     widest = chosen(free_half_width(scene.body, [minus(wheel.position, point) for wheel in wheels], scene), scene.units)
@@ -235,7 +235,7 @@ def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
     require_standing(scene, carrying, point)
     if len(carrying) < len(wheels):
         _require_no_table(scene)
-    inner = chosen(default_radius([wheel.position for wheel in carrying], point), scene.units)
+    inner = chosen(radius_to_check([wheel.position for wheel in carrying], point, scene.contact), scene.units)
     if inner < check.radius:
         check = replace(check, radius=inner)
     return replace(with_only(scene, carrying), body=None, check=check)

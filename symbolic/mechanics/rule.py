@@ -24,6 +24,7 @@ CONTACT_RULES = {  # name in scenes and on the command line: module and class
     "roller": "nonsmooth.analysis.contact_rules:RollerRule",
 }
 BY_FRICTION_SET = {"ellipse", "roller"}
+CELLS_BY_LOADS = {"box"}  # cells are found apart for each set of wheels that carry
 MIXED_RULE = "nonsmooth.analysis.contact_rules:MixedRule"
 
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
+from nonsmooth.symbolic.mechanics.body import DIGITS, default_radius
 from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, gram, inner, scaled
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, UnknownLoads, X
-from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
+from nonsmooth.symbolic.mechanics.rule import CELLS_BY_LOADS
+from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane import Vector
+from nonsmooth.symbolic.numbers.number_text import lower_text
+from nonsmooth.symbolic.numbers.plane import Vector, minus
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,31 @@ def load_model(scene: Scene) -> LoadModel:
     if own is None:
         raise ValueError(f"required loads that are known of some wheels alone, received {loads.words}")
     return own
+
+
+# ---- the checked square --------------------------------------------------------------------------
+
+MANY_WHEELS = 64  # of a hundred, a thousand sets carry in the square that reaches half-way to the edge
+
+
+def radius_to_check(positions: Sequence[Vector], point: Vector, contact: Contact) -> Number:
+    """Half-width of the square about a point that is checked where a scene names none.
+
+    Of many wheels on equal springs, under a rule with cells for each set of wheels that carry, only the square in which
+    all do is checked, about a point at which all do: a load ``N_i = a_i + b_i x + c_i y`` stays positive there within
+    the half-width ``a_i/(|b_i| + |c_i|)``, with coordinates from the point.
+    """
+    radius = default_radius(positions, point)
+    if contact.rule not in CELLS_BY_LOADS or contact.loads is not None or len(positions) <= MANY_WHEELS:
+        return radius
+    import numpy as np
+
+    moments = np.array([(1.0, *map(float, minus(position, point))) for position in positions])
+    if np.linalg.matrix_rank(moments) < 3:
+        return radius
+    loads, *rates = np.linalg.inv(moments.T @ moments) @ moments.T
+    width = Fraction(float((loads / np.abs(rates).sum(axis=0)).min()))
+    return min(radius, radius.field.rational(Fraction(lower_text(width, DIGITS)))) if width > 0 else radius
 
 
 # ---- loads measured at one pose ------------------------------------------------------------------

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import combinations, islice, product
 
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.cells.loads import load_regions
+from nonsmooth.analysis.cells.loads import Affine, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
@@ -269,6 +270,29 @@ def test_under_box_a_minimizer_tells_which_twists_are_realizable(arrays: Arrays,
         if examined.is_excluded:
             assert np.abs(found - exact).max() > BOX_ERROR
         assert not (examined.is_unique and examined.is_excluded)
+
+
+@pytest.mark.parametrize("name", keep(2, ["elliptic", "spiral-30", "off-center"]))
+def test_slopes_left_out_bound_no_square_about_the_point(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of all slopes, built exactly: the others are positive at the point and stay so as long as those that are kept."""
+    scene = load_scene(name, rule="box").recentred()
+    drives = Drives(scene, load_regions(scene, (scene.field.zero, scene.field.zero))[0])
+    examined = [(twist, drives.examine(twist)) for twist in islice(candidate_twists(scene), 12)]
+    monkeypatch.setattr(Slopes, "first_to_vanish", lambda slopes: list(range(len(slopes))))
+    left_out = 0
+    for twist, kept in examined:
+        every = drives.examine(twist)
+        assert (kept.is_unique, kept.is_excluded) == (every.is_unique, every.is_excluded)
+        assert narrowest(kept.slopes) == narrowest(every.slopes)
+        assert kept.ties == every.ties
+        left_out += len(every.slopes) - len(kept.slopes)
+    assert left_out
+
+
+def narrowest(slopes: Sequence[Affine]) -> Fraction | Number | None:
+    """Half-width of the square in which slopes that are positive at its middle stay so."""
+    widths = [a / (abs(b) + abs(c)) for a, b, c in slopes if a.sign() > 0 and (b or c)]
+    return min(widths, default=None)
 
 
 @pytest.mark.parametrize(("seed", "count"), keep(1, [(1, 2), (1, 4), (0, 4), (2, 4)]))  # of candidate twists

@@ -9,11 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.mechanics.body import FEW, default_radius, outer_positions, support_polygon
+from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, default_length, rational_size
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.messages.scene_error import SceneError
@@ -158,6 +160,23 @@ def square_fits(array: list[Vector], x: Fraction, y: Fraction, half: Fraction) -
 
 
 SQUARE = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+
+
+@pytest.mark.parametrize("name", ["carton", "whole"])
+def test_of_many_wheels_on_springs_all_carry_in_the_square_under_box(tmp_path: Path, name: str) -> None:
+    """The default of other rules and of few wheels is wider; what is stated stays."""
+    body = '[body]\nshape = "disc"\nradius = 100\n' if name == "carton" else ""
+    for count, narrow in ((8, False), (10, True)):
+        (tmp_path / "grid.toml").write_text(
+            f'{HEAD}[grid]\nrows = {count}\ncolumns = {count}\n[field]\nkind = "radial"\nspeed = "unit"\n{body}'
+        )
+        scene = standing(load_scene(tmp_path / "grid.toml", rule="box"))
+        wide = standing(load_scene(tmp_path / "grid.toml"))
+        assert (float(scene.check.radius) < float(wide.check.radius)) == narrow
+        assert len(load_regions(scene)) == 1 or not narrow
+        assert load_scene(tmp_path / "grid.toml", rule="box", radius="2").check.radius == 2
+
+
 TABLE = tuple((Fraction(k, 5), Fraction(j, 5)) for j in (0, 1) for k in range(4))
 
 
