@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -193,7 +194,7 @@ def test_equilibria_are_judged_among_few_wheels(arrays: Arrays, monkeypatch: pyt
     sizes: list[int] = []
     build = build_partition
 
-    def counted(own: Scene, **options: bool) -> Partition:
+    def counted(own: Scene, **options: Any) -> Partition:
         sizes.append(len(own.wheels))
         return build(own, **options)
 

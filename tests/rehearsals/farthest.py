@@ -23,9 +23,9 @@ class FarthestRule(CellRule):
     summary = "keeps both rows of the farthest wheel and one row of the second-farthest"
     keeps_rows = True
 
-    def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
+    def build_partition(self, scene: Scene, *, prune: bool = True, domain: Polygon | None = None) -> Partition:
         """Cells of the ordered farthest-point Voronoi diagram; every wheel matters."""
-        domain = square(scene.check.equilibrium, scene.check.radius)
+        domain = domain or square(scene.check.equilibrium, scene.check.radius)
         cells: list[Cell] = []
         for first, second in permutations(scene.wheels, 2):
             farthest = self._region(first, scene.wheels, domain)
