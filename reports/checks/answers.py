@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 
 MOST_SHOWN = 8  # destinations on a terminal and in a report
+MOST_CORNERS = 8  # of an area of rest that are written on a terminal
 GOES = ("the body ...", "starts", "near there", "heading")
 PLACE_DIGITS = 4
 THEOREM_IN_WORDS = (
@@ -249,7 +250,11 @@ def goal_text(found: Destination) -> str:
 
 
 def _places_text(points: Sequence[Sequence[Any]]) -> str:
-    """A place, the ends of a line or opposite corners; nothing without a place."""
+    """A place, the ends of a line, corners of an area (of many how far they reach); nothing without a place."""
+    if len(points) > MOST_CORNERS:
+        low, high = ([edge(numbers) for numbers in zip(*points, strict=True)] for edge in (min, max))
+        reach = f"{place_text(low, PLACE_DIGITS)} to {place_text(high, PLACE_DIGITS)}"
+        return f"of {len(points)} corners, from {reach} (--json lists them)"
     return (" to " if len(points) == 2 else ", ").join(place_text(point, PLACE_DIGITS) for point in points)
 
 
