@@ -181,10 +181,12 @@ class Number:
         words = (bottom.bit_length() + sum(map(int.bit_length, terms.values()))) // WORD
         # what making any number takes, and the greatest common divisor of its parts: many words at a time
         charge(8 + 2 * len(terms), words * words // (len(terms) + 1))
-        shared = math.gcd(bottom, *terms.values())
-        self.field = field
-        self.bottom = bottom // shared
-        self.terms = {monomial: c // shared for monomial, c in terms.items() if c}
+        self.field, self.bottom = field, bottom
+        self.terms = {monomial: c for monomial, c in terms.items() if c}
+        shared = 1 if bottom == 1 else math.gcd(bottom, *terms.values())
+        if shared > 1:
+            self.bottom = bottom // shared
+            self.terms = {monomial: c // shared for monomial, c in self.terms.items()}
         self.words = 1 + words
         self._sign: int | None = None
 

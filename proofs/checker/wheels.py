@@ -8,7 +8,8 @@ wheel at p with the rim direction d, the normal n = J d and the speed u has the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -152,25 +153,43 @@ def edge_slopes(rows: dict[Row, Vector], slips: dict[Row, int], limits: Limits) 
 
     D is a sum of ``limit |slip|`` over rows.  The planes of the rows that a twist satisfies cut the neighbourhood into
     cones on which D is linear; their edges are the intersections of two planes, in both senses.  The slope along m is
-    the sum of ``limit |row . m|`` over those rows, which is the same along -m, and of ``limit sign(slip) (row . m)``
-    over the others, which is the opposite.
+    the sum of ``limit |row . m|`` over those rows, which is the same along -m, and ``g . m`` with the sum g of ``limit
+    sign(slip) row`` over the others, which is the opposite.  Rows and limits are taken as whole numbers.
     """
-    tight = [rows[row] for row, side in slips.items() if not side]
+    whole_rows, whole_limits = _without_denominators(rows, limits)
+    zero = whole_rows[next(iter(rows))][0] * 0
+    others = [row for row in limits[0] if slips[row]]
+    pulls = [
+        [sum((whole_rows[row][k] * (at_corner[row] * slips[row]) for row in others), start=zero) for k in range(3)]
+        for at_corner in whole_limits
+    ]
+    tight = [row for row, side in slips.items() if not side]
     for a, b in combinations(tight, 2):
-        edge = normal_to(a, b)
+        edge = normal_to(whole_rows[a], whole_rows[b])
         if is_zero(edge):
             continue
-        pulls = {}
-        for row in limits[0]:
-            pull = dot(edge, rows[row][:3])
-            pulls[row] = pull if (slips[row] or pull.sign()) > 0 else -pull
+        reaches = {row: abs(dot(edge, whole_rows[row])) for row in tight if row in limits[0]}
         there, back = list[int](), list[int]()
-        for at_corner in limits:
-            even = odd = edge[0] - edge[0]
-            for row, limit in at_corner.items():
-                part = pulls[row] * limit
-                even, odd = (even, odd + part) if slips[row] else (even + part, odd)
+        for at_corner, pull in zip(whole_limits, pulls, strict=True):
+            even = sum((at_corner[row] * reach for row, reach in reaches.items()), start=zero)
+            odd = dot(edge, pull)
             there.append((even + odd).sign())
             back.append((even - odd).sign())
         yield edge, there
         yield negative(edge), back
+
+
+def _without_denominators(rows: dict[Row, Vector], limits: Limits) -> tuple[dict[Row, Vector], Limits]:
+    """Positive multiples that are whole: of each normal, and at each corner of all limits, by which D is the same."""
+    bottoms = {row: _common_denominator(normal[:3]) for row, normal in rows.items()}
+    normals = {row: tuple(x * bottoms[row] for x in normal[:3]) for row, normal in rows.items()}
+    found: list[dict[Row, Number]] = []
+    for at_corner in limits:
+        own = {row: limit / bottoms[row] for row, limit in at_corner.items()}
+        bottom = _common_denominator(own.values())
+        found.append({row: limit * bottom for row, limit in own.items()})
+    return normals, found
+
+
+def _common_denominator(numbers: Iterable[Number]) -> int:
+    return math.lcm(*(number.bottom for number in numbers))
