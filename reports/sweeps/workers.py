@@ -25,7 +25,8 @@ from typing import Any, NamedTuple, Protocol
 
 from nonsmooth.reports.output.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base, program_hash
-from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcomes_of, refused
+from nonsmooth.reports.sweeps.certified_cells import cell_outcome
+from nonsmooth.reports.sweeps.outcome import Outcome, outcomes_of, refused
 from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError
 from nonsmooth.symbolic.files.key_paths import Path
 
