@@ -250,6 +250,8 @@ class FeedbackClause(Clause[AnyFeedback]):
         """
         if work.rule.keeps_rows and work.partition is not None:
             found = decide_feedback(work.partition)
+            if work.scene.field.measured:
+                _ = found.margin, found.region, found.limited  # what rounding decides of them counts for the clause
             if found.verdict is Feedback.NOT_APPLICABLE:
                 work.skip("feedback search", 1, found.reason)
             return found
