@@ -313,9 +313,12 @@ def greedy_states(ordered: Iterable[Wheel]) -> tuple[ContactState, ...]:
 
 
 def _extended(taken: tuple[Row, ...], rows: Sequence[Row]) -> tuple[Row, ...]:
-    """The rows taken, with those of the next wheel that are independent of all before, at most three."""
-    own: list[Row] = []
-    for row in rows:
+    """The rows taken, with those of the next wheel that are independent of all before, at most three.
+
+    Both rows of the first wheel are, at right angles to each other.
+    """
+    own: list[Row] = [] if taken else [*rows]
+    for row in rows if taken else ():
         normals = [r.normal for r in (*taken, *own, row)]
         if len(normals) <= 3 and len(independent(normals)) == len(normals):
             own.append(row)
@@ -324,7 +327,10 @@ def _extended(taken: tuple[Row, ...], rows: Sequence[Row]) -> tuple[Row, ...]:
 
 def _distinct(branches: Iterable[tuple[Row, ...]]) -> list[tuple[Row, ...]]:
     """Without repetitions of the same rows."""
-    return list({frozenset(row.name for row in rows): rows for rows in reversed(list(branches))}.values())[::-1]
+    listed = list(branches)
+    if len(listed) == 1:  # by far the most
+        return listed
+    return list({frozenset(row.name for row in rows): rows for rows in reversed(listed)}.values())[::-1]
 
 
 def preferred_rows(wheel: Wheel) -> tuple[Row, ...]:

@@ -13,6 +13,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
+from operator import mul
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -21,7 +22,7 @@ from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, inner
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
-from nonsmooth.symbolic.numbers.rounded import either_way
+from nonsmooth.symbolic.numbers.rounded import either_way, plain
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -94,6 +95,13 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
     return None
 
 
+def uncounted_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
+    """The same, where whoever rests on it asks whether it is that of all rounded numbers; raises as that."""
+    with either_way(target[0].field):
+        found = _solve(columns, target, prices)
+    return found if isinstance(found, Mixture) else None
+
+
 def _solve(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | tuple[Number, ...]:
     """The optimum, or multipliers y with ``y . columns_k >= 0`` and ``y . target < 0``: then nothing is feasible."""
     proposed = _verified_proposal(columns, target, prices) if len(target) == 3 else None
@@ -126,8 +134,9 @@ def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequen
         return None
     rows = list(zip(*adjugate, strict=True))
     multipliers = [_sum(prices[k] * c for k, c in zip(basis, row, strict=True)) for row in rows]
+    slopes, scale = [*map(plain, multipliers)], plain(det)  # rounded numbers have the signs of their members
     for column, price in zip(columns, prices, strict=True):
-        if (_product(multipliers, column) - price * det).sign() * side < 0:
+        if (_product(slopes, [*map(plain, column)]) - plain(price) * scale).sign() * side < 0:
             return None
     value = _sum(prices[k] * top for k, top in zip(basis, tops, strict=True))
     weights = {k: divided(top, det) for k, top in zip(basis, tops, strict=True) if top}
@@ -245,9 +254,10 @@ class _Tableau:
         raise ValueError("required a linear program that ends")
 
     def _entering(self, prices: Sequence[Any], allowed: int) -> int | None:
+        basic = [prices[b] for b in self.basis]
         for k in range(allowed):
             if k not in self.basis:
-                gain = prices[k] - _sum(prices[b] * e for b, e in zip(self.basis, self.body[k], strict=True))
+                gain = prices[k] - _product(basic, self.body[k])
                 if self.sign(gain) > 0:
                     return k
         return None
@@ -292,7 +302,7 @@ class _Tableau:
 
 
 def _product(left: Column, right: Column) -> Number:
-    return _sum(a * b for a, b in zip(left, right, strict=True))
+    return _sum(map(mul, left, right))
 
 
 def _sum(values: object, start: Number | None = None) -> Number:
