@@ -18,8 +18,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
-from typing import TypeAlias
+from dataclasses import replace
+from itertools import chain, islice
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 )
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
 
@@ -59,6 +60,33 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True) -> Partition:
         for chain, polygon in search.chains(domain):
             cells.append(Cell(len(cells) + 1, polygon, greedy_states(scene.wheels[i] for i in chain)))
     return Partition(scene, "nearest", domain, tuple(cells), len(search.considered))
+
+
+def nearest_partition_like(scene: Scene, known: Partition) -> Partition | None:
+    """The cells of an array by those of another one whose wheels stand alike; None where they do not.
+
+    Speeds, headings and coefficients move no side of a cell where every wheel has friction in both directions.
+    """
+    places = _rational_places(scene)
+    if places is None or known.rule != "nearest" or places != _rational_places(known.scene):
+        return None
+    wheels = {wheel.index: wheel for wheel in scene.wheels}
+    cells = tuple(
+        Cell(cell.index, cell.polygon.over(scene.field), greedy_states(wheels[k] for k in cell.wheels))
+        for cell in known.cells
+    )
+    domain = known.domain.over(scene.field)
+    return replace(known, scene=scene, domain=domain, cells=cells, like=known.like or known)
+
+
+def _rational_places(scene: Scene) -> list[Any] | None:
+    """Where the wheels stand, and the checked square, where all of that is rational and no row is without friction."""
+    points = *(wheel.position for wheel in scene.wheels), scene.check.equilibrium
+    numbers = [*chain.from_iterable(points), scene.check.radius]
+    if not all(map(has_friction, scene.wheels)) or any(type(number) is not Number for number in numbers):
+        return None
+    rational = [number.as_rational() for number in numbers]
+    return None if None in rational else [*rational, *(wheel.index for wheel in scene.wheels)]
 
 
 def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:

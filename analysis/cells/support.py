@@ -104,5 +104,7 @@ def limiting_support(partition: Partition) -> Support | None:
     """
     if contact_rule(partition.rule).needs_loads:
         return None
+    if partition.like is not None and limiting_support(partition.like) is None:
+        return None
     support = build_support(partition.scene)
     return None if support.covers else support

@@ -13,7 +13,6 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
-from operator import mul
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -75,10 +74,13 @@ def mixtures_to_zero(vectors: Sequence[Column]) -> tuple[list[Column], Column]:
     return [(*vector, zero + 1) for vector in vectors], (*(zero for _ in vectors[0]), zero + 1)
 
 
-def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
+def best_mixture(
+    columns: Sequence[Column], target: Column, prices: Sequence[Number], *, counts: bool = True
+) -> Mixture | None:
     """Solve the program; None where no weights reach the target.
 
-    Of rounded numbers any path of pivots will do; what counts are the signs that show the outcome.
+    Of rounded numbers any path of pivots will do; what counts are the signs that show the outcome; without ``counts``
+    none do, and whoever rests on it asks for those that it needs.
 
     Raises:
         ValueError: if the program is unbounded.
@@ -86,20 +88,14 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
     field = target[0].field
     with either_way(field):
         found = _solve(columns, target, prices)
+    counts = counts and bool(field.measured)
     if isinstance(found, Mixture):
-        if field.measured:
+        if counts:
             found.check(columns, target, prices)
         return found
-    for column in (*columns, target) if field.measured else ():
+    for column in (*columns, target) if counts else ():
         _product(found, column).sign()
     return None
-
-
-def uncounted_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
-    """The same, where whoever rests on it asks whether it is that of all rounded numbers; raises as that."""
-    with either_way(target[0].field):
-        found = _solve(columns, target, prices)
-    return found if isinstance(found, Mixture) else None
 
 
 def _solve(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | tuple[Number, ...]:
@@ -254,10 +250,9 @@ class _Tableau:
         raise ValueError("required a linear program that ends")
 
     def _entering(self, prices: Sequence[Any], allowed: int) -> int | None:
-        basic = [prices[b] for b in self.basis]
         for k in range(allowed):
             if k not in self.basis:
-                gain = prices[k] - _product(basic, self.body[k])
+                gain = prices[k] - _sum(prices[b] * e for b, e in zip(self.basis, self.body[k], strict=True))
                 if self.sign(gain) > 0:
                     return k
         return None
@@ -302,7 +297,7 @@ class _Tableau:
 
 
 def _product(left: Column, right: Column) -> Number:
-    return _sum(map(mul, left, right))
+    return _sum(a * b for a, b in zip(left, right, strict=True))
 
 
 def _sum(values: object, start: Number | None = None) -> Number:

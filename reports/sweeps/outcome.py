@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
@@ -124,7 +124,7 @@ def outcomes_of(
         scenes: their values in each scene.
         failures: also ask what happens when any one wheel fails.
     """
-    known: dict[Hashable, _Decided] = {}
+    known: dict[Hashable, _Decided] = {}  # until the end of the job
     begun = [_begun(base, paths, entries, known, failures=failures) for entries in scenes]
     decided = list(dict.fromkeys(one for one in begun if isinstance(one, _Decided)))
     samples = [one.sample for one in decided if one.sample is not None]
@@ -176,7 +176,8 @@ def _begun(
                 return _ended(found, iter(ends_from([found.sample]))) if found.sample else found
             source = _follows_from(scene, paths, entries)
             if source not in known:
-                known[source] = _decided(scene, failures=failures)
+                last = known[next(reversed(known))].printed.check.partition if known else None
+                known[source] = _decided(scene, failures=failures, built=last)
             return known[source]
 
     return _unless_refused(decided)
@@ -195,9 +196,9 @@ def _follows_from(scene: Scene, paths: Sequence[Path], entries: Sequence[Entry])
     return others, tuple((bool(own.roll), bool(own.side), sign(own.side - own.roll)) for own in frictions)
 
 
-def _decided(scene: Scene, *, failures: bool) -> _Decided:
-    """The verdicts and answers of one scene, not yet compared with paths."""
-    check = check_theorem4(scene, beside=False)
+def _decided(scene: Scene, *, failures: bool, built: Partition | None = None) -> _Decided:
+    """The verdicts and answers of one scene, not yet compared with paths; the cells ``built`` last may be alike."""
+    check = check_theorem4(scene, beside=False, built=built)
     robust = robust_answer(check.scene, check.results)
     printed = Printed.of(check, Answers(answers_of(check), None, (), robust))
     further = failure_records(failures_of(scene)) if failures else None

@@ -23,7 +23,7 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Record, Rotation, Theorem4, Translation
-from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, mixtures_to_zero, uncounted_mixture
+from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
@@ -84,8 +84,8 @@ class RotationResult:
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
     """The drift of a hull of twists; None where the hull holds no zero velocity."""
     columns, target, omegas = _program(twists)
-    highest = uncounted_mixture(columns, target, omegas)  # of ends that are as good any will do
-    lowest = uncounted_mixture(columns, target, [-w for w in omegas])
+    highest = best_mixture(columns, target, omegas, counts=False)  # of ends that are as good any will do
+    lowest = best_mixture(columns, target, [-w for w in omegas], counts=False)
     if highest is None or lowest is None:
         return None
     for end in (highest, lowest) if target[0].field.measured else ():
@@ -96,7 +96,7 @@ def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
 def decide_rotation(partition: Partition, translation: TranslationResult) -> RotationResult:
     """Decide the rotation clause for a centred partition."""
     zero = partition.scene.field.zero
-    drift = drift_at_rest(filippov_twists(partition, (zero, zero)))
+    drift = drift_at_rest(filippov_twists(partition))
     if drift is None:
         return RotationResult(Rotation.UNDECIDED, "no equilibrium at the point, so nothing rests there")
     low, high = drift.interval
