@@ -75,18 +75,16 @@ def nearest_partition_like(scene: Scene, known: Partition) -> Partition | None:
         Cell(cell.index, cell.polygon.over(scene.field), greedy_states(wheels[k] for k in cell.wheels))
         for cell in known.cells
     )
-    domain = known.domain.over(scene.field)
-    return replace(known, scene=scene, domain=domain, cells=cells, like=known.like or known)
+    return replace(known, scene=scene, domain=known.domain.over(scene.field), cells=cells, like=known.like or known)
 
 
 def _rational_places(scene: Scene) -> list[Any] | None:
     """Where the wheels stand, and the checked square, where all of that is rational and no row is without friction."""
     points = *(wheel.position for wheel in scene.wheels), scene.check.equilibrium
-    numbers = [*chain.from_iterable(points), scene.check.radius]
-    if not all(map(has_friction, scene.wheels)) or any(type(number) is not Number for number in numbers):
-        return None
-    rational = [number.as_rational() for number in numbers]
-    return None if None in rational else [*rational, *(wheel.index for wheel in scene.wheels)]
+    numbers = *chain.from_iterable(points), scene.check.radius
+    found = [number.as_rational() if type(number) is Number else None for number in numbers]
+    is_plain = all(map(has_friction, scene.wheels)) and None not in found
+    return [*found, *(wheel.index for wheel in scene.wheels)] if is_plain else None
 
 
 def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:

@@ -169,7 +169,7 @@ def array_field(partition: Partition, kinematics: Kinematics, *, exact: bool = F
     """
     if exact and kinematics is Kinematics.EXACT:
         raise ValueError("required leading-order kinematics for exact numbers: arcs need sines and cosines")
-    cells = partition.complex if exact or partition.like is None else partition.like.complex  # of the same floats
+    cells = (partition if exact else partition.like or partition).complex  # of the same floats
     flows = tuple(tuple(flow_of(twist, kinematics) for twist in cell.twists) for cell in partition.cells)
     names = tuple(f"cell {cell.index}" for cell in partition.cells)
     field = ConstantField(cells, flows, names, kinematics, partition.scene.check.equilibrium)

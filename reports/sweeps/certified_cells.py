@@ -97,7 +97,7 @@ def _require_cells(plan: SweepPlan) -> None:
         if _entry_of(axis) is None:
             allowed = "positions, headings, speeds, mu_roll, mu_side of wheels or the checked point"
             raise SweepError(f"certify: required numbers that tolerances follow ({allowed}), received {axis.name}")
-        values = [axis.values.value(k) for k in range(axis.values.count or 0)]
+        values = _values(axis)
         if len(values) < 2 or any(isinstance(value, WrittenValue) for value in values) or not _ascends(values):
             raise SweepError(f"certify: required two or more rational values of {axis.name} that ascend")
 
@@ -126,12 +126,12 @@ def _ascends(values: Sequence[Value | WrittenValue]) -> bool:
 
 def _sides_of(plan: SweepPlan) -> Iterator[Sides]:
     """The sides of all cells, the last axis fastest."""
-    intervals = []
-    for axis in plan.axes:
-        values = [axis.values.value(k) for k in range(axis.values.count or 0)]
-        known = [value for value in values if isinstance(value, Value)]
-        intervals.append(list(pairwise(known)))
-    yield from product(*intervals)
+    known = ([value for value in _values(axis) if isinstance(value, Value)] for axis in plan.axes)
+    yield from product(*map(pairwise, known))
+
+
+def _values(axis: Axis) -> list[Value | WrittenValue]:
+    return [axis.values.value(k) for k in range(axis.values.count or 0)]
 
 
 def _entries(plan: SweepPlan, sides: Sides, stated: Mapping[str, str], *, radians: bool) -> tuple[Entry, ...]:
@@ -196,14 +196,9 @@ def cell_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) ->
         found = decided_statement(standing(base.scene(paths, entries)))
     except (SceneError, RefusalError) as error:
         return {"verdict": str(Certainty.UNDECIDED), "radius": None, "start": None, "why": one_line(str(error))}
-    exact = [None if value is None else str(value) for value in (found.radius, found.start)]
-    certified = found.verdict is Certainty.CERTIFIED
-    return {
-        "verdict": str(found.verdict),
-        "radius": exact[0],
-        "start": exact[1],
-        "why": "" if certified else found.reason,
-    }
+    radius, start = (None if value is None else str(value) for value in (found.radius, found.start))
+    why = "" if found.verdict is Certainty.CERTIFIED else found.reason
+    return {"verdict": str(found.verdict), "radius": radius, "start": start, "why": why}
 
 
 def certified_cell(sides: Sides, outcome: Any) -> CertifiedCell:

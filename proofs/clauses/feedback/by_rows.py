@@ -293,10 +293,9 @@ class FeedbackResult:
         """
         if self.cascade is None:
             return build_level_region(self.inputs, self.lyapunov) if self.has_lyapunov else None
-        from nonsmooth.proofs.clauses.feedback.cascade_law import Descent, build_turn_region
+        from nonsmooth.proofs.clauses.feedback.cascade_law import build_turn_region
 
-        is_slow = self.cascade.descent is Descent.SLOW_TURNS
-        return build_turn_region(self.cascade, self.inputs) if is_slow else None
+        return build_turn_region(self.cascade, self.inputs)
 
     @cached_property
     def limited(self) -> LimitedRate | None:
