@@ -17,7 +17,8 @@ from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.reports.sweeps.base import Base
-from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPlan, Value, WrittenValue
+from nonsmooth.reports.sweeps.borders import has_place
+from nonsmooth.reports.sweeps.sweep_plan import Axis, Entry, SweepError, SweepPlan, Value
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line, shown
@@ -97,8 +98,7 @@ def _require_cells(plan: SweepPlan) -> None:
         if _entry_of(axis) is None:
             allowed = "positions, headings, speeds, mu_roll, mu_side of wheels or the checked point"
             raise SweepError(f"certify: required numbers that tolerances follow ({allowed}), received {axis.name}")
-        values = _values(axis)
-        if len(values) < 2 or any(isinstance(value, WrittenValue) for value in values) or not _ascends(values):
+        if len(_values(axis)) < 2 or not has_place(axis.values):
             raise SweepError(f"certify: required two or more rational values of {axis.name} that ascend")
 
 
@@ -119,18 +119,12 @@ def _require_independent(base: Base, plan: SweepPlan) -> None:
                 raise SweepError(f"certify: required {expected}, received {shown(value)}")
 
 
-def _ascends(values: Sequence[Value | WrittenValue]) -> bool:
-    numbers = [value.number for value in values if value.number is not None]
-    return all(a < b for a, b in pairwise(numbers))
-
-
 def _sides_of(plan: SweepPlan) -> Iterator[Sides]:
     """The sides of all cells, the last axis fastest."""
-    known = ([value for value in _values(axis) if isinstance(value, Value)] for axis in plan.axes)
-    yield from product(*map(pairwise, known))
+    yield from product(*(pairwise(_values(axis)) for axis in plan.axes))
 
 
-def _values(axis: Axis) -> list[Value | WrittenValue]:
+def _values(axis: Axis) -> list[Any]:
     return [axis.values.value(k) for k in range(axis.values.count or 0)]
 
 
