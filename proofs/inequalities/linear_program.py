@@ -88,12 +88,11 @@ def best_mixture(
     field = target[0].field
     with either_way(field):
         found = _solve(columns, target, prices)
-    counts = counts and bool(field.measured)
     if isinstance(found, Mixture):
-        if counts:
+        if counts and field.measured:
             found.check(columns, target, prices)
         return found
-    for column in (*columns, target) if counts else ():
+    for column in (*columns, target) if counts and field.measured else ():
         _product(found, column).sign()
     return None
 

@@ -240,7 +240,7 @@ def _number(check: Check, answers: Mapping[str, Answer], place: str, key: str) -
     """One number of an answer or a clause; None where it has none, and where it would be sampled."""
     if place == "translation" and not isinstance(check, CellCheck):
         return None
-    if place == "pose":  # the one number of it: words about the law, and its region, take longer than the rest
+    if (place, key) == NUMBERS["kappa"]:  # its fact comes with words about the law and its region, which take longer
         return check.feedback.holding.certified_kappa
     clauses = (clause for clause, _ in check.clauses if clause.name == place)
     facts = answers[place].facts if place in answers else (fact for own in clauses for fact in check.facts(own))
