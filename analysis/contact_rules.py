@@ -46,6 +46,12 @@ class NearestRule(CellRule):
 
         return build_nearest_partition(scene, prune=prune, domain=domain)
 
+    def partition_like(self, scene: Scene, known: Partition) -> Partition | None:
+        """Wheels that stand alike have the same cells."""
+        from nonsmooth.analysis.cells.nearest import nearest_partition_like
+
+        return nearest_partition_like(scene, known)
+
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:
         """Wheels by distance, rows greedily to rank three."""
         from nonsmooth.analysis.minimizers.sampling import literal_twists

@@ -306,8 +306,7 @@ def _document(scene: Scene, partition: Partition, results: Mapping[str, Any]) ->
     if not partition.complete:
         partition = build_partition(scene.recentred())
     disc = CertifiedDisc(None, {}) if results["translation"].region_radius is None else _disc(partition)
-    zero = scene.field.zero
-    here = [twist for cell in partition.cells_at((zero, zero)) for twist in cell.twists]
+    here = [twist for cell in partition.meeting for twist in cell.twists]
     of_feedback, law = _feedback(results["feedback"])
     hypotheses = {
         **cells_record(partition),

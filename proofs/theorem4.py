@@ -340,7 +340,7 @@ def check_theorem4(
         prune: leave out what no verdict needs; without, everything is computed, with the same verdicts.
         beside: also search for other equilibria, count contact states and sample rates, on which no verdict rests.
         announce: hears the name of each step before it begins.
-        built: all cells of the square, where they are known already.
+        built: all cells of the square, where they are known already, or those of a scene that may have the same ones.
 
     With a body the array is that of the wheels that carry it at the checked pose.
 

@@ -2,7 +2,7 @@
 
 Simulation needs more than polygons: which cells lie on the two sides of an edge, which edges leave a corner, and
 where a side of one cell meets several of another.  These relations are found with exact numbers: floats only sort out
-what is certainly apart.  :meth:`CellComplex.floats` keeps them and rounds the coordinates, so that the float form
+what is certainly apart.  :attr:`CellComplex.floats` keeps them and rounds the coordinates, so that the float form
 inherits exact combinatorics.
 """
 
@@ -152,6 +152,7 @@ class CellComplex:
     def _apart(self, p: Point, q: Point) -> bool:
         return bool(self.beyond(p[0] - q[0]) or self.beyond(p[1] - q[1]))
 
+    @cached_property
     def floats(self) -> CellComplex:
         """The same complex with float coordinates and sides of unit normals."""
         points = [(float(x), float(y)) for x, y in self.points]

@@ -84,6 +84,10 @@ class CellRule(ContactRule):
             RefusalError: where the motion is not determined.
         """
 
+    def partition_like(self, scene: Scene, known: Partition) -> Partition | None:
+        """The cells by those of another scene with the same polygons; None where the rule knows of no such scene."""
+        return None
+
     def build_standing_partition(self, scene: Scene) -> Partition:
         """Exact cells wherever a body stands on all wheels of a scene: in their hull, or a square that holds it.
 

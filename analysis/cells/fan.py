@@ -81,8 +81,7 @@ class CellCone(Cone):
 
 def build_fan(partition: Partition) -> tuple[CellCone, ...]:
     """The cones of the cells whose closure holds the origin, counterclockwise."""
-    zero = partition.scene.field.zero
-    cones = [_cone(cell) for cell in partition.cells_at((zero, zero))]
+    cones = [_cone(cell) for cell in partition.meeting]
     cones.sort(key=lambda cone: by_angle(cone.start))
     if len(cones) == 1:
         return tuple(cones)

@@ -27,9 +27,10 @@ from nonsmooth.symbolic.numbers.plane import around, cross, dot
 _PRECISION = 128  # bits of the balls by which slopes are compared first
 
 
-def filippov_twists(partition: Partition, point: Point) -> tuple[Twist, ...]:
-    """Twists whose pose rates span ``F(point)``: those of every closed cell that holds the point."""
-    return tuple(dict.fromkeys(t for cell in partition.cells_at(point) for t in cell.twists))
+def filippov_twists(partition: Partition, point: Point | None = None) -> tuple[Twist, ...]:
+    """Twists whose pose rates span ``F(point)``: those of every closed cell that holds the point, else the origin."""
+    cells = partition.meeting if point is None else partition.cells_at(point)
+    return tuple(dict.fromkeys(t for cell in cells for t in cell.twists))
 
 
 def lyapunov_rate(twist: Twist, point: Point) -> Number:

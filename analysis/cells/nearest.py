@@ -18,8 +18,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
-from typing import TypeAlias
+from dataclasses import replace
+from itertools import chain, islice
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from nonsmooth.symbolic.mechanics.constraints import (
 )
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
-from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
 
@@ -60,6 +61,31 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True, domain: Polygon
         for chain, polygon in search.chains(domain):
             cells.append(Cell(len(cells) + 1, polygon, greedy_states(scene.wheels[i] for i in chain)))
     return Partition(scene, "nearest", domain, tuple(cells), len(search.considered))
+
+
+def nearest_partition_like(scene: Scene, known: Partition) -> Partition | None:
+    """The cells of an array by those of another one whose wheels stand alike; None where they do not.
+
+    Speeds, headings and coefficients move no side of a cell where every wheel has friction in both directions.
+    """
+    places = _rational_places(scene)
+    if places is None or known.rule != "nearest" or places != _rational_places(known.scene):
+        return None
+    wheels = {wheel.index: wheel for wheel in scene.wheels}
+    cells = tuple(
+        Cell(cell.index, cell.polygon.over(scene.field), greedy_states(wheels[k] for k in cell.wheels))
+        for cell in known.cells
+    )
+    return replace(known, scene=scene, domain=known.domain.over(scene.field), cells=cells, like=known.like or known)
+
+
+def _rational_places(scene: Scene) -> list[Any] | None:
+    """Where the wheels stand, and the checked square, where all of that is rational and no row is without friction."""
+    points = *(wheel.position for wheel in scene.wheels), scene.check.equilibrium
+    numbers = *chain.from_iterable(points), scene.check.radius
+    found = [number.as_rational() if type(number) is Number else None for number in numbers]
+    is_plain = all(map(has_friction, scene.wheels)) and None not in found
+    return [*found, *(wheel.index for wheel in scene.wheels)] if is_plain else None
 
 
 def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:
@@ -314,9 +340,12 @@ def greedy_states(ordered: Iterable[Wheel]) -> tuple[ContactState, ...]:
 
 
 def _extended(taken: tuple[Row, ...], rows: Sequence[Row]) -> tuple[Row, ...]:
-    """The rows taken, with those of the next wheel that are independent of all before, at most three."""
-    own: list[Row] = []
-    for row in rows:
+    """The rows taken, with those of the next wheel that are independent of all before, at most three.
+
+    Both rows of the first wheel are, at right angles to each other.
+    """
+    own: list[Row] = [] if taken else [*rows]
+    for row in rows if taken else ():
         normals = [r.normal for r in (*taken, *own, row)]
         if len(normals) <= 3 and len(independent(normals)) == len(normals):
             own.append(row)
@@ -325,7 +354,10 @@ def _extended(taken: tuple[Row, ...], rows: Sequence[Row]) -> tuple[Row, ...]:
 
 def _distinct(branches: Iterable[tuple[Row, ...]]) -> list[tuple[Row, ...]]:
     """Without repetitions of the same rows."""
-    return list({frozenset(row.name for row in rows): rows for rows in reversed(list(branches))}.values())[::-1]
+    listed = list(branches)
+    if len(listed) == 1:  # by far the most
+        return listed
+    return list({frozenset(row.name for row in rows): rows for rows in reversed(listed)}.values())[::-1]
 
 
 def preferred_rows(wheel: Wheel) -> tuple[Row, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import tee
 from typing import TYPE_CHECKING
@@ -95,6 +95,7 @@ class Partition(ShortRepr):
         cells: convex, with disjoint interiors.
         wheels_considered: how many wheels could matter in the square.
         complete: whether the cells cover the square; otherwise they are those at the equilibrium only.
+        like: the partition of another scene whose polygons these are, over the field of this one.
     """
 
     scene: Scene
@@ -103,6 +104,7 @@ class Partition(ShortRepr):
     cells: tuple[Cell, ...]
     wheels_considered: int
     complete: bool = True
+    like: Partition | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def complex(self) -> CellComplex:
@@ -148,6 +150,24 @@ class Partition(ShortRepr):
         ]
         head = f"{self.scene.name}: {len(self.cells)} cells, rule {self.rule}"
         return html_table(head, ("cell", "rows held", "v_x", "v_y", "omega"), rows)
+
+    @property
+    def meeting(self) -> tuple[Cell, ...]:
+        """The cells of a centred partition that meet at its point; that rounding decides which counts at every use."""
+        places, rounded = self._meeting
+        self.scene.field.rounded_signs += rounded
+        return tuple(self.cells[k] for k in places)
+
+    @cached_property
+    def _meeting(self) -> tuple[list[int], int]:
+        """Their places among all cells, and how many signs on the way rounding decides."""
+        if self.like is not None:
+            return self.like._meeting
+        numbers = self.scene.field
+        before = numbers.rounded_signs
+        places = [k for k, cell in enumerate(self.cells) if cell.polygon.contains((numbers.zero, numbers.zero))]
+        rounded, numbers.rounded_signs = numbers.rounded_signs - before, before
+        return places, rounded
 
     def cells_at(self, point: Point) -> tuple[Cell, ...]:
         """The cells whose closure holds the point."""

@@ -14,7 +14,7 @@ from typing import Any, Protocol, Self, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import clear_sign, sure_float
-from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number import Tower, sign
 
 Point: TypeAlias = tuple[Any, Any]
 
@@ -72,6 +72,16 @@ class Polygon(ShortRepr):
         """Mean of the vertices: an interior point."""
         n = len(self.vertices)
         return sum((x for x, _ in self.vertices)) / n, sum((y for _, y in self.vertices)) / n
+
+    def over(self, field: Tower) -> Polygon:
+        """The same polygon over another field; its numbers are rational."""
+
+        def moved(point: Point) -> Point:
+            x, y = point
+            return field.rational(x.as_rational()), field.rational(y.as_rational())
+
+        sides = (HalfPlane(moved(s.normal), field.rational(s.offset.as_rational()), s.label) for s in self.sides)
+        return Polygon(tuple(map(moved, self.vertices)), tuple(sides))
 
     def contains(self, point: Point) -> bool:
         """Whether the closed polygon holds the point."""

@@ -32,11 +32,9 @@ class Support:
 
     Attributes:
         corners: counterclockwise; fewer than three where all wheels stand on one line.
-        covers: whether the checked square lies in it.
     """
 
     corners: tuple[Vector, ...]
-    covers: bool
 
     @property
     def sides(self) -> tuple[tuple[Vector, Vector], ...]:
@@ -84,16 +82,13 @@ def _squared_distance(start: Vector, end: Vector) -> Number:
 
 
 @lru_cache(maxsize=4)  # several clauses of one check ask for it
-def build_support(scene: Scene) -> Support:
-    """The support polygon of all wheels of a centred scene."""
-    corners = tuple(support_polygon(outer_positions([wheel.position for wheel in scene.wheels])))
-    bare = Support(corners, covers=False)
+def _left_support(scene: Scene) -> Support | None:
+    """The support polygon of all wheels of a centred scene; None where the square lies in it."""
+    support = Support(tuple(support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))))
     zero = scene.field.zero
     vertices = square((zero, zero), scene.check.radius).vertices
-    inside = bool(bare.sides) and all(
-        cross(minus(q, p), minus((x, y), p)).sign() >= 0 for p, q in bare.sides for x, y in vertices
-    )
-    return Support(corners, covers=inside)
+    inside = (cross(minus(q, p), minus((x, y), p)).sign() >= 0 for p, q in support.sides for x, y in vertices)
+    return None if support.sides and all(inside) else support
 
 
 def limiting_support(partition: Partition) -> Support | None:
@@ -102,7 +97,6 @@ def limiting_support(partition: Partition) -> Support | None:
     Rules that need loads refuse squares that leave it.  Where the point itself is not strictly inside, no region is
     left.
     """
-    if contact_rule(partition.rule).needs_loads:
+    if contact_rule(partition.rule).needs_loads or (partition.like and limiting_support(partition.like) is None):
         return None
-    support = build_support(partition.scene)
-    return None if support.covers else support
+    return _left_support(partition.scene)

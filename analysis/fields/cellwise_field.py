@@ -93,7 +93,7 @@ def feedback_field(partition: Partition, law: StateLaw, kinematics: Kinematics) 
     Raises:
         ValueError: for a contact state of more than three rows (rule ``box``), which has no control fields.
     """
-    cells = partition.complex.floats()
+    cells = partition.complex.floats
     x, y = partition.scene.check.place
     members = tuple(_controlled(cell, law, kinematics, (x, y)) for cell in partition.cells)
     tied = frozenset(m.name for m, cell in zip(members, partition.cells, strict=True) if len(cell.states) > 1)

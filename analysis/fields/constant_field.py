@@ -129,7 +129,7 @@ class ConstantField(ShortRepr, PolygonField):
         """The same field in floats."""
         flows = tuple(tuple(flow.floats() for flow in own) for own in self.flows)
         centre = (float(self.centre[0]), float(self.centre[1]))
-        return replace(self, cells=self.cells.floats(), flows=flows, centre=centre)
+        return replace(self, cells=self.cells.floats, flows=flows, centre=centre)
 
     def number(self, value: Entry) -> Entry:
         """A start value in the field's numbers: exact fields read floats as the binary fractions that they are."""
@@ -169,7 +169,7 @@ def array_field(partition: Partition, kinematics: Kinematics, *, exact: bool = F
     """
     if exact and kinematics is Kinematics.EXACT:
         raise ValueError("required leading-order kinematics for exact numbers: arcs need sines and cosines")
-    cells = partition.complex
+    cells = (partition if exact else partition.like or partition).complex  # of the same floats
     flows = tuple(tuple(flow_of(twist, kinematics) for twist in cell.twists) for cell in partition.cells)
     names = tuple(f"cell {cell.index}" for cell in partition.cells)
     field = ConstantField(cells, flows, names, kinematics, partition.scene.check.equilibrium)

@@ -85,7 +85,7 @@ class PolygonField(ABC):
     @cached_property
     def _floats(self) -> CellComplex:
         """The cells in floats."""
-        return self.cells if self.cells.slack else self.cells.floats()
+        return self.cells if self.cells.slack else self.cells.floats
 
     @cached_property
     def _members(self) -> tuple[Member, ...]:

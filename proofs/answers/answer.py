@@ -5,10 +5,11 @@ An answer says in plain words what the clauses of a check show with their eviden
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb
@@ -82,12 +83,17 @@ class Answer:
     Attributes:
         name: the question's name: its key in JSON, and in ``--require``.
         verdict: the answer, one of a closed set.
-        facts: how far, how fast, on what conditions; numbers with their words.
+        told: the facts, which may be found out as they are told.
     """
 
     name: str
     verdict: Position | Heading | Pose | Certainty | Inertia
-    facts: tuple[Fact, ...]
+    told: Iterable[Fact]
+
+    @cached_property
+    def facts(self) -> tuple[Fact, ...]:
+        """How far, how fast, on what conditions: numbers with their words."""
+        return tuple(self.told)
 
     @property
     def sentence(self) -> str:

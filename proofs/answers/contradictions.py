@@ -197,8 +197,7 @@ def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
         return
     if check.translation.verdict is not Translation.UNSTABLE or printed.equilibrium is not Equilibrium.HOLDS:
         return
-    zero = check.scene.field.zero
-    if any(len(cell.twists) > 1 for cell in check.partition.cells_at((zero, zero))):
+    if any(len(cell.twists) > 1 for cell in check.partition.meeting):
         return
     begin, end = ends.distances
     near = begin <= NEAR * printed.radius

@@ -32,7 +32,7 @@ ROOTS = 10**9  # roots are rounded down to its parts
 def pose_answer(scene: Scene, results: Results) -> Answer:
     """From the clause on feedback; where Theorem 4 asks nothing of it, from the same decision beyond the theorem."""
     found = cast("AnyFeedback", results["feedback"]).holding
-    return Answer("pose", _verdict(found), tuple(_facts(found, scene)))
+    return Answer("pose", _verdict(found), _facts(found, scene))
 
 
 def _verdict(found: AnyFeedback) -> Pose:

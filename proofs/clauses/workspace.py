@@ -70,7 +70,7 @@ class Workspace:
         seconds: where the time went, by step.
         by_rounding: names of the clauses that are not the same, or not known to be, for all members of rounded numbers.
 
-    Cells that were ``built`` before are taken where they are those of the centred scene.
+    Cells that were ``built`` before are taken where they are those of the centred scene, or have the same polygons.
     """
 
     def __init__(
@@ -161,10 +161,12 @@ class Workspace:
             self.skip("cells away from the point", 1, f"{LEMMA}: no other cells are needed")
             return rest
         is_exact = not self.scene.field.measured  # else what rounding decided of those cells is not known any more
-        if self._built is not None and self.prune and self._built.scene is self.scene and is_exact:
-            partition = self._built
+        built = self._built if self.prune else None
+        if built is not None and built.scene is self.scene and is_exact:
+            partition = built
         else:
-            partition = rule.build_partition(self.scene, prune=self.prune)
+            like = built and rule.partition_like(self.scene, built)
+            partition = like or rule.build_partition(self.scene, prune=self.prune)
         idle = len(self.scene.wheels) - partition.wheels_considered
         if idle:
             in_pairs = all(state.is_of_a_pair for state in partition.states)

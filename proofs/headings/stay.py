@@ -164,8 +164,7 @@ def _stay_of(work: Workspace) -> Stay:
         twists = () if twist is None else (twist,)
         rates = None if twist is None else (twist.omega, twist.omega)
     elif work.partition is not None:
-        zero = work.partition.scene.field.zero
-        twists = filippov_twists(work.partition, (zero, zero))
+        twists = filippov_twists(work.partition)
         rates = None if rotation.drift is None else rotation.drift.interval
     if equilibrium.verdict is Equilibrium.FAILS:
         return Stay(Stays.MOVES, twists=twists)

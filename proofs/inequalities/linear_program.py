@@ -21,7 +21,7 @@ from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, inner
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
-from nonsmooth.symbolic.numbers.rounded import either_way
+from nonsmooth.symbolic.numbers.rounded import either_way, plain
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -74,10 +74,13 @@ def mixtures_to_zero(vectors: Sequence[Column]) -> tuple[list[Column], Column]:
     return [(*vector, zero + 1) for vector in vectors], (*(zero for _ in vectors[0]), zero + 1)
 
 
-def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
+def best_mixture(
+    columns: Sequence[Column], target: Column, prices: Sequence[Number], *, counts: bool = True
+) -> Mixture | None:
     """Solve the program; None where no weights reach the target.
 
-    Of rounded numbers any path of pivots will do; what counts are the signs that show the outcome.
+    Of rounded numbers any path of pivots will do; what counts are the signs that show the outcome; without ``counts``
+    none do, and whoever rests on it asks for those that it needs.
 
     Raises:
         ValueError: if the program is unbounded.
@@ -86,10 +89,10 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
     with either_way(field):
         found = _solve(columns, target, prices)
     if isinstance(found, Mixture):
-        if field.measured:
+        if counts and field.measured:
             found.check(columns, target, prices)
         return found
-    for column in (*columns, target) if field.measured else ():
+    for column in (*columns, target) if counts and field.measured else ():
         _product(found, column).sign()
     return None
 
@@ -126,8 +129,9 @@ def _verified_proposal(columns: Sequence[Column], target: Column, prices: Sequen
         return None
     rows = list(zip(*adjugate, strict=True))
     multipliers = [_sum(prices[k] * c for k, c in zip(basis, row, strict=True)) for row in rows]
+    slopes, scale = [*map(plain, multipliers)], plain(det)  # rounded numbers have the signs of their members
     for column, price in zip(columns, prices, strict=True):
-        if (_product(multipliers, column) - price * det).sign() * side < 0:
+        if (_product(slopes, [*map(plain, column)]) - plain(price) * scale).sign() * side < 0:
             return None
     value = _sum(prices[k] * top for k, top in zip(basis, tops, strict=True))
     weights = {k: divided(top, det) for k, top in zip(basis, tops, strict=True) if top}

@@ -222,6 +222,12 @@ class BoundedCell:
     polygon: Polygon
     bound: Point | None
 
+    @cached_property
+    def slow_from(self) -> list[fmpq]:
+        """The square of the least kappa for which each corner is slow."""
+        w = self.bound or (0, 0)
+        return [min(dot(c, w), fmpq(0)) ** 2 / (dot(c, c) or fmpq(1)) for c in self.polygon.vertices]
+
 
 def squared_radius(cells: Iterable[BoundedCell], kappa: fmpq) -> fmpq:
     """Square of a distance beyond which ``c . v <= -kappa |c|`` on all cells; kappa at least zero."""
@@ -229,10 +235,10 @@ def squared_radius(cells: Iterable[BoundedCell], kappa: fmpq) -> fmpq:
 
 
 def _squared_reach(cell: BoundedCell, kappa: fmpq) -> fmpq:
-    corners, w = cell.polygon.vertices, cell.bound
-    slow = [c for c in corners if w is None or is_slow(c, w, kappa)]
+    corners, square = cell.polygon.vertices, kappa * kappa
+    slow = [c for c, least in zip(corners, cell.slow_from, strict=True) if least <= square]
     sides = (*around(corners), *around(corners[::-1]))
-    last = [_last_slow(a, b, w, kappa) for a, b in sides if a in slow and b not in slow]
+    last = [_last_slow(a, b, cell.bound, kappa) for a, b in sides if a in slow and b not in slow]
     return max((dot(c, c) for c in (*slow, *last)), default=fmpq(0))
 
 

@@ -63,8 +63,7 @@ def filippov_section(result: CellCheck) -> Section:
 
 
 def _cells_of(result: CellCheck, twist: Twist) -> list[int]:
-    zero = result.partition.scene.field.zero
-    meeting = result.partition.cells_at((zero, zero))
+    meeting = result.partition.meeting
     return [cell.index for cell in meeting if twist in cell.twists]
 
 

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.figures.style import INK, legend_below, new_figure, title_figure
 from nonsmooth.reports.sweeps.borders import Border, has_place
-from nonsmooth.reports.sweeps.outcome import REFUSED, CertifiedCell
+from nonsmooth.reports.sweeps.certified_cells import CertifiedCell
+from nonsmooth.reports.sweeps.outcome import REFUSED
 from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepError, SweepPlan
 from nonsmooth.reports.sweeps.table import counted, sweep_title, title_of
 from nonsmooth.symbolic.numbers.number_text import float_text

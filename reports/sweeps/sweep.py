@@ -15,16 +15,8 @@ from nonsmooth.reports.output.progress import ProgressCall, silent
 from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.sweeps.base import Base, entries_of, require_heard
 from nonsmooth.reports.sweeps.borders import Border, find_borders
-from nonsmooth.reports.sweeps.outcome import (
-    REFUSED,
-    Cells,
-    CertifiedCell,
-    Outcome,
-    certified_cell,
-    exact_base,
-    planned_cells,
-    questions_of,
-)
+from nonsmooth.reports.sweeps.certified_cells import Cells, CertifiedCell, certified_cell, exact_base, planned_cells
+from nonsmooth.reports.sweeps.outcome import REFUSED, Outcome, questions_of
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Entry, Point, SweepError, SweepPlan
 from nonsmooth.reports.sweeps.workers import MOST, Task, Work, Workers, local_workers

@@ -11,15 +11,8 @@ from nonsmooth.reports.checks.answers import FAILURE
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.studies.result import counted_words
 from nonsmooth.reports.sweeps.borders import Border
-from nonsmooth.reports.sweeps.outcome import (
-    CLAUSES,
-    NUMBERS,
-    QUESTIONS,
-    SYSTEM_COLUMNS,
-    SYSTEM_NUMBERS,
-    CertifiedCell,
-    Outcome,
-)
+from nonsmooth.reports.sweeps.certified_cells import CertifiedCell
+from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, SYSTEM_COLUMNS, SYSTEM_NUMBERS, Outcome
 from nonsmooth.reports.sweeps.sweep import Sweep
 from nonsmooth.reports.sweeps.sweep_plan import Point
 from nonsmooth.symbolic.messages.scene_error import one_line

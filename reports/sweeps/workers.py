@@ -25,12 +25,13 @@ from typing import Any, NamedTuple, Protocol
 
 from nonsmooth.reports.output.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base, program_hash
-from nonsmooth.reports.sweeps.outcome import Outcome, cell_outcome, outcomes_of, refused
+from nonsmooth.reports.sweeps.certified_cells import cell_outcome
+from nonsmooth.reports.sweeps.outcome import Outcome, outcomes_of, refused
 from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError
 from nonsmooth.symbolic.files.key_paths import Path
 
 AHEAD = 2  # jobs under way for each worker, so that none waits for the next
-JOB = 0.1  # seconds after which a worker answers: what it has not begun by then goes back to the others
+JOB = 0.2  # seconds after which a worker answers: what it has not begun by then goes back to the others
 MOST = 64  # scenes of a job
 TICK = 1.0  # seconds after which the sweep looks up, whether anything is finished or not
 DEATHS = 4  # of workers before a scene is refused: one among others, then alone

@@ -256,8 +256,7 @@ def speed_hints(document: SceneDocument, wheels: Sequence[Wheel]) -> Iterator[st
 
 def angle_hints(turns: Iterable[Fraction], unit: AngleUnit | None) -> Iterator[str]:
     """Angles of more than a full turn where radians are stated: mostly degrees; ``turns`` are angles over pi."""
-    largest = max(map(abs, turns), default=Fraction(0))
-    if unit is AngleUnit.RADIAN and largest > 2:
+    if unit is AngleUnit.RADIAN and (largest := max(map(abs, turns), default=Fraction(0))) > 2:
         said = f"an angle is {float(largest) * math.pi:.4g} rad, more than a full turn"
         yield f'[units]: {said}: is angle = "{AngleUnit.DEGREE}" meant?'
 

@@ -19,8 +19,8 @@ class ShortRepr:
     """A dataclass that prints its numbers and texts, and of everything larger only what it is (``repr=False``)."""
 
     def __repr__(self) -> str:
-        names: Mapping[str, object] = getattr(self, "__dataclass_fields__", {})
-        parts = [f"{name}={_brief(getattr(self, name))}" for name in names]
+        fields: Mapping[str, Any] = getattr(self, "__dataclass_fields__", {})
+        parts = [f"{name}={_brief(getattr(self, name))}" for name, own in fields.items() if own.repr]
         return f"{type(self).__name__}({', '.join(parts)})"[:MOST_SHOWN]
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import count
 
-from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx, nmod_mat
+from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, nmod_mat
 
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
@@ -185,15 +185,10 @@ class _ResidueMap:
 
     def __init__(self, field: Tower, p: fmpz, inner: list[int]) -> None:
         self.p, self.roots = p, dict[int, fmpz]()
-        self.base = fmpz(0)
+        self.base = fmpz(0) if field.modulus is None else _two_cos(field.order, p)
         self.exists = True
-        if field.modulus is not None:
-            ring = fmpz_mod_poly_ctx(fmpz_mod_ctx(p))
-            zeros = ring([int(c.p) for c in field.modulus.coeffs()]).roots()
-            self.exists = bool(zeros)
-            self.base = fmpz(int(zeros[0][0])) if zeros else self.base
         for i in inner:
-            value = self(field.radicands[i]) if self.exists else None
+            value = self(field.radicands[i])
             if value is None or value == 0 or value.jacobi(p) != 1:
                 self.exists = False
                 return
@@ -219,6 +214,14 @@ class _ResidueMap:
                 term = term * self.roots[i] % self.p
             total = (total + term) % self.p
         return total
+
+
+def _two_cos(order: int, p: fmpz) -> fmpz:
+    """A conjugate of ``2 cos(2 pi/N)`` modulo a prime ``p = 1 mod N``: ``z + 1/z`` for a z of order N."""
+    modulo = int(p)
+    roots = (pow(h, (modulo - 1) // order, modulo) for h in count(2))
+    z = next(z for z in roots if all(pow(z, order // int(q), modulo) != 1 for q, _ in fmpz(order).factor()))
+    return (z + pow(z, -1, modulo)) % p
 
 
 def _solve_mod_2(rows: list[list[int]], unknowns: int) -> list[int] | None:

@@ -74,7 +74,7 @@ def test_cells_of_random_arrays_form_a_complex(arrays: Arrays, seed: int) -> Non
     scene = arrays.random(seed, 3 + seed % 4)
     cells = complex_of(build_nearest_partition(scene))
     assert_is_a_complex(cells)
-    rounded = cells.floats()
+    rounded = cells.floats
     assert (rounded.edges, rounded.borders) == (cells.edges, cells.borders)
     for k, point in enumerate(rounded.points):
         assert rounded.locate(point) == AtCorner(k)
@@ -89,7 +89,7 @@ def test_cells_of_rule_box_form_a_complex(arrays: Arrays, side: Fraction) -> Non
 def test_nothing_lies_outside_the_domain(arrays: Arrays) -> None:
     cells = complex_of(build_nearest_partition(arrays.four_wheel()))
     assert cells.locate((Fraction(3, 4), Fraction(0))) is None
-    assert cells.floats().locate((0.75, 0.0)) is None
+    assert cells.floats.locate((0.75, 0.0)) is None
 
 
 def test_kinematics_differ_by_the_turning_term(arrays: Arrays) -> None:

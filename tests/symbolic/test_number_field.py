@@ -7,11 +7,12 @@ import random
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count, islice
 from typing import Any
 
 import mpmath
 import pytest
-from flint import arb, fmpq, fmpz
+from flint import arb, fmpq, fmpz, fmpz_poly
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
@@ -320,6 +321,16 @@ def test_root_of_a_negative_number_is_refused() -> None:
         field.sqrt(-1)
     with pytest.raises(ValueError, match="non-negative"):
         field.sqrt(1 - field.sqrt(2))
+
+
+@pytest.mark.parametrize("order", [5, 7, 8, 9, 15, 20, 36, 60, 72])
+def test_modulo_a_prime_the_base_generator_is_a_zero_of_its_polynomial(order: int) -> None:
+    """``2 cos(2 pi/N)`` itself, not one of a smaller order: the polynomial of no divisor of N vanishes there."""
+    primes = (fmpz(k * order + 1) for k in count((1 << 40) // order))
+    for p in islice(filter(fmpz.is_prime, primes), 5):
+        zero = square_roots._two_cos(order, p)
+        vanishing = [n for n in range(1, order + 1) if order % n == 0 and fmpz_poly.cos_minpoly(n)(zero) % p == 0]
+        assert vanishing == [order]
 
 
 def test_few_primes_show_that_nested_roots_are_new(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -495,8 +495,7 @@ def is_driven_away(scene: Scene, load: Loads) -> bool:
         except LoadError:
             known = replace(known, check=replace(known.check, radius=known.check.radius / 2))
             continue
-        zero = scene.field.zero
-        velocities = [twist.velocity for twist in filippov_twists(partition, (zero, zero))]
+        velocities = [twist.velocity for twist in filippov_twists(partition)]
         return separating_direction(velocities) is not None
     return False
 

@@ -80,7 +80,7 @@ def _at_rest(twists: tuple[Twist, ...], mixed: int) -> str:
 def decide_equilibrium(partition: Partition) -> EquilibriumResult:
     """Decide ``0 in F(0)`` for a centred partition."""
     zero = partition.scene.field.zero
-    twists = filippov_twists(partition, (zero, zero))
+    twists = filippov_twists(partition)
     velocities = [twist.velocity for twist in twists]
     before = zero.field.rounded_signs
     mixture = best_mixture(*mixtures_to_zero(velocities), [zero] * len(twists))

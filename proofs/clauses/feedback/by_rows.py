@@ -255,7 +255,7 @@ class FeedbackResult:
     Attributes:
         verdict: see :class:`nonsmooth.proofs.findings.verdicts.Feedback`.
         reason: one sentence for people.
-        partition: the cells about the checked point.
+        inputs: the cells about the checked point with their inputs.
         witness: a nonzero c with its theta (the value) at which no input changes V.
         lyapunov: V; the witness of a failure is about ``|c|^2 + l^2 theta^2``.
         none_serves: whether no ``c^T P c + w theta^2`` at all is a control Lyapunov function.
@@ -263,29 +263,44 @@ class FeedbackResult:
             certificate): then no static feedback stabilizes.
         cascade: the law that takes theta first, where no quadratic V serves.
         rate: certified ``V' <= -2 k kappa V`` near the equilibrium (stabilizable).
-        margin: how far the contact state may be in doubt (stabilizable).
-        region: starts from which the law brings the body home, under exact kinematics (stabilizable); None where
-            that is only known of starts near the equilibrium.
-        limited: how fast V falls where wheels have limits of speed (stabilizable, with a certified rate).
     """
 
     verdict: Feedback
     reason: str
-    partition: Partition
+    inputs: RowInputs
     witness: Witness | None = None
     lyapunov: ControlLyapunov = SQUARES
     none_serves: bool = False
     obstruction: Triple | None = None
     cascade: CascadeLaw | None = None
     rate: FeedbackRate | None = None
-    margin: InputMargin | None = None
-    region: LevelRegion | TurnRegion | None = None
-    limited: LimitedRate | None = None
+
+    @property
+    def partition(self) -> Partition:
+        """The cells about the checked point."""
+        return self.inputs.partition
 
     @cached_property
-    def inputs(self) -> RowInputs:
-        """The cells with their inputs."""
-        return RowInputs(self.partition)
+    def margin(self) -> InputMargin | None:
+        """How far the contact state may be in doubt; None without a law by V."""
+        return build_margin(self.inputs, self.lyapunov) if self.has_lyapunov else None
+
+    @cached_property
+    def region(self) -> LevelRegion | TurnRegion | None:
+        """Starts from which the law brings the body home, under exact kinematics.
+
+        None without a law, and where that is only known of starts near the equilibrium.
+        """
+        if self.cascade is None:
+            return build_level_region(self.inputs, self.lyapunov) if self.has_lyapunov else None
+        from nonsmooth.proofs.clauses.feedback.cascade_law import build_turn_region
+
+        return build_turn_region(self.cascade, self.inputs)
+
+    @cached_property
+    def limited(self) -> LimitedRate | None:
+        """How fast V falls where wheels have limits of speed; None without a law by V with a certified rate."""
+        return build_limited_rate(self.inputs, self.rate, self.lyapunov) if self.has_lyapunov else None
 
     @property
     def cells(self) -> tuple[InputCell, ...]:
@@ -356,7 +371,7 @@ class FeedbackResult:
 
     def undecided(self, reason: str) -> FeedbackResult:
         """The same without a claim."""
-        return FeedbackResult(Feedback.UNDECIDED, reason, self.partition)
+        return FeedbackResult(Feedback.UNDECIDED, reason, self.inputs)
 
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
@@ -366,11 +381,11 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
     blocked, unfollowed = side_friction_rules(inputs.acting), why_not_followed(partition)
     if unfollowed is not None:
         verdict = Feedback.NOT_APPLICABLE if blocked else Feedback.UNDECIDED
-        return FeedbackResult(verdict, blocked or unfollowed, partition)
+        return FeedbackResult(verdict, blocked or unfollowed, inputs)
     single = next((data for data in inputs.local if data.lever is None), None)
     witness = None if single is None else single.idle_plane(squares)
     if blocked:
-        return FeedbackResult(Feedback.NOT_APPLICABLE, blocked, partition, witness, squares)
+        return FeedbackResult(Feedback.NOT_APPLICABLE, blocked, inputs, witness, squares)
     if single is not None:
         reason = (
             f"exactly: the rim line of wheel {single.second.index} passes through wheel {single.nearest.index}, so "
@@ -381,7 +396,8 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
     stalling = next(((data, point) for data, point in stalls if point is not None), None)
     if stalling is None:
         reason = "c . d_i has one strict sign on every closed cell at the equilibrium, so u = -k (a, b) gives V* < 0"
-        return _by_gradient(inputs, reason, certified_rate(inputs, squares), squares)
+        rate = certified_rate(inputs, squares)
+        return FeedbackResult(Feedback.STABILIZABLE, reason, inputs, lyapunov=squares, rate=rate)
     found = []
     for shape in find_shapes(inputs.demands):
         lyapunov = balanced(inputs, shape)
@@ -393,28 +409,12 @@ def decide_feedback(partition: Partition) -> FeedbackResult:
         "c^T P d_i has one strict sign on every closed cell at the equilibrium, "
         f"while c . d_i vanishes in cell {stalling[0].cell.index}"
     )
-    return _by_gradient(inputs, reason, rate, lyapunov)
-
-
-def _by_gradient(
-    inputs: RowInputs, reason: str, rate: FeedbackRate | None, lyapunov: ControlLyapunov
-) -> FeedbackResult:
-    """The law ``u = -k (a, b)`` by a V, with its margin and region."""
-    return FeedbackResult(
-        Feedback.STABILIZABLE,
-        reason,
-        inputs.partition,
-        lyapunov=lyapunov,
-        rate=rate,
-        margin=build_margin(inputs, lyapunov),
-        region=build_level_region(inputs, lyapunov),
-        limited=build_limited_rate(inputs, rate, lyapunov),
-    )
+    return FeedbackResult(Feedback.STABILIZABLE, reason, inputs, lyapunov=lyapunov, rate=rate)
 
 
 def _by_cascade(inputs: RowInputs, stalling: InputCell, stall: Point, squares: ControlLyapunov) -> FeedbackResult:
     """The law that takes theta first where no such V was found, or why there is none of that form."""
-    from nonsmooth.proofs.clauses.feedback.cascade_law import Descent, build_turn_region, find_cascade
+    from nonsmooth.proofs.clauses.feedback.cascade_law import find_cascade
 
     none_serves = not shape_regions(inputs.demands)
     cascade = find_cascade(inputs.fan)
@@ -423,11 +423,10 @@ def _by_cascade(inputs: RowInputs, stalling: InputCell, stall: Point, squares: C
         return FeedbackResult(
             Feedback.STABILIZABLE,
             f"{none} (c . d_i vanishes in cell {stalling.cell.index}), but {cascade.descent.reason}",
-            inputs.partition,
+            inputs,
             lyapunov=squares,
             none_serves=none_serves,
             cascade=cascade,
-            region=build_turn_region(cascade, inputs) if cascade.descent is Descent.SLOW_TURNS else None,
         )
     theta = squares.stalling_theta(stall, stalling.nearest.position)
     x, y, turn = (brief_text(entry) for entry in (*stall, theta))
@@ -445,6 +444,4 @@ def _refused(
     normal = inputs.obstruction
     if normal is not None:
         reason = f"{reason}; {obstruction_text(normal)}"
-    return FeedbackResult(
-        Feedback.NO_CERTIFICATE, reason, inputs.partition, witness, squares, none_serves, obstruction=normal
-    )
+    return FeedbackResult(Feedback.NO_CERTIFICATE, reason, inputs, witness, squares, none_serves, obstruction=normal)

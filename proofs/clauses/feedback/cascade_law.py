@@ -316,8 +316,12 @@ class TurnRegion:
 
 
 def build_turn_region(cascade: CascadeLaw, inputs: RowInputs) -> TurnRegion | None:
-    """The region of the law of slow turns with ``l`` the half-width of the square; None where no proposal verifies."""
-    turn, length = build_turn(cascade), inputs.radius
+    """The region of the law of slow turns with ``l`` the half-width of the square.
+
+    None of other laws, and where no proposal verifies.
+    """
+    length = inputs.radius
+    turn = build_turn(cascade) if cascade.descent is Descent.SLOW_TURNS else None
     if turn is None or inputs.support is not None:
         return None
     sides = list(segments(inputs.away, length))

@@ -250,6 +250,10 @@ class FeedbackClause(Clause[AnyFeedback]):
         """
         if work.rule.keeps_rows and work.partition is not None:
             found = decide_feedback(work.partition)
+            # what rounding decides of these counts for the clause; and what is shown beside the verdicts is built while
+            # the field holds few square roots: over many, numbers are written as balls
+            if work.sample or work.scene.field.measured:
+                _ = found.margin, found.region, found.limited
             if found.verdict is Feedback.NOT_APPLICABLE:
                 work.skip("feedback search", 1, found.reason)
             return found

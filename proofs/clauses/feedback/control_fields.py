@@ -167,19 +167,15 @@ class RowInputs:
         return tuple(InputCell(cell, state) for cell in self.partition.cells for state in cell.states)
 
     @cached_property
-    def _here(self) -> frozenset[int]:
-        zero = self.partition.scene.field.zero
-        return frozenset(cell.index for cell in self.partition.cells if cell.polygon.contains((zero, zero)))
-
-    @cached_property
     def local(self) -> tuple[InputCell, ...]:
         """Those whose closure holds the equilibrium; these decide."""
-        return tuple(data for data in self.cells if data.cell.index in self._here)
+        meeting = self.partition.meeting
+        return tuple(data for data in self.cells if data.cell in meeting)
 
     @cached_property
     def away(self) -> tuple[InputCell, ...]:
         """The others."""
-        return tuple(data for data in self.cells if data.cell.index not in self._here)
+        return tuple(data for data in self.cells if data not in self.local)
 
     @property
     def demands(self) -> list[Demand]:
@@ -197,7 +193,7 @@ class RowInputs:
         """The cones at the equilibrium."""
         return build_fan(self.partition)
 
-    @property
+    @cached_property
     def support(self) -> Support | None:
         """The support polygon, where the checked square leaves it."""
         return limiting_support(self.partition)
@@ -267,10 +263,9 @@ def input_ranks(partition: Partition) -> InputRanks:
     """Ranks for a centred partition of a rule that keeps rows."""
     from nonsmooth.analysis.cells.equilibria import shared_sides
 
-    zero = partition.scene.field.zero
     cells = {cell.index: _rank(cell) for cell in partition.cells}
     sides = {(s.first.index, s.second.index): _rank(s.first, s.second) for s in shared_sides(partition)}
-    return InputRanks(cells, sides, _rank(*partition.cells_at((zero, zero))))
+    return InputRanks(cells, sides, _rank(*partition.meeting))
 
 
 def _rank(*cells: Cell) -> int:

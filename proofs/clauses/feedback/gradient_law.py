@@ -60,7 +60,8 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import (
 )
 from nonsmooth.proofs.clauses.translation.quadratic import least_of_parabola
 from nonsmooth.symbolic.mechanics.constraints import Triple
-from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, Lazy, sure_float
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
+from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import around, dot
 from nonsmooth.symbolic.numbers.rounded import plain
@@ -70,8 +71,6 @@ SLACK = Fraction(1, 100)  # eta
 _LARGEST_EXPONENT = 64  # of the weight, in the square of the array's own length
 _FLOAT_RANGE = 10**300
 _FEW_BITS = 8  # correct ones of a size
-
-_LEAST, _MOST = 2.0**-30, 2.0**30  # products of sixteen such floats, as in det S, are far from under- and overflow
 
 Segment: TypeAlias = tuple[Point, Point]
 # c^T P c by its coefficients at s^2, st, t^2, and a^2 + b^2 by those at s^2, st, t^2, s tau, t tau, tau^2
@@ -95,55 +94,24 @@ class ConeRate:
     lyapunov: ControlLyapunov = SQUARES
 
     @cached_property
-    def _form(self) -> Form:
+    def form(self) -> Form:
         """The form in the numbers of the cone."""
         slopes = [self.lyapunov.slope(ray) for ray in self.rays]
         return _form(self.rays, slopes, self.fields)
 
     @cached_property
-    def _form_in_floats(self) -> tuple[Form, float, float] | None:
-        """The form in floats, and bounds of its coefficients without tau; None where floats may under- or overflow."""
-        rays, fields = _floats(self.rays), _floats(self.fields)
-        slopes = _floats([self.lyapunov.slope(ray) for ray in self.rays]) if any(self.lyapunov.shape) else rays
-        sizes = [abs(x) for part in (rays, slopes, fields) for vector in part for x in vector]
-        if not sum(sizes) < _MOST or min(filter(None, sizes)) < _LEAST:
-            return None
-        longest, steepest = max(sizes[:4]), max(sizes[4:8])
-        gain = (steepest * sum(sizes[8:])) ** 2
-        return _form(rays, slopes, fields), gain, 2 * longest * steepest
-
-    def _clear_minors(self, kappa: Any, lightness: Any) -> tuple[float, ...] | None:
-        """The minors in floats, where rounding decides the sign of none."""
-        factor, light = float(kappa), float(lightness)
-        if self._form_in_floats is None or not _LEAST < factor < _MOST or not _LEAST < light < _MOST:
-            return None
-        form, gain, size = self._form_in_floats
-        minors = _minors(form, factor, light)
-        corner, *entries, determinant = minors
-        # Rounding errs by a small part of these sums of absolute terms; m13 m23 is no more than a gain times turns.
-        turns = form[1][5] + factor * light
-        bound = 2 * turns * (gain + factor * size)
-        is_clear = abs(corner) > FLOAT_DOUBT * turns and abs(determinant) > FLOAT_DOUBT * 2 * bound * bound
-        return minors if is_clear and min(map(abs, entries)) > FLOAT_DOUBT * bound else None
-
-    def is_positive(self, kappa: Any, lightness: Any) -> bool:
-        """Whether ``a^2 + b^2 >= kappa (c^T P c + lightness tau^2)`` on the closed cone, for every tau.
-
-        Numbers that floats tell apart are not multiplied exactly.
-        """
-        minors = self._clear_minors(kappa, lightness) or _minors(self._form, kappa, lightness)
-        corner, s11, s22, s12, determinant = map(sign, minors)
-        return corner > 0 and s11 >= 0 and s22 >= 0 and (s12 >= 0 or determinant >= 0)
+    def _form_in_balls(self) -> Form:
+        """The form in balls, which mostly show that it holds."""
+        slopes = [self.lyapunov.slope(ray) for ray in self.rays]
+        return _form(*([[*map(ball_of, vector)] for vector in part] for part in (self.rays, slopes, self.fields)))
 
     def holds(self, kappa: Fraction) -> bool:
         """Whether ``a^2 + b^2 >= kappa V`` on the closed cone near the equilibrium, exactly."""
         inner = kappa * (1 + SLACK) if any(self.lyapunov.shape) else kappa
-        return self.is_positive(inner, self.lyapunov.lightness)
-
-
-def _floats(vectors: Sequence[Any]) -> list[list[float]]:
-    """Vectors in floats; nan for numbers far from one."""
-    return [[sure_float(entry) for entry in vector] for vector in vectors]
+        light = self.lyapunov.lightness
+        corner, s11, s22, s12, determinant = _minors(self._form_in_balls, rational_ball(inner), rational_ball(light))
+        is_clear = corner > 0 and s11 > 0 and s22 > 0 and (s12 > 0 or determinant > 0)
+        return is_clear or _is_positive(_minors(self.form, inner, light))
 
 
 def _form(rays: Sequence[Any], slopes: Sequence[Any], fields: Sequence[Any]) -> Form:
@@ -164,6 +132,12 @@ def _minors(form: Form, kappa: Any, lightness: Any) -> tuple[Any, ...]:
     corner = turns - kappa * lightness
     s11, s22, s12 = corner * m11 - m13 * m13, corner * m22 - m23 * m23, corner * m12 - m13 * m23
     return corner, s11, s22, s12, s11 * s22 - s12 * s12
+
+
+def _is_positive(minors: tuple[Any, ...]) -> bool:
+    """Whether ``a^2 + b^2 >= kappa (c^T P c + lightness tau^2)`` on the closed cone, for every tau."""
+    corner, s11, s22, s12, determinant = map(sign, minors)
+    return corner > 0 and s11 >= 0 and s22 >= 0 and (s12 >= 0 or determinant >= 0)
 
 
 class FeedbackRate(NamedTuple):
@@ -273,7 +247,7 @@ def _proposal(floats: Sequence[ConeRate], lightness: float) -> float:
     """Largest kappa' of all cones in floats."""
     least = None
     for cone in floats:
-        if least is None or not cone.is_positive(least, lightness):
+        if least is None or not _is_positive(_minors(cone.form, least, lightness)):
             least = _largest(cone, lightness)
     return least or 0.0
 
@@ -283,7 +257,7 @@ def _largest(cone: ConeRate, lightness: float) -> float:
     low, high = 0.0, 2.0 * sum(float(x) ** 2 for field in cone.fields for x in field[:2])
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2
-        low, high = (middle, high) if cone.is_positive(middle, lightness) else (low, middle)
+        low, high = (middle, high) if _is_positive(_minors(cone.form, middle, lightness)) else (low, middle)
     return low
 
 

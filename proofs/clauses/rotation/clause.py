@@ -84,9 +84,8 @@ class RotationResult:
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
     """The drift of a hull of twists; None where the hull holds no zero velocity."""
     columns, target, omegas = _program(twists)
-    with either_way(target[0].field):  # of ends that are as good any will do
-        highest = best_mixture(columns, target, omegas)
-        lowest = best_mixture(columns, target, [-w for w in omegas])
+    highest = best_mixture(columns, target, omegas, counts=False)  # of ends that are as good any will do
+    lowest = best_mixture(columns, target, [-w for w in omegas], counts=False)
     if highest is None or lowest is None:
         return None
     for end in (highest, lowest) if target[0].field.measured else ():
@@ -97,7 +96,7 @@ def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
 def decide_rotation(partition: Partition, translation: TranslationResult) -> RotationResult:
     """Decide the rotation clause for a centred partition."""
     zero = partition.scene.field.zero
-    drift = drift_at_rest(filippov_twists(partition, (zero, zero)))
+    drift = drift_at_rest(filippov_twists(partition))
     if drift is None:
         return RotationResult(Rotation.UNDECIDED, "no equilibrium at the point, so nothing rests there")
     low, high = drift.interval

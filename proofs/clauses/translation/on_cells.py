@@ -261,7 +261,7 @@ def _place(point: Point) -> str:
 def rest_area(partition: Partition) -> Number | None:
     """Area of the cells at rest whose closure holds the equilibrium, where there are any."""
     zero = partition.scene.field.zero
-    cells = [cell for cell in partition.cells_at((zero, zero)) if cell.rests]
+    cells = [cell for cell in partition.meeting if cell.rests]
     return sum((cell.polygon.area for cell in cells), zero) if cells else None
 
 
@@ -361,8 +361,8 @@ def certified_disc(partition: Partition) -> CertifiedDisc:
     Raises:
         OverflowError: for lengths or speeds beyond the range of floats.
     """
-    zero, radius = partition.scene.field.zero, partition.scene.check.radius
-    local = partition.cells_at((zero, zero))
+    radius = partition.scene.check.radius
+    local = partition.meeting
     highest = max(_largest_sign(cell, twist) for cell in local for twist in cell.twists)
     here = {cell.index for cell in local}
     growing = {

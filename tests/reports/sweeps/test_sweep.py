@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.analysis.cells import nearest
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.reports.output.document import Table, plain_text
 from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.reports.sweeps import outcome as outcome_module
@@ -324,6 +326,43 @@ def test_scenes_that_are_checked_together_have_the_outcomes_of_each(name: str) -
     assert outcomes_of(base, paths, scenes) == [outcome_of(base, paths, scene) for scene in scenes]
 
 
+@pytest.mark.parametrize(
+    ("varied", "values", "shared"),
+    [
+        (("speed",), ("1", "3/4", "-2", "sqrt(5)"), 3),
+        (("heading",), ("225", "230 deg", "7 deg", "1", "240 deg"), 4),  # exact and measured ones
+        (("mu_side",), ("1/2", "0", "2", "1"), 1),  # a row without friction has other cells
+        (("position", "x"), ("3/4", "sqrt(3)/2", "1.1", "1.1"), 0),
+        (("position", "y"), ("1.1", "7/5"), 0),
+    ],
+    ids=["speeds", "headings", "friction", "places", "a place beside the given one"],
+)
+def test_scenes_whose_wheels_stand_alike_share_their_cells(
+    varied: Sequence[str], values: Sequence[Entry], shared: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What one scene takes from another one changes no outcome; and where places differ it takes nothing."""
+    base = with_wheels(base_of(*read_document("four-wheel")), ["wheel.1.speed"])
+    paths = (read_plan({".".join(("wheel.1", *varied)): "1"}, base.document, base.file).axes[0].path,)
+    scenes = [(value,) for value in values]
+    alone = [outcome_of(base, paths, scene) for scene in scenes]
+    taken: list[Partition] = []
+    take = nearest.nearest_partition_like
+
+    def counted(scene: Scene, known: Partition) -> Partition | None:
+        found = take(scene, known)
+        taken.extend([found] if found else [])
+        return found
+
+    monkeypatch.setattr(nearest, "nearest_partition_like", counted)
+    assert outcomes_of(base, paths, scenes) == alone
+    assert len(taken) == shared
+    for partition in taken:
+        own = nearest.build_nearest_partition(partition.scene)
+        assert partition == own
+        assert partition.meeting == own.meeting
+        assert partition.complex.floats.points == own.complex.floats.points
+
+
 TOLERANCES = """
 [tolerance]
 mu_roll = "1/5"
@@ -352,9 +391,9 @@ def test_of_friction_counts_what_the_rule_sees(
     checked: list[Scene] = []
     decide = vars(outcome_module)["_decided"]
 
-    def counted(scene: Scene, *, failures: bool) -> Any:
+    def counted(scene: Scene, **asked: Any) -> Any:
         checked.append(scene)
-        return decide(scene, failures=failures)
+        return decide(scene, **asked)
 
     monkeypatch.setattr(outcome_module, "_decided", counted)
     assert outcomes_of(base, paths, scenes, failures=failures) == alone

@@ -393,6 +393,16 @@ def test_a_number_that_others_follow_makes_no_cell(
     assert outcome.err.count("\n") == 1
 
 
+@pytest.mark.parametrize("values", ["221 deg,229", "221,229 deg", "229,221", "221"])
+def test_sides_of_cells_have_one_unit_and_ascend(invoke: Invoke, tmp_path: Path, values: str) -> None:
+    """Where angles are radians, a cell from 225 degrees to 226 radians was certified that held one degree of them."""
+    file = written(tmp_path)
+    file.write_text('units = { angle = "rad" }\n' + file.read_text(encoding="utf-8"), encoding="utf-8")
+    outcome = invoke("sweep", str(file), "--vary", f"{PATHS['heading']}={values}", "--certify", "--workers", "1")
+    assert outcome.status == 2
+    assert "certify: required two or more rational values of wheel.1.heading that ascend" in outcome.err
+
+
 @few(1)
 @pytest.mark.parametrize(
     ("vary", "stated", "larger"),
