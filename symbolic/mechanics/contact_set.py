@@ -337,6 +337,18 @@ def distance_below(body: Body, place: Vector) -> Fraction:
     return _root_below(_squared_gap(body, place))
 
 
+def may_turn_off_wheels(scene: Scene) -> bool:
+    """Whether some turn about the checked point may bring a wheel under the edge of the outline, or from under it."""
+    body, at = scene.body, scene.check.equilibrium
+    if body is None or body.is_round:
+        return False
+    if isinstance(body.outline, Disc):
+        return True
+    inner, outer = _squared_gap(body, (at[0] - at[0], at[1] - at[1])), max(dot(v, v) for v in body.vertices)
+    places = [minus(wheel.position, at) for wheel in (*scene.wheels, *scene.idle)]
+    return any(inner <= dot(place, place) <= outer for place in places)
+
+
 def _squared_gap(body: Body, place: Vector) -> Number:
     """Squared distance of a place from the border of a polygon."""
     return min(squared_distance(minus(a, place), minus(b, place)) for a, b in around(body.vertices))
