@@ -54,7 +54,6 @@ from nonsmooth.analysis.trajectories.result import (
     Event,
     EventKind,
     Piece,
-    State,
     Trajectory,
     TrajectoryError,
 )
@@ -520,11 +519,8 @@ def _steps_of(piece: Piece) -> Iterator[DenseStep]:
 
 def _chords(path: Trajectory) -> Piece:
     """A path that keeps samples only, with straight lines between them; it begins at time zero."""
-
-    def state(time: float) -> State:
-        return tuple(path.sample([time])[0].tolist())
-
-    return Piece(path.times[0], path.times[-1], "", (), state, lambda: path.times)
+    times = path.times
+    return Piece(times[0], times[-1], "", (), lambda time: tuple(path.sample([time])[0].tolist()), lambda: times)
 
 
 def _until(piece: Piece, time: float) -> Piece:

@@ -669,10 +669,9 @@ def _follow_driven(scene: Scene, options: SimulateOptions) -> DrivenPath:
     (x, y), (start_x, start_y, theta) = scene.check.place, options.pose
     own_start = (start_x - x, start_y - y, theta)
     if loop.held.tips(np.array(own_start) / loop.length):
-        edge = tipping_edge(standing(scene), frozenset(range(len(centred.wheels))), np.array(options.pose, float))
-        at = place_text((start_x, start_y))
-        said = "required centres of mass inside the support polygon, received"
-        raise LoadError(f"{said} {at}: the body tips there {edge}")
+        edge = tipping_edge(standing(scene), frozenset(range(len(centred.wheels))), np.array(options.pose))
+        said = f"required centres of mass inside the support polygon, received {place_text((start_x, start_y))}"
+        raise LoadError(f"{said}: the body tips there {edge}")
     own = _until_other_wheels(loop, own_start, options.last)
     return DrivenPath(scene, own.shifted(x, y), loop=loop, own=own)
 

@@ -340,11 +340,9 @@ def distance_below(body: Body, place: Vector) -> Fraction:
 def may_turn_off_wheels(scene: Scene) -> bool:
     """Whether some turn about the checked point may bring a wheel under the edge of the outline, or from under it."""
     body, at = scene.body, scene.check.equilibrium
-    if body is None or body.is_round:
-        return False
-    if isinstance(body.outline, Disc):
-        return True
-    inner, outer = _squared_gap(body, (at[0] - at[0], at[1] - at[1])), max(dot(v, v) for v in body.vertices)
+    if body is None or isinstance(body.outline, Disc):
+        return body is not None and not body.is_round
+    inner, outer = _squared_gap(body, minus(at, at)), max(dot(corner, corner) for corner in body.vertices)
     places = [minus(wheel.position, at) for wheel in (*scene.wheels, *scene.idle)]
     return any(inner <= dot(place, place) <= outer for place in places)
 

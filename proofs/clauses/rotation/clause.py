@@ -83,7 +83,7 @@ class RotationResult:
     @property
     def turns_on(self) -> bool:
         """Whether a body at rest turns all the time."""
-        if self.verdict is not Rotation.UNSTABLE or self.drift is None:
+        if self.drift is None:
             return self.verdict is Rotation.UNSTABLE and self.spin is not None
         low, high = self.drift.interval
         return low.sign() > 0 or high.sign() < 0
