@@ -455,8 +455,11 @@ class OneContactSet:
             )
 
     def until_change(self, path: Trajectory) -> Trajectory:
-        """A path with finite pieces, cut where the first wheel enters or leaves; there it ends."""
-        for piece in path.pieces:
+        """A path with finite pieces, or of samples alone, cut where the first wheel enters or leaves; there it ends.
+
+        Between samples it is looked for on straight lines.
+        """
+        for piece in path.pieces or (_chords(path),):
             change = self._first_change(piece)
             if change is not None:
                 return self._cut(path, *change)
@@ -474,14 +477,17 @@ class OneContactSet:
 
     def _cut(self, path: Trajectory, time: float, wheel: int) -> Trajectory:
         """The path up to a time, with the event of a wheel that ends it."""
-        pieces = [_until(piece, time) for piece in path.pieces if piece.start <= time]
+        pieces = [_until(piece, time) for piece in path.pieces or (_chords(path),) if piece.start <= time]
         state = pieces[-1].state(time - pieces[-1].start)
         leaves = self._signs[wheel] > 0
         kind, words = (EventKind.LEAVE, "beside") if leaves else (EventKind.ENTER, "under")
         told = Event(time, state, kind, f"wheel {self._numbers[wheel]} {words} the body")
         end = End(time, state, EndReason.WHEELS)
-        events = (*(event for event in path.events if event.t <= time), told)
-        return replace(path, events=events, end=end, pieces=tuple(pieces))
+        cut = replace(path, events=(*(event for event in path.events if event.t <= time), told), end=end)
+        if path.pieces:
+            return replace(cut, pieces=tuple(pieces))
+        kept = pieces[0].times
+        return replace(cut, sampled=(kept, tuple(map(pieces[0].state, kept))))
 
 
 class _SameWheels(GuardsOfStates):
@@ -509,6 +515,12 @@ def _steps_of(piece: Piece) -> Iterator[DenseStep]:
 
     for before, after in pairwise(float(time) for time in piece.times):
         yield DenseStep((before, pose(before)), (after, pose(after)), lambda: poses)
+
+
+def _chords(path: Trajectory) -> Piece:
+    """A path that keeps samples only, with straight lines between them; it begins at time zero."""
+    times = path.times
+    return Piece(times[0], times[-1], "", (), lambda time: tuple(path.sample([time])[0].tolist()), lambda: times)
 
 
 def _until(piece: Piece, time: float) -> Piece:

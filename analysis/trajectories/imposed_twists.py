@@ -4,8 +4,9 @@ The event-driven path of the closed loop follows the exact Filippov solution; wh
 at ``c = 0`` it has too many patterns of modes to try.  Here the law chooses at times h
 apart, so that switches are late by at most h; V falls to the order of ``h^2`` beside its start.
 
-The pose that the law is given may be late, and off: at every sample by the worst of 27 errors, the one after which V
-rises most (or falls least).  Speeds that would exceed a limit are scaled by one factor.
+The pose that the law is given may be late, by whole samples or by less than one, and off: at every sample by the worst
+of 27 errors, the one after which V rises most (or falls least).  Speeds that would exceed a limit are scaled by one
+factor.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from nonsmooth.analysis.fields.switched_field import Surface, Velocity, affine_s
 from nonsmooth.analysis.trajectories.closed_forms import Free
 from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajectory
+from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
@@ -65,11 +67,14 @@ class HeldLaw:
         cones: its twists; they go around.
         gain: k (1/time).
         limits: largest speeds, wheel by wheel, infinite where a wheel has none; None without limits.
+        sides: rows ``(n_x, n_y, offset)`` with ``n . c + offset <= 0`` in the hull of the wheels, outside of which the
+            body tips; None where that is not asked.
     """
 
     cones: Sequence[ImposedMotions]
     gain: float
     limits: Floats | None = None
+    sides: Floats | None = None
 
     def speeds(self, seen: Floats) -> Floats:
         """The speeds of all wheels for a pose that the law is given."""
@@ -80,6 +85,10 @@ class HeldLaw:
         """How a body at a pose moves under the speeds for another one."""
         cone, chosen, factor = self._choice(seen)
         return np.asarray(factor * cone.motions[chosen](pose[:2]))
+
+    def tips(self, pose: Floats) -> bool:
+        """Whether the centre of mass is outside the hull of the wheels."""
+        return self.sides is not None and float((self.sides @ (*pose[:2], 1.0)).max()) > 0
 
     def _choice(self, seen: Floats) -> tuple[ImposedMotions, int, float]:
         """The cone, which of its twists, and the factor ``-k (g . xi_l)``, smaller where a speed would end."""
@@ -101,7 +110,7 @@ def follow_held(law: HeldLaw, start: Sequence[float], until: float, errors: Pose
     Args:
         law: what it samples.
         start: the pose.
-        until: last time, unless 20,000 samples end before.
+        until: last time, unless 20,000 samples end before, or the body tips.
         errors: of the pose that the law is given.
 
     Returns:
@@ -110,14 +119,18 @@ def follow_held(law: HeldLaw, start: Sequence[float], until: float, errors: Pose
     fastest = max(float((cone.twists**2).sum(axis=1).max()) for cone in law.cones)
     step, errors = STEP / (law.gain * fastest), errors or PoseErrors()
     late = math.ceil(errors.delay / step)
-    step = errors.delay / late if late else step
-    count = min(math.ceil(until / step), MOST_STEPS)
-    step = step if late else min(step, until / count)
-    loop = _SampledLoop(law, errors.candidates(), late, count)
-    times, states = follow(loop, (0.0, np.array(start, dtype=float)), None, _Held(step)).ends_of_steps()
-    kept = np.unique(np.linspace(0, count, min(count, SHOWN) + 1).round().astype(int))
+    step = errors.delay / late if late > 1 else step
+    asked = math.ceil(until / step)
+    count = min(asked, MOST_STEPS)
+    step = step if late > 1 else min(step, until / count)
+    loop = _SampledLoop(law, errors.candidates(), late, errors.delay / (max(late, 1) * step), count)
+    path = follow(loop, (0.0, np.array(start, dtype=float)), None, _Held(step))
+    times, states = path.ends_of_steps()
+    taken = len(times) - 1
+    kept = np.unique(np.linspace(0, taken, min(taken, SHOWN) + 1).round().astype(int))
     shown: list[State] = [tuple(state) for state in states[kept].tolist()]
-    end = End(float(times[-1]), shown[-1], EndReason.TIME)
+    ended = path.reason if count == asked or taken < count else EndReason.STEPS
+    end = End(float(times[-1]), shown[-1], ended)
     return Trajectory("exact", "sampled", (), end, None, sampled=(tuple(times[kept].tolist()), tuple(shown)))
 
 
@@ -126,17 +139,22 @@ class _SampledLoop(HybridField):
 
     dense = False
 
-    def __init__(self, law: HeldLaw, errors: Floats, late: int, count: int) -> None:
-        """For errors (m, 3) of the pose that the law is given, which is so many samples old."""
-        self._law, self._errors, self._late, self._count = law, errors, late, count
+    def __init__(self, law: HeldLaw, errors: Floats, late: int, share: float, count: int) -> None:
+        """For errors (m, 3) of the pose that the law is given, which is so many times that share of a sample old."""
+        self._law, self._errors, self._late, self._share, self._count = law, errors, late, share, count
 
     def next_mode(self, path: Path) -> Mode | EndReason:
         """The motion for one of the poses that the law may be given, of which V' is largest."""
         taken = len(path.stretches)
         if taken == self._count:
             return EndReason.TIME
+        if self._law.tips(path.state):
+            return EndReason.TIPS
+        tell_count(taken, self._count, "samples")
         older = min(self._late, taken)
         seen = path.stretches[taken - older].states[0] if older else path.state
+        if older == 1 and self._share < 1:  # on the straight line between two samples
+            seen = path.state + self._share * (seen - path.state)
         twists = [self._law.twist(each, path.state) for each in seen + self._errors]
         return _Constant(max(twists, key=lambda twist: float(path.state @ twist)))
 

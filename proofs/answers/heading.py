@@ -125,7 +125,7 @@ def _drift(scene: Scene, found: RotationResult) -> Iterator[Fact]:
     if low == high:
         rate = math.degrees(float(fastest)) if scene.units.in_degrees else fastest
         words = f"at rest it turns all the time, at {float_text(rate, DIGITS)} {scene.units.angle}/s"
-    elif low.sign() > 0 or high.sign() < 0:
+    elif found.turns_on:
         words = f"at rest it turns all the time, at up to {most}/s"
     else:
         words = f"at rest it may turn, at up to {most}/s"

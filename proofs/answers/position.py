@@ -20,10 +20,12 @@ from nonsmooth.proofs.answers.answer import (
     is_by_rounding,
 )
 from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, Turning, nearness
+from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation, mass_words
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Translation, said
 from nonsmooth.proofs.robust.ends import Ends
+from nonsmooth.symbolic.mechanics.contact_set import may_turn_off_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import Real, float_text, place_text
@@ -50,13 +52,21 @@ def position_answer(scene: Scene, results: Results, *, may_look: bool = True) ->
         results: the clauses' results by name.
         may_look: whether to ask where bodies end; not where what is said contradicts itself.
     """
-    verdict = _by_clauses(results)
+    verdict, found = _by_clauses(results), None
     if (verdict is Position.COMES_HOME and not _is_beside(results)) or not may_look:
         verdict = Position.UNDECIDED if verdict is Position.LEAVES else verdict
-        return Answer("position", verdict, _without_inertia(scene, _facts(scene, results, verdict, None)))
-    found = nearness(scene, results)
-    verdict = _to_the_accuracy(verdict, found)
-    return Answer("position", verdict, _without_inertia(scene, _facts(scene, results, verdict, found)))
+    else:
+        found = nearness(scene, results)
+        verdict = _to_the_accuracy(verdict, found)
+    facts = (*_without_inertia(scene, _facts(scene, results, verdict, found)), *_until_others(scene, results, verdict))
+    return Answer("position", verdict, facts)
+
+
+def _until_others(scene: Scene, results: Results, verdict: Position) -> Iterator[Fact]:
+    """How long that holds of a body with an outline, on the wheels of the point, that turns on where it rests."""
+    stays = verdict in {Position.COMES_HOME, Position.STAYS_NEAR}
+    if stays and cast("RotationResult", results["rotation"]).turns_on and may_turn_off_wheels(scene):
+        yield said("but there it turns all the time, until other wheels may carry it")
 
 
 def _without_inertia(scene: Scene, facts: Iterable[Fact]) -> tuple[Fact, ...]:

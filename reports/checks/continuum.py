@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import degrees
 
 from rich.console import Group, RenderableType
 from rich.text import Text
@@ -15,6 +16,7 @@ from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.output.terminal import header_table
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, outline_text
+from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text, short_text
 
 HEADER = ("what moves", "position", "rotation")
@@ -42,7 +44,8 @@ def continuum_section(result: Check) -> Section | None:
         "and the object would rest where both vanish, at stable headings where the moment turns back. That is what "
         "many small actuators would do; the last row is what these few wheels do."
     )
-    rows = table(HEADER, [*map(_row, found), _array_row(result)], (3, 4, 6))
+    units = result.scene.units
+    rows = table(HEADER, [*(_row(one, units) for one in found), _array_row(result)], (3, 4, 6))
     return Section(
         "The continuous idealization", (words, balance, rest, rows, paragraph("The first rows are {}.", NOTE))
     )
@@ -52,7 +55,8 @@ def continuum_view(found: Sequence[Prediction], results: Sequence[Check]) -> Ren
     """The table on a terminal."""
     rows = header_table(*HEADER)
     rows.show_lines = True
-    for row in (*map(_row, found), *map(_array_row, results)):
+    units = results[0].scene.units
+    for row in (*(_row(one, units) for one in found), *map(_array_row, results)):
         rows.add_row(*map(Text, row))
     given = "" if _is_given(results[0]) else "; no [body] in the scene: objects that just cover the wheels"
     return Group(Text(f"continuous idealization: {_field_text(found[0].field)}{given}"), rows, Text(NOTE, "dim"))
@@ -104,7 +108,7 @@ def _field_text(field: ContinuousField) -> str:
     return f"{field.kind} field about ({x}, {y}), {size}"
 
 
-def _row(prediction: Prediction) -> Row:
+def _row(prediction: Prediction, units: Units) -> Row:
     """An object on the field: what it is, what its position does, what its heading does."""
     where = "centre of the field"
     if prediction.offset:
@@ -112,7 +116,7 @@ def _row(prediction: Prediction) -> Row:
     attracts = {True: "attracts", False: "does not attract", None: "not decided"}[prediction.attracts]
     is_known = prediction.rotation is not HeadingEffect.UNKNOWN
     stability = {True: "stable", False: "unstable", None: "not decided"}
-    said = [f"theta = {float_text(heading.theta)} {stability[heading.stable]}" for heading in prediction.headings]
+    said = [f"theta = {_angle(heading.theta, units)} {stability[heading.stable]}" for heading in prediction.headings]
     headings = f": {', '.join(said)} (and half a turn on)" if said else ""
     return (
         f"{outline_text(prediction.footprint)} on the field",
@@ -121,9 +125,18 @@ def _row(prediction: Prediction) -> Row:
     )
 
 
+def _angle(radians: float, units: Units, per: str = "") -> str:
+    """In the unit in which people read the scene's angles, named where the scene states units."""
+    text = float_text(degrees(radians) if units.in_degrees else radians)
+    return f"{text} {units.angle}{per}" if units.length else text
+
+
 def _array_row(result: Check) -> Row:
     drift, point = result.rotation.drift, exact_place(result.scene.check.equilibrium)
-    spin = "" if drift is None else f"; drift at rest [{', '.join(map(float_text, drift.interval))}]"
+    units = result.scene.units
+    spin = ""
+    if drift is not None:
+        spin = f"; drift at rest [{', '.join(_angle(float(end), units, '/s') for end in drift.interval)}]"
     return (
         f"the array, rule {result.scene.contact.rule}",
         f"equilibrium at {point}: {result.equilibrium.verdict}; {result.translation.verdict}",

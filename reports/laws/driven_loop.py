@@ -19,6 +19,7 @@ from nonsmooth.analysis.bodies.newton_euler import MovingLoads
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+from nonsmooth.analysis.minimizers.float_loads import hull_sides
 from nonsmooth.analysis.minimizers.minimum import proved
 from nonsmooth.analysis.trajectories.imposed_twists import (
     HeldLaw,
@@ -39,7 +40,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
 
 MOST_CONES = 4  # of directions of c: on the axis c = 0 all their planes meet, and the follower tries 3^m patterns of m
 REMEMBERED = 64  # places: where modes meet, several of them ask for one motion
@@ -144,11 +145,12 @@ class DrivenLoop:
     @cached_property
     def held(self) -> HeldLaw:
         """The law at samples, with l for the unit of length."""
-        limits = self.scene.speed_limits
+        wheels, limits = self.scene.wheels, self.scene.speed_limits
+        sides = hull_sides(places_of(wheels) / self.length)
         if not limits:
-            return HeldLaw(self.cones, self.gain)
-        sizes = [float(limits[wheel.index]) if wheel.index in limits else math.inf for wheel in self.scene.wheels]
-        return HeldLaw(self.cones, self.gain, np.array(sizes) / self.length)
+            return HeldLaw(self.cones, self.gain, sides=sides)
+        sizes = [float(limits[wheel.index]) if wheel.index in limits else math.inf for wheel in wheels]
+        return HeldLaw(self.cones, self.gain, np.array(sizes) / self.length, sides)
 
     def speeds(self, pose: Sequence[float]) -> list[float]:
         """The speeds of all wheels for a pose measured from the checked point."""

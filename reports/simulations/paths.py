@@ -646,10 +646,11 @@ def _follow_driven(scene: Scene, options: SimulateOptions) -> DrivenPath:
 
     Raises:
         OptionError: where no law is certified, and for another law, method or kinematics.
-        SceneError: for a body with an outline under a law that is sampled and held.
         TrajectoryError: where a motion is not proved.
+        LoadError: for a start at which the body tips.
         ValueError: for a start on other wheels than those of which the law is certified.
     """
+    from nonsmooth.analysis.bodies.supports import tipping_edge
     from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
     from nonsmooth.reports.laws.driven_loop import DrivenLoop
 
@@ -666,7 +667,12 @@ def _follow_driven(scene: Scene, options: SimulateOptions) -> DrivenPath:
         raise OptionError(f"{required} a certified law; {said}")
     loop = DrivenLoop(centred, feedback, options.gain)
     (x, y), (start_x, start_y, theta) = scene.check.place, options.pose
-    own = _until_other_wheels(loop, (start_x - x, start_y - y, theta), options.last)
+    own_start = (start_x - x, start_y - y, theta)
+    if loop.held.tips(np.array(own_start) / loop.length):
+        edge = tipping_edge(standing(scene), frozenset(range(len(centred.wheels))), np.array(options.pose))
+        said = f"required centres of mass inside the support polygon, received {place_text((start_x, start_y))}"
+        raise LoadError(f"{said}: the body tips there {edge}")
+    own = _until_other_wheels(loop, own_start, options.last)
     return DrivenPath(scene, own.shifted(x, y), loop=loop, own=own)
 
 
@@ -674,6 +680,4 @@ def _until_other_wheels(loop: DrivenLoop, start: Pose, until: float) -> Trajecto
     """The path; of a body with an outline until other wheels carry it."""
     if loop.scene.body is None:
         return loop.follow(start, until)
-    if loop.is_sampled:
-        require_no_outline(loop.scene)
     return _started_on(loop.scene, start).until_change(loop.follow(start, until))

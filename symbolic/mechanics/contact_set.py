@@ -337,6 +337,16 @@ def distance_below(body: Body, place: Vector) -> Fraction:
     return _root_below(_squared_gap(body, place))
 
 
+def may_turn_off_wheels(scene: Scene) -> bool:
+    """Whether some turn about the checked point may bring a wheel under the edge of the outline, or from under it."""
+    body, at = scene.body, scene.check.equilibrium
+    if body is None or isinstance(body.outline, Disc):
+        return body is not None and not body.is_round
+    inner, outer = _squared_gap(body, minus(at, at)), max(dot(corner, corner) for corner in body.vertices)
+    places = [minus(wheel.position, at) for wheel in (*scene.wheels, *scene.idle)]
+    return any(inner <= dot(place, place) <= outer for place in places)
+
+
 def _squared_gap(body: Body, place: Vector) -> Number:
     """Squared distance of a place from the border of a polygon."""
     return min(squared_distance(minus(a, place), minus(b, place)) for a, b in around(body.vertices))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations, islice, product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -166,6 +167,28 @@ def test_what_other_loads_may_undo_is_not_said_of_places_nearby() -> None:
     assert side.beyond is not None
     assert decided_around(side, Fraction(1, 10**9)) == side
     assert decided_around(side, Fraction(3)).holding.verdict is Feedback.UNDECIDED
+
+
+ALMOST_IN_LINE = """
+units = { length = "mm" }
+friction = { mu_roll = 0.6, mu_side = 0.5 }
+contact = { rule = "ellipse" }
+wheel = [
+    { position = [250, 150], heading = 211, speed = 60 },
+    { position = [-250, 150], heading = 329, speed = 60 },
+    { position = [-250, -150], heading = 31, speed = 60 },
+    { position = [250, -150], heading = 148.9999999999999, speed = 60 },
+]
+"""
+
+
+def test_what_rounding_decides_it_decides_of_a_law_that_is_remembered_too(tmp_path: Path) -> None:
+    """Asked once more, of the same array or with a wheel stopped, whose law is the same."""
+    (tmp_path / "table.toml").write_text(ALMOST_IN_LINE, encoding="utf-8")
+    scene = load_scene(tmp_path / "table.toml")
+    for each in (scene, scene, stopped(scene, [1])):
+        feedback = check_theorem4(each).results["feedback"]
+        assert (feedback.verdict, feedback.reason[:15]) == (Feedback.UNDECIDED, "rounding decide")
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])

@@ -8,6 +8,7 @@ import json
 import re
 from collections import Counter
 from dataclasses import replace
+from fractions import Fraction
 from math import degrees, hypot
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from nonsmooth.reports.studies.result import Result
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
+from nonsmooth.symbolic.mechanics.scene import LoopErrors
 from tests.outlined import polygon_depths
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep
@@ -418,6 +420,25 @@ def test_a_loop_ends_where_a_wheel_enters(rule: str) -> None:
     for time in np.linspace(0.0, path.end.t, 7):
         assert path.at(time) == pytest.approx(whole.at(time), abs=1e-12)
     assert path.pieces[-1].end == path.times[-1] == path.end.t
+
+
+def test_a_loop_whose_pose_is_late_ends_there_too() -> None:
+    """Its path is of samples, joined by straight lines."""
+    scene = load_scene("carton-on-6x6", rule="box")
+    late = LoopErrors(scene.field.rational(Fraction(1, 1000)), scene.field.zero, Fraction(0))
+    scene = replace(scene, loop_errors=late)
+    path, exact = (
+        follow_array(each, SimulateOptions(start=LEAVES, feedback=True)).trajectory
+        for each in (scene, replace(scene, loop_errors=None))
+    )
+    assert path.method == "sampled"
+    assert (path.end.reason, path.events[-1].surface) == (EndReason.WHEELS, "wheel 14 under the body")
+    assert path.end.t == pytest.approx(exact.end.t, rel=0.05)
+    assert path.times[-1] == path.end.t > path.times[-2]
+    assert path.states[-1] == path.end.state
+    stays = follow_array(scene, SimulateOptions(start=STAYS, feedback=True)).trajectory
+    assert stays.end.reason is EndReason.TIME
+    assert not stays.events
 
 
 @few(1)

@@ -21,8 +21,9 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.trajectories.imposed_twists import Motion, follow_held
-from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories import imposed_twists
+from nonsmooth.analysis.trajectories.imposed_twists import Motion, PoseErrors, follow_held
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.proofs.answers.answer import Pose
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
@@ -39,7 +40,7 @@ from nonsmooth.reports.simulations.paths import follow_array, follow_cells
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
 from tests.built_in import ruled
 from tests.conftest import Arrays, WheelData
 from tests.oracles.clause_evidence import evidence_holds
@@ -304,6 +305,42 @@ def test_a_pose_that_is_too_old_says_which_gain_serves(
     assert math.hypot(*path["state"][-1]) < 0.01 / 2
     shorter = pose_answer(invoke, write(tmp_path, rule, f"delay = {delay * gain}\n{rest}"))
     assert shorter["loop"]["verdict"] == "certified"
+
+
+def test_a_pose_that_is_late_by_less_than_a_sample_takes_no_more_samples(tmp_path: Path) -> None:
+    """It ends where the exact pose does, to the order of the delay, not after so many samples of that length."""
+    scene, loop, _ = late_scene(tmp_path, Fraction(1, 100_000))
+    assert scene.loop_errors is not None
+    start = (0.02, 0.01, 0.02)
+    late, exact = loop.follow(start, 3.0), follow_held(loop.held, start, 3.0)
+    assert (late.end.reason, late.end.t) == (EndReason.TIME, pytest.approx(3.0, abs=0.02))
+    assert np.abs(np.subtract(late.sample([1.0, 2.0]), exact.sample([1.0, 2.0]))).max() < 1e-3 * start[0]
+    half = follow_held(loop.held, start, 3.0, PoseErrors(delay=late.t[1] / 2))
+    assert len(half.times) == len(late.times)
+    assert np.abs(half.array - late.array).max() > 0
+
+
+def test_a_run_that_samples_end_before_its_time_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(imposed_twists, "MOST_STEPS", 40)
+    _, loop, _ = late_scene(tmp_path, Fraction(1, 50))
+    cut = loop.follow((0.02, 0.0, 0.0), 300.0)
+    assert cut.end.reason is EndReason.STEPS
+    assert cut.end.t < 30
+    assert loop.follow((0.02, 0.0, 0.0), 0.9 * cut.end.t).end.reason is EndReason.TIME
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_a_body_that_a_late_law_drives_off_its_wheels_tips(rule: str, invoke: Invoke, tmp_path: Path) -> None:
+    """It ends at the border of their hull, and none starts beyond."""
+    file = write(tmp_path, rule, "delay = 12")
+    path = invoke("simulate", file, "--feedback", "--json", "--from", "0.05,0,0.02", "--until", "900").record
+    assert "tips" in path["end"]["reason"]
+    hull = ConvexHull(places_of(load_scene(file).wheels))
+    outside = np.array(path["state"])[:, :2] @ hull.equations[:, :2].T + hull.equations[:, 2] > 0
+    assert outside.any(axis=1).tolist() == [*[False] * (len(path["t"]) - 1), True]
+    refused = invoke("simulate", file, "--feedback", "--from", "1.5,0,0")
+    assert refused.status == 2
+    assert "received (1.5, 0): the body tips there over the line through wheels" in refused.err
 
 
 def test_where_no_gain_is_known_to_serve_that_is_said(invoke: Invoke, tmp_path: Path) -> None:

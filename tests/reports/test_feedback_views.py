@@ -196,7 +196,22 @@ def test_python_offers_the_list(result: CheckResult) -> None:
 
 # ---- ``check --continuum``: the continuous idealization beside the verdicts, and where there is none.
 
+
 HEADING = 1e-12
+
+
+@pytest.mark.parametrize("units", ["", 'units = { length = "mm" }'])
+def test_its_headings_are_said_in_the_unit_of_the_scene(
+    units: str, invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
+    field = 'grid = { rows = 2, columns = 4 }\nfield = { kind = "elliptic", a = 1, b = 3, speed = 2 }\n'
+    (tmp_path / "cilia.toml").write_text(f"{units}\nfriction = {{ mu_roll = 1, mu_side = 1 }}\n{field}")
+    done = invoke("check", "cilia.toml", "--continuum").out
+    assert ("theta = 90 deg unstable" in done, "theta = 1.5708 unstable" in done) == (bool(units), not units)
+    drift = invoke("check", "cilia.toml", "--json").record["rotation"]["drift"]
+    ends = [f"{math.degrees(end):.6g} deg/s" if units else f"{end:.6g}" for end in drift]
+    assert f"drift at rest [{', '.join(ends)}]" in done
 
 
 def test_verdicts_do_not_depend_on_it(invoke: Invoke) -> None:

@@ -288,10 +288,20 @@ def _at_rest(wheel: Wheel) -> Wheel:
     return replace(wheel, given_speed=wheel.speed * 0)
 
 
-@lru_cache(maxsize=2)  # a law chooses the speeds: an array is decided once, whichever of its wheels are stopped
 def _decide_at_rest(own: Scene, length: Fraction) -> DrivenFeedback:
     """The decision for an array with l for its unit of length, whose speeds are not looked at."""
-    return (_decide_for_every_load if own.contact.loads_are_unknown else _decide)(own, length)
+    before = own.field.rounded_signs
+    found, by_rounding = _decided_at_rest(own, length)
+    own.field.rounded_signs = before + by_rounding  # of a decision that is remembered, too
+    return found
+
+
+@lru_cache(maxsize=2)  # a law chooses the speeds: an array is decided once, whichever of its wheels are stopped
+def _decided_at_rest(own: Scene, length: Fraction) -> tuple[DrivenFeedback, int]:
+    """The same, with how often rounding decided."""
+    before = own.field.rounded_signs
+    found = (_decide_for_every_load if own.contact.loads_are_unknown else _decide)(own, length)
+    return found, own.field.rounded_signs - before
 
 
 def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:

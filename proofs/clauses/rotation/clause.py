@@ -80,6 +80,14 @@ class RotationResult:
     fan: FanResult | None = None
     spin: tuple[Fraction, Fraction] | None = None
 
+    @property
+    def turns_on(self) -> bool:
+        """Whether a body at rest turns all the time."""
+        if self.drift is None:
+            return self.verdict is Rotation.UNSTABLE and self.spin is not None
+        low, high = self.drift.interval
+        return low.sign() > 0 or high.sign() < 0
+
 
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
     """The drift of a hull of twists; None where the hull holds no zero velocity."""

@@ -459,6 +459,32 @@ def test_the_same_wheels_carry_it_for_the_time_that_is_said(table: Scene) -> Non
     assert near.eigenvalues
 
 
+SPINNING = """
+friction = {{ mu_roll = 1, mu_side = "1/2" }}
+grid = {{ rows = 6, columns = 6 }}
+field = {{ kind = "spiral", angle = "30 deg" }}
+body = {{ shape = "rectangle", width = "{}", height = "8/5" }}
+check = {{ radius = "1/10" }}
+"""
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "box", "nearest"])
+@pytest.mark.parametrize("width", ["13/5", "29/10"])
+def test_a_place_that_is_come_to_while_the_body_turns_says_until_when(width: str, rule: str, tmp_path: Path) -> None:
+    """Of a body that the same wheels carry at all headings it is for good; under nearest the body may also not turn."""
+    (tmp_path / "spin.toml").write_text(SPINNING.format(width), encoding="utf-8")
+    scene = standing(load_scene(tmp_path / "spin.toml", rule=rule))
+    position, heading = answers_of(check_theorem4(scene))[:2]
+    assert (position.verdict in {*GOOD, Position.STAYS_NEAR}, heading.verdict) == (True, Heading.DRIFTS)
+    said = "but there it turns all the time, until other wheels may carry it" in position.sentence
+    assert ("all the time" in heading.sentence) == (rule != "nearest")
+    around = np.arange(0, 360, 0.5) * math.pi / 180
+    places = np.array([complex(x, y) / 2 for x in (-5, -3, -1, 1, 3, 5) for y in (-5, -3, -1, 1, 3, 5)])
+    seen = places[:, None] * np.exp(-1j * around)
+    under = (abs(seen.real) < float(Fraction(width)) / 2) & (abs(seen.imag) < 0.8)
+    assert said == (rule != "nearest" and bool((under.any(axis=1) & ~under.all(axis=1)).any()))
+
+
 def test_times_from_half_of_the_stated_radius_stand_beside_those_from_the_checked_one(table: Scene) -> None:
     """From where no other wheel carries it, and from farther out, each as a path from there tells it."""
     scene = standing(table)
