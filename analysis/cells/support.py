@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 
 from flint import arb
@@ -21,6 +21,7 @@ from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector, cross, dot, minus
+from nonsmooth.symbolic.numbers.rounded import remembered
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 BITS = 40  # of a rational just below the distance
@@ -81,7 +82,7 @@ def _squared_distance(start: Vector, end: Vector) -> Number:
     return area * area / dot(along, along)
 
 
-@lru_cache(maxsize=4)  # several clauses of one check ask for it
+@remembered(4)  # several clauses of one check ask for it
 def _left_support(scene: Scene) -> Support | None:
     """The support polygon of all wheels of a centred scene; None where the square lies in it."""
     support = Support(tuple(support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))))

@@ -25,7 +25,8 @@ import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
-from typing import Any
+from functools import lru_cache, wraps
+from typing import Any, TypeVar
 
 from flint import arb, ctx, fmpq
 
@@ -44,6 +45,8 @@ PLACE_DECIDES = (
     f"{BY_ROUNDING}the point is a place of rest that is enclosed, and it may be true of some points so close and not "
     "of others"
 )
+
+Found = TypeVar("Found")
 
 _PRECISION = 256  # bits of the box and of the other member
 _DECIMALS = 50  # of the middle of an enclosure, before it is rounded
@@ -173,6 +176,28 @@ def either_way(field: Tower) -> Iterator[None]:
     before = field.rounded_signs
     yield
     field.rounded_signs = before
+
+
+def remembered(most: int) -> Callable[[Callable[..., Found]], Callable[..., Found]]:
+    """Remember what a function finds of the last few scenes; what rounding decided of it counts at every use."""
+
+    def decorated(find: Callable[..., Found]) -> Callable[..., Found]:
+        @lru_cache(most)
+        def found_by_rounding(scene: Any, *more: Any) -> tuple[Found, int]:
+            with either_way(scene.field):
+                before = scene.field.rounded_signs
+                found = find(scene, *more)
+                return found, scene.field.rounded_signs - before
+
+        @wraps(find)
+        def counted(scene: Any, *more: Any) -> Found:
+            found, by_rounding = found_by_rounding(scene, *more)
+            scene.field.rounded_signs += by_rounding
+            return found
+
+        return counted
+
+    return decorated
 
 
 def certain_sign(number: Number) -> int:

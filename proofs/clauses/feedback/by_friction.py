@@ -34,7 +34,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -83,7 +82,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy, divided, float_quotient, quoti
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, lower_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot
-from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
+from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING, remembered
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
@@ -288,20 +287,10 @@ def _at_rest(wheel: Wheel) -> Wheel:
     return replace(wheel, given_speed=wheel.speed * 0)
 
 
+@remembered(2)  # a law chooses the speeds: an array is decided once, whichever of its wheels are stopped
 def _decide_at_rest(own: Scene, length: Fraction) -> DrivenFeedback:
     """The decision for an array with l for its unit of length, whose speeds are not looked at."""
-    before = own.field.rounded_signs
-    found, by_rounding = _decided_at_rest(own, length)
-    own.field.rounded_signs = before + by_rounding  # of a decision that is remembered, too
-    return found
-
-
-@lru_cache(maxsize=2)  # a law chooses the speeds: an array is decided once, whichever of its wheels are stopped
-def _decided_at_rest(own: Scene, length: Fraction) -> tuple[DrivenFeedback, int]:
-    """The same, with how often rounding decided."""
-    before = own.field.rounded_signs
-    found = (_decide_for_every_load if own.contact.loads_are_unknown else _decide)(own, length)
-    return found, own.field.rounded_signs - before
+    return (_decide_for_every_load if own.contact.loads_are_unknown else _decide)(own, length)
 
 
 def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:
