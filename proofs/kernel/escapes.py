@@ -2,8 +2,9 @@
 
 A *motion* is a linear subspace S (the whole space, a switching surface, a line) with a mixture of fields that is
 tangent to it: a polynomial field h in the coordinates of S.  Its first terms at the point propose where a solution
-leaves: along ``h(0)``; along an eigenvector of the linear part, inside a quadratic cone; along a ray that attracts its
-neighbours; or, on a line, to either side.  Floats propose, the theorem's own claims decide.
+leaves: along ``h(0)``, perhaps along the border of a cell; along an eigenvector of the linear part, inside a quadratic
+cone; along a ray that attracts its neighbours; where states push each other, or beside a curve along which solutions
+are slow; or, on a line, to either side.  Floats propose, the theorem's own claims decide.
 """
 
 from __future__ import annotations
@@ -11,15 +12,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, islice, permutations, product
 from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.cells import pattern
+from nonsmooth.proofs.checker.escape import is_multiple
 from nonsmooth.proofs.checker.lyapunov import sign_along
-from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
+from nonsmooth.proofs.checker.polynomials import MAX_DEGREE, Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
@@ -39,6 +41,7 @@ FINE = 1 << 10  # denominators of what floats propose
 WORK = 4_000  # of the search for simplices, for one claim
 SPEED = Fraction(1, 16)  # with which W rises where it need not on the border
 DIRECTIONS = 200
+MOST_TERMS = 10  # of a curve that is computed term by term
 BENDS = (0, 1, 8, 64)  # factors c of barriers: their derivative is at least -c times themselves
 
 
@@ -97,7 +100,7 @@ class BarrierRegion:
     """Where a solution stays until it leaves: ``p_i > 0`` and ``W > 0``, in the coordinates of a motion.
 
     Attributes:
-        barriers: each p with its factor lambda.
+        barriers: each p with its factor lambda: of p' with a speed, else of a multiple of p' that falls with the cube.
         rise: W.
         direction: a vector in it.
         speed: with which ``W' >= speed W^2`` there, where W need not rise on its border.
@@ -150,6 +153,8 @@ def _may_leave(cells: SignCells, motion: FollowedField, region: BarrierRegion) -
 
 
 def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, radius: Fraction) -> Record:
+    unit = Fraction(1) if region.speed is None else radius  # the checker takes lengths in units of the half-width
+
     def written(value: Polynomial) -> str:
         return formula_text(value, motion.names)
 
@@ -162,7 +167,7 @@ def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, 
             [pattern(own.cell.signs), own.number, formula_text(own.weight, cells.states), list(map(str, own.toward))]
             for own in motion.mixture
         ],
-        "barriers": [[written(barrier), written(factor)] for barrier, factor in region.barriers],
+        "barriers": [[written(barrier), written(factor.times(unit))] for barrier, factor in region.barriers],
         "function": written(region.rise),
         "direction": motion.lifted(region.direction),
         **({} if region.speed is None else {"speed": str(region.speed)}),
@@ -301,9 +306,12 @@ def regions(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
         velocity = [part.at_origin for part in motion.field]
         for width in WIDTHS:
             yield narrow_cone(velocity, width, constant(motion.count, 0))
+        yield from _along_border(motion, surfaces)
     elif degree == 1:
         yield from _by_linear_part(motion)
         yield from _by_double_zero(motion, surfaces)
+        yield from _by_pushes(motion)
+        yield from _beside_slow_curve(motion)
     elif motion.count == 2:
         for ray in _planar_rays(motion.field, degree):
             yield from _about_ray(ray, degree)
@@ -386,11 +394,8 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
     """``W = (l . x)(m . x)`` with ``l A = 0`` and ``m A = l``, so that ``W' = (l . x)^2 + ...``, inside a cell."""
     count = motion.count
     jacobian = fmpq_mat([[as_fmpq(part.slope(k)) for part in motion.field] for k in range(count)])
-    marked = zip(surfaces, motion.signs, strict=True)
-    sides = [own.times("-0+".index(mark) - 1) for own, mark in marked]
-    sides = [own.on(motion.coordinates, count) for own in sides if own and not own.at_origin]
-    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist()
-    within = [own for own in (tuple(map(Fraction, own)) for own in drawn) if all(sign_along(s, own) > 0 for s in sides)]
+    sides = _sides(motion, surfaces)
+    within = list(_directions(count, sides))
     for column in null_basis(jacobian * jacobian).transpose().tolist():
         kept = jacobian * fmpq_mat([[value] for value in column])
         lead, late = (
@@ -403,6 +408,141 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
                     barriers = tuple((own, constant(count, 0)) for own in (*sides, *further))
                     yield BarrierRegion(barriers, lead * late, direction, SPEED)
                     break
+
+
+def _sides(motion: FollowedField, surfaces: Field) -> list[Polynomial]:
+    """The surfaces through the point with their signs: what is positive in the cell of a motion."""
+    signed = [own.times("-0+".index(mark) - 1) for own, mark in zip(surfaces, motion.signs, strict=True)]
+    return [own.on(motion.coordinates, motion.count) for own in signed if own and not own.at_origin]
+
+
+def _directions(count: int, positive: Sequence[Polynomial]) -> Iterator[tuple[Fraction, ...]]:
+    """Vectors of whole numbers along which polynomials are positive near the point."""
+    for drawn in np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist():
+        direction = tuple(map(Fraction, drawn))
+        if all(sign_along(own, direction) > 0 for own in positive):
+            yield direction
+
+
+# ---- states that push each other -----------------------------------------------------------------
+
+
+Barrier: TypeAlias = tuple[Polynomial, Polynomial]
+
+
+def _in_barriers(barriers: Sequence[Barrier], rise: Polynomial, speed: Fraction | None) -> Iterator[BarrierRegion]:
+    """Where barriers and W are positive; nothing where no direction is seen along which they are."""
+    positive = [rise, *(own for own, _ in barriers)]
+    seen = (own for own in _directions(rise.count, positive) if all(p.lowest_at(own) > 0 for p in positive))
+    for direction in islice(seen, 1):
+        yield BarrierRegion(tuple(barriers), rise, direction, speed)
+
+
+def _kept(forms: Sequence[Polynomial]) -> list[Barrier]:
+    """With ``p' >= -p``."""
+    return [(own, constant(own.count, -1)) for own in forms]
+
+
+def _with_factor(own: Polynomial, k: int, field: Field) -> Barrier:
+    """A polynomial ``p = a x_k + ...``, x_k in no other term, with the factor of p in p'."""
+    places = [variable(own.count, i) for i in range(own.count)]
+    places[k] -= own.times(1 / own.slope(k))
+    rate = lie_derivative(own, field)
+    factor = (rate - rate.on(places, own.count)).divided(own)
+    return own, constant(own.count, 0) if factor is None else factor
+
+
+def _with_supports(forms: Sequence[Polynomial], field: Field) -> list[Polynomial]:
+    """Linear forms with those that keep them positive: where ``l' = a l + m``, to first order, m, and so on."""
+    found = list(forms)
+    for own in found:  # which grows meanwhile
+        rate = part_of(lie_derivative(own, field), 1)
+        pivot = next(k for k in range(own.count) if own.slope(k))
+        rest = rate - own.times(rate.slope(pivot) / own.slope(pivot))
+        if rest and not any(is_multiple(rest, other) for other in found):
+            found.append(rest)
+        if len(found) > own.count:  # more than can be independent
+            break
+    return found
+
+
+def _along_border(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
+    """Along a velocity in the border of its cell, which states keep off: ``-x, -sign(x)`` leaves beside x = 0."""
+    velocity = [part.at_origin for part in motion.field]
+    sides = _sides(motion, surfaces)
+    rates = [sum(own.slope(k) * speed for k, speed in enumerate(velocity)) for own in sides]
+    if any(own.degree > 1 for own in sides) or min(rates, default=1):
+        return
+    top = max(range(motion.count), key=lambda k: abs(velocity[k]))
+    ahead = variable(motion.count, top, 1 if velocity[top] > 0 else -1)
+    led = [own for own, rate in zip(sides, rates, strict=True) if rate]
+    held = [own for own, rate in zip(sides, rates, strict=True) if not rate]
+    yield from _in_barriers(_kept([*led, *_with_supports(held, motion.field)]), ahead, None)
+
+
+def _by_pushes(motion: FollowedField) -> Iterator[BarrierRegion]:
+    """Where ``u' = v + ...``, ``v' = w + ...``, and v turns back so late that u, which adds it up, has left the cube.
+
+    In ``u, v, w + c u v^m > 0`` the product u v rises: of ``v, w, -v^3`` the sum of v is the same in all sizes.
+    """
+    rows = _linear_parts(motion)
+    for first, second, third in permutations(range(motion.count), 3):
+        if rows[first] != [second] or rows[second] != [third]:
+            continue
+        for side, power, bend in product((1, -1), (2, 1), BENDS[2:]):
+            u = variable(motion.count, first, side)
+            v = _next(u, motion.field)
+            w, *supports = _with_supports([_next(v, motion.field)], motion.field)
+            back = (u * v.power(power - 1)).times(-bend)
+            turned = v, back.times(abs(motion.field[second].slope(third)))
+            held = _with_factor(w - back * v, third, motion.field)
+            yield from _in_barriers([*_kept([u]), turned, held, *_kept(supports)], u * v, SPEED)
+
+
+def _linear_parts(motion: FollowedField) -> list[list[int]]:
+    """Which coordinates stand in the linear part of the rate of each."""
+    return [[k for k in range(motion.count) if part.slope(k)] for part in motion.field]
+
+
+def _next(state: Polynomial, field: Field) -> Polynomial:
+    """The one coordinate in the linear part of the rate of another one, with the sign that it has there."""
+    ((exponents, factor),) = part_of(lie_derivative(state, field), 1).terms.items()
+    return Polynomial(state.count, {exponents: Fraction(1 if factor > 0 else -1)})
+
+
+def _beside_slow_curve(motion: FollowedField) -> Iterator[BarrierRegion]:
+    """In the plane, where ``u' = a v + ...`` is zero on a curve ``v = h(u)`` over which ``v' = e u^q + ...`` leads.
+
+    In ``v > h + c u^m`` u rises, for a small c, with m for which ``e u^q`` outweighs ``(h + c u^m)' a c u^m``.
+    """
+    rows = _linear_parts(motion)
+    if rows not in ([[1], []], [[], [0]]):
+        return
+    for side in (1, -1):
+        first = 0 if rows[0] else 1
+        u = variable(2, first, side)
+        units = [u, _next(u, motion.field)]
+        places = [variable(2, 0, units[0].slope(k)) + variable(2, 1, units[1].slope(k)) for k in range(2)]
+        ahead, rises = (lie_derivative(own, motion.field).on(places, 2) for own in units)
+        curve = _curve_of_zeros(ahead)
+        over = rises.on([variable(1, 0), curve], 1).terms
+        if not over or over[min(over)] < 0:
+            continue
+        ((order,), height), ((bend,), slope) = min(over.items()), min(curve.terms.items(), default=((MAX_DEGREE,), 0))
+        power = max(order // 2 + 1, order - bend + 1)
+        small = min(Fraction(1), height / (2 * ahead.slope(1) * (bend * abs(slope) + power)))
+        beside = units[1] - (curve + variable(1, 0).power(power).times(small)).on([u], 2)
+        held = _with_factor(beside, 1 - first, motion.field)
+        yield from _in_barriers([*_kept([u]), held], u.power(power // 2 * 2 + 1), SPEED)  # odd: W' has squares
+
+
+def _curve_of_zeros(value: Polynomial) -> Polynomial:
+    """The first terms of h with ``p(u, h(u)) = 0``, of a polynomial p with the slopes 0 and a > 0 at the origin."""
+    curve = constant(1, 0)
+    for order in range(2, MOST_TERMS):
+        rest = value.on([variable(1, 0), curve], 1)
+        curve -= part_of(rest, order).times(1 / value.slope(1))
+    return curve
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:
