@@ -12,16 +12,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, islice, permutations, product
+from itertools import combinations, islice, permutations
 from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq_mat
 
 from nonsmooth.proofs.checker.cells import pattern
-from nonsmooth.proofs.checker.escape import is_multiple
 from nonsmooth.proofs.checker.lyapunov import sign_along
-from nonsmooth.proofs.checker.polynomials import MAX_DEGREE, Polynomial, constant, lie_derivative, solve, variable
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.findings.exact_json import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
@@ -41,7 +40,7 @@ FINE = 1 << 10  # denominators of what floats propose
 WORK = 4_000  # of the search for simplices, for one claim
 SPEED = Fraction(1, 16)  # with which W rises where it need not on the border
 DIRECTIONS = 200
-MOST_TERMS = 10  # of a curve that is computed term by term
+LATE = 8  # how much of the product of a sum and a square is enough to turn back later
 BENDS = (0, 1, 8, 64)  # factors c of barriers: their derivative is at least -c times themselves
 
 
@@ -417,86 +416,75 @@ def _sides(motion: FollowedField, surfaces: Field) -> list[Polynomial]:
 
 
 def _directions(count: int, positive: Sequence[Polynomial]) -> Iterator[tuple[Fraction, ...]]:
-    """Vectors of whole numbers along which polynomials are positive near the point."""
+    """Vectors of whole numbers at which the terms of lowest degree of polynomials are positive."""
     for drawn in np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist():
         direction = tuple(map(Fraction, drawn))
-        if all(sign_along(own, direction) > 0 for own in positive):
+        if all(own.lowest_at(direction) > 0 for own in positive):
             yield direction
 
 
 # ---- states that push each other -----------------------------------------------------------------
 
 
-Barrier: TypeAlias = tuple[Polynomial, Polynomial]
+def _in_barriers(field: Field, positive: Sequence[Polynomial], rise: Polynomial) -> Iterator[BarrierRegion]:
+    """Where W and ``p = a x_k + ...`` are positive, each with an x_k in no other term: ``p' = lambda p + p + ...``.
+
+    Nothing where no direction is seen along which they are.
+    """
+    barriers = []
+    for own in positive:
+        rate = lie_derivative(own, field)
+        part = (rate - rate.on(_zeros(own), own.count)).divided(own) or constant(own.count, 0)
+        barriers.append((own, part - constant(own.count, 1)))
+    for direction in islice(_directions(rise.count, (*positive, rise)), 1):
+        yield BarrierRegion(tuple(barriers), rise, direction, SPEED)
 
 
-def _in_barriers(barriers: Sequence[Barrier], rise: Polynomial, speed: Fraction | None) -> Iterator[BarrierRegion]:
-    """Where barriers and W are positive; nothing where no direction is seen along which they are."""
-    positive = [rise, *(own for own, _ in barriers)]
-    seen = (own for own in _directions(rise.count, positive) if all(p.lowest_at(own) > 0 for p in positive))
-    for direction in islice(seen, 1):
-        yield BarrierRegion(tuple(barriers), rise, direction, speed)
-
-
-def _kept(forms: Sequence[Polynomial]) -> list[Barrier]:
-    """With ``p' >= -p``."""
-    return [(own, constant(own.count, -1)) for own in forms]
-
-
-def _with_factor(own: Polynomial, k: int, field: Field) -> Barrier:
-    """A polynomial ``p = a x_k + ...``, x_k in no other term, with the factor of p in p'."""
-    places = [variable(own.count, i) for i in range(own.count)]
-    places[k] -= own.times(1 / own.slope(k))
-    rate = lie_derivative(own, field)
-    factor = (rate - rate.on(places, own.count)).divided(own)
-    return own, constant(own.count, 0) if factor is None else factor
+def _zeros(own: Polynomial) -> list[Polynomial]:
+    """The variables where ``a x_k + ...`` is zero, with the first x_k that stands there by itself by the others."""
+    places = [variable(own.count, k) for k in range(own.count)]
+    alone = next(k for k in range(own.count) if own.slope(k))
+    places[alone] -= own.times(1 / own.slope(alone))
+    return places
 
 
 def _with_supports(forms: Sequence[Polynomial], field: Field) -> list[Polynomial]:
-    """Linear forms with those that keep them positive: where ``l' = a l + m``, to first order, m, and so on."""
+    """Linear forms with those that keep them positive: where ``l' = a l + m + ...``, m, and so on."""
     found = list(forms)
     for own in found:  # which grows meanwhile
-        rate = part_of(lie_derivative(own, field), 1)
+        rate = lie_derivative(own, field)
         pivot = next(k for k in range(own.count) if own.slope(k))
-        rest = rate - own.times(rate.slope(pivot) / own.slope(pivot))
-        if rest and not any(is_multiple(rest, other) for other in found):
+        rest = part_of(rate, 1) - own.times(rate.slope(pivot) / own.slope(pivot))
+        if rest and not rate.at_origin and len(found) <= own.count and rest not in found:
             found.append(rest)
-        if len(found) > own.count:  # more than can be independent
-            break
     return found
 
 
 def _along_border(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
     """Along a velocity in the border of its cell, which states keep off: ``-x, -sign(x)`` leaves beside x = 0."""
-    velocity = [part.at_origin for part in motion.field]
     sides = _sides(motion, surfaces)
-    rates = [sum(own.slope(k) * speed for k, speed in enumerate(velocity)) for own in sides]
-    if any(own.degree > 1 for own in sides) or min(rates, default=1):
-        return
-    top = max(range(motion.count), key=lambda k: abs(velocity[k]))
-    ahead = variable(motion.count, top, 1 if velocity[top] > 0 else -1)
-    led = [own for own, rate in zip(sides, rates, strict=True) if rate]
-    held = [own for own, rate in zip(sides, rates, strict=True) if not rate]
-    yield from _in_barriers(_kept([*led, *_with_supports(held, motion.field)]), ahead, None)
+    rates = [lie_derivative(own, motion.field).at_origin for own in sides]
+    if all(own.degree == 1 for own in sides) and min(rates, default=1) == 0:
+        steps = (variable(motion.count, k, part.at_origin) for k, part in enumerate(motion.field))
+        ahead = sum(steps, constant(motion.count, 0))
+        yield from _in_barriers(motion.field, _with_supports(sides, motion.field), ahead)
 
 
 def _by_pushes(motion: FollowedField) -> Iterator[BarrierRegion]:
     """Where ``u' = v + ...``, ``v' = w + ...``, and v turns back so late that u, which adds it up, has left the cube.
 
-    In ``u, v, w + c u v^m > 0`` the product u v rises: of ``v, w, -v^3`` the sum of v is the same in all sizes.
+    In ``u, v, w + 8 u v^2 > 0`` the product u v rises: of ``v, w, -v^3`` the sum of v is the same in all sizes.
     """
     rows = _linear_parts(motion)
     for first, second, third in permutations(range(motion.count), 3):
         if rows[first] != [second] or rows[second] != [third]:
             continue
-        for side, power, bend in product((1, -1), (2, 1), BENDS[2:]):
+        for side in (1, -1):
             u = variable(motion.count, first, side)
             v = _next(u, motion.field)
             w, *supports = _with_supports([_next(v, motion.field)], motion.field)
-            back = (u * v.power(power - 1)).times(-bend)
-            turned = v, back.times(abs(motion.field[second].slope(third)))
-            held = _with_factor(w - back * v, third, motion.field)
-            yield from _in_barriers([*_kept([u]), turned, held, *_kept(supports)], u * v, SPEED)
+            held = w + (u * v * v).times(LATE)
+            yield from _in_barriers(motion.field, [u, v, held, *supports], u * v)
 
 
 def _linear_parts(motion: FollowedField) -> list[list[int]]:
@@ -511,38 +499,18 @@ def _next(state: Polynomial, field: Field) -> Polynomial:
 
 
 def _beside_slow_curve(motion: FollowedField) -> Iterator[BarrierRegion]:
-    """In the plane, where ``u' = a v + ...`` is zero on a curve ``v = h(u)`` over which ``v' = e u^q + ...`` leads.
+    """In the plane, where ``u' = a v + g(u)`` is zero on a curve over which ``v' = e u^q + ...`` leads.
 
-    In ``v > h + c u^m`` u rises, for a small c, with m for which ``e u^q`` outweighs ``(h + c u^m)' a c u^m``.
+    There u rises where ``u' > u^q``, slowly.
     """
     rows = _linear_parts(motion)
-    if rows not in ([[1], []], [[], [0]]):
-        return
-    for side in (1, -1):
-        first = 0 if rows[0] else 1
-        u = variable(2, first, side)
-        units = [u, _next(u, motion.field)]
-        places = [variable(2, 0, units[0].slope(k)) + variable(2, 1, units[1].slope(k)) for k in range(2)]
-        ahead, rises = (lie_derivative(own, motion.field).on(places, 2) for own in units)
-        curve = _curve_of_zeros(ahead)
-        over = rises.on([variable(1, 0), curve], 1).terms
-        if not over or over[min(over)] < 0:
-            continue
-        ((order,), height), ((bend,), slope) = min(over.items()), min(curve.terms.items(), default=((MAX_DEGREE,), 0))
-        power = max(order // 2 + 1, order - bend + 1)
-        small = min(Fraction(1), height / (2 * ahead.slope(1) * (bend * abs(slope) + power)))
-        beside = units[1] - (curve + variable(1, 0).power(power).times(small)).on([u], 2)
-        held = _with_factor(beside, 1 - first, motion.field)
-        yield from _in_barriers([*_kept([u]), held], u.power(power // 2 * 2 + 1), SPEED)  # odd: W' has squares
-
-
-def _curve_of_zeros(value: Polynomial) -> Polynomial:
-    """The first terms of h with ``p(u, h(u)) = 0``, of a polynomial p with the slopes 0 and a > 0 at the origin."""
-    curve = constant(1, 0)
-    for order in range(2, MOST_TERMS):
-        rest = value.on([variable(1, 0), curve], 1)
-        curve -= part_of(rest, order).times(1 / value.slope(1))
-    return curve
+    for side in (1, -1) if rows in ([[1], []], [[], [0]]) else ():
+        u = variable(2, 0 if rows[0] else 1, side)
+        ahead = lie_derivative(u, motion.field)
+        over = lie_derivative(ahead, motion.field).on(_zeros(ahead), 2)
+        if over.lowest_at([Fraction(side)] * 2) > 0:
+            order = min(map(sum, over.terms))
+            yield from _in_barriers(motion.field, [u, ahead - u.power(order)], u.power(order // 2 * 2 + 1))  # odd power
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:
