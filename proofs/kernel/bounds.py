@@ -21,7 +21,7 @@ from flint import Ordering, fmpq_mpoly_ctx
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
-from nonsmooth.proofs.kernel.written import part_of
+from nonsmooth.proofs.kernel.written import part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import float_values, written_powers
@@ -104,28 +104,24 @@ class Bounds:
         return [(c**exponent, tuple(Power(own.base, own.exponent * exponent) for own in term)) for c, term in summed]
 
     def _summed(self, value: Polynomial) -> list[Term] | None:
-        """A polynomial that is zero at the origin as a sum of terms that are not negative."""
-        found = list(self._monomials({e: c for e, c in value.terms.items() if sum(e) > 2}))
-        by_surfaces = self._by_surfaces(part_of(value, 1))
-        squares = squares_of(part_of(value, 2))
-        if None in found or by_surfaces is None or squares is None or value.at_origin:
-            return None
-        return [*by_surfaces, *squares, *(term for term in found if term is not None)]
+        """A polynomial that is zero at the origin as a sum of terms that are not negative.
 
-    def _by_surfaces(self, form: Polynomial) -> list[Term] | None:
-        """A linear form as a sum of signed surfaces through the origin, with weights that are not negative."""
-        from scipy.optimize import nnls
-
-        listed = {j: own for j, own in self.guards.items() if own.degree == 1 and not own.at_origin}
-        if not form or not listed:
-            return None if form else []
-        columns = np.array([[float(own.slope(k)) for own in listed.values()] for k in range(form.count)])
-        weights, _ = nnls(columns, np.array([float(form.slope(k)) for k in range(form.count)]))
-        exact = [Fraction(weight).limit_denominator(1000) for weight in weights]
-        rest = form
-        for weight, own in zip(exact, listed.values(), strict=True):
-            rest -= own.times(weight)
-        return None if rest else [(w, (Power(j, 1),)) for w, j in zip(exact, listed, strict=True) if w]
+        Its linear part is one of surfaces through the origin: of planes, or where these do not do of a curved one too.
+        """
+        through = {j: own for j, own in self.guards.items() if any(slopes(own)) and not own.at_origin}
+        planes = {j: own for j, own in through.items() if own.degree == 1}
+        curved = [planes | {j: own} for j, own in through.items() if j not in planes]
+        for listed in [] if value.at_origin else [planes, *curved]:
+            weights = _weights(part_of(value, 1), listed)
+            rest = value
+            for j, weight in ({} if weights is None else weights).items():
+                rest -= listed[j].times(weight)
+            found = list(self._monomials({e: c for e, c in rest.terms.items() if sum(e) > 2}))
+            squares = squares_of(part_of(rest, 2))
+            if weights is not None and squares is not None and None not in found:
+                by_surfaces = [(weight, (Power(j, 1),)) for j, weight in weights.items()]
+                return [*by_surfaces, *squares, *(term for term in found if term is not None)]
+        return None
 
     def _monomials(self, terms: Mapping[tuple[int, ...], Fraction]) -> Iterator[Term | None]:
         """Each monomial whose sign is seen, by even powers and coordinates that are surfaces; None for any other."""
@@ -217,6 +213,21 @@ def ratio(value: Polynomial, other: Polynomial) -> Fraction | None:
     lead = max(other.terms)
     share = value.terms.get(lead, Fraction(0)) / other.terms[lead]
     return share if share and other.times(share) == value else None
+
+
+def _weights(form: Polynomial, listed: Mapping[int, Polynomial]) -> dict[int, Fraction] | None:
+    """Positive weights with which linear parts add up to a linear form; None where none are found."""
+    from scipy.optimize import nnls
+
+    if not form or not listed:
+        return None if form else {}
+    columns = np.array([list(map(float, slopes(own))) for own in listed.values()]).T
+    found, _ = nnls(columns, np.array(list(map(float, slopes(form)))))
+    weights = {j: Fraction(weight).limit_denominator(1000) for j, weight in zip(listed, found, strict=True)}
+    rest = form
+    for j, weight in weights.items():
+        rest -= part_of(listed[j], 1).times(weight)
+    return None if rest else {j: weight for j, weight in weights.items() if weight}
 
 
 def is_solvable(value: Polynomial) -> bool:

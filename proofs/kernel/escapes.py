@@ -2,8 +2,9 @@
 
 A *motion* is a linear subspace S (the whole space, a switching surface, a line) with a mixture of fields that is
 tangent to it: a polynomial field h in the coordinates of S.  Its first terms at the point propose where a solution
-leaves: along ``h(0)``; along an eigenvector of the linear part, inside a quadratic cone; along a ray that attracts its
-neighbours; or, on a line, to either side.  Floats propose, the theorem's own claims decide.
+leaves: along ``h(0)``, perhaps along the border of a cell; along an eigenvector of the linear part, inside a quadratic
+cone; along a ray that attracts its neighbours; where states push each other, or beside a curve along which solutions
+are slow; or, on a line, to either side.  Floats propose, the theorem's own claims decide.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, islice, permutations
 from typing import TypeAlias
 
 import numpy as np
@@ -39,6 +40,7 @@ FINE = 1 << 10  # denominators of what floats propose
 WORK = 4_000  # of the search for simplices, for one claim
 SPEED = Fraction(1, 16)  # with which W rises where it need not on the border
 DIRECTIONS = 200
+LATE = 8  # how much of the product of a sum and a square is enough to turn back later
 BENDS = (0, 1, 8, 64)  # factors c of barriers: their derivative is at least -c times themselves
 
 
@@ -97,7 +99,7 @@ class BarrierRegion:
     """Where a solution stays until it leaves: ``p_i > 0`` and ``W > 0``, in the coordinates of a motion.
 
     Attributes:
-        barriers: each p with its factor lambda.
+        barriers: each p with its factor lambda: of p' with a speed, else of a multiple of p' that falls with the cube.
         rise: W.
         direction: a vector in it.
         speed: with which ``W' >= speed W^2`` there, where W need not rise on its border.
@@ -150,6 +152,8 @@ def _may_leave(cells: SignCells, motion: FollowedField, region: BarrierRegion) -
 
 
 def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, radius: Fraction) -> Record:
+    unit = Fraction(1) if region.speed is None else radius  # the checker takes lengths in units of the half-width
+
     def written(value: Polynomial) -> str:
         return formula_text(value, motion.names)
 
@@ -162,7 +166,7 @@ def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, 
             [pattern(own.cell.signs), own.number, formula_text(own.weight, cells.states), list(map(str, own.toward))]
             for own in motion.mixture
         ],
-        "barriers": [[written(barrier), written(factor)] for barrier, factor in region.barriers],
+        "barriers": [[written(barrier), written(factor.times(unit))] for barrier, factor in region.barriers],
         "function": written(region.rise),
         "direction": motion.lifted(region.direction),
         **({} if region.speed is None else {"speed": str(region.speed)}),
@@ -301,9 +305,12 @@ def regions(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
         velocity = [part.at_origin for part in motion.field]
         for width in WIDTHS:
             yield narrow_cone(velocity, width, constant(motion.count, 0))
+        yield from _along_border(motion, surfaces)
     elif degree == 1:
         yield from _by_linear_part(motion)
         yield from _by_double_zero(motion, surfaces)
+        yield from _by_pushes(motion)
+        yield from _beside_slow_curve(motion)
     elif motion.count == 2:
         for ray in _planar_rays(motion.field, degree):
             yield from _about_ray(ray, degree)
@@ -386,11 +393,8 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
     """``W = (l . x)(m . x)`` with ``l A = 0`` and ``m A = l``, so that ``W' = (l . x)^2 + ...``, inside a cell."""
     count = motion.count
     jacobian = fmpq_mat([[as_fmpq(part.slope(k)) for part in motion.field] for k in range(count)])
-    marked = zip(surfaces, motion.signs, strict=True)
-    sides = [own.times("-0+".index(mark) - 1) for own, mark in marked]
-    sides = [own.on(motion.coordinates, count) for own in sides if own and not own.at_origin]
-    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist()
-    within = [own for own in (tuple(map(Fraction, own)) for own in drawn) if all(sign_along(s, own) > 0 for s in sides)]
+    sides = _sides(motion, surfaces)
+    within = list(_directions(count, sides))
     for column in null_basis(jacobian * jacobian).transpose().tolist():
         kept = jacobian * fmpq_mat([[value] for value in column])
         lead, late = (
@@ -403,6 +407,110 @@ def _by_double_zero(motion: FollowedField, surfaces: Field) -> Iterator[BarrierR
                     barriers = tuple((own, constant(count, 0)) for own in (*sides, *further))
                     yield BarrierRegion(barriers, lead * late, direction, SPEED)
                     break
+
+
+def _sides(motion: FollowedField, surfaces: Field) -> list[Polynomial]:
+    """The surfaces through the point with their signs: what is positive in the cell of a motion."""
+    signed = [own.times("-0+".index(mark) - 1) for own, mark in zip(surfaces, motion.signs, strict=True)]
+    return [own.on(motion.coordinates, motion.count) for own in signed if own and not own.at_origin]
+
+
+def _directions(count: int, positive: Sequence[Polynomial]) -> Iterator[tuple[Fraction, ...]]:
+    """Vectors of whole numbers at which the terms of lowest degree of polynomials are positive."""
+    for drawn in np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, count)).tolist():
+        direction = tuple(map(Fraction, drawn))
+        if all(own.lowest_at(direction) > 0 for own in positive):
+            yield direction
+
+
+# ---- states that push each other -----------------------------------------------------------------
+
+
+def _in_barriers(field: Field, positive: Sequence[Polynomial], rise: Polynomial) -> Iterator[BarrierRegion]:
+    """Where W and ``p = a x_k + ...`` are positive, each with an x_k in no other term: ``p' = lambda p + p + ...``.
+
+    Nothing where no direction is seen along which they are.
+    """
+    barriers = []
+    for own in positive:
+        rate = lie_derivative(own, field)
+        part = (rate - rate.on(_zeros(own), own.count)).divided(own) or constant(own.count, 0)
+        barriers.append((own, part - constant(own.count, 1)))
+    for direction in islice(_directions(rise.count, (*positive, rise)), 1):
+        yield BarrierRegion(tuple(barriers), rise, direction, SPEED)
+
+
+def _zeros(own: Polynomial) -> list[Polynomial]:
+    """The variables where ``a x_k + ...`` is zero, with the first x_k that stands there by itself by the others."""
+    places = [variable(own.count, k) for k in range(own.count)]
+    alone = next(k for k in range(own.count) if own.slope(k))
+    places[alone] -= own.times(1 / own.slope(alone))
+    return places
+
+
+def _with_supports(forms: Sequence[Polynomial], field: Field) -> list[Polynomial]:
+    """Linear forms with those that keep them positive: where ``l' = a l + m + ...``, m, and so on."""
+    found = list(forms)
+    for own in found:  # which grows meanwhile
+        rate = lie_derivative(own, field)
+        pivot = next(k for k in range(own.count) if own.slope(k))
+        rest = part_of(rate, 1) - own.times(rate.slope(pivot) / own.slope(pivot))
+        if rest and not rate.at_origin and len(found) <= own.count and rest not in found:
+            found.append(rest)
+    return found
+
+
+def _along_border(motion: FollowedField, surfaces: Field) -> Iterator[BarrierRegion]:
+    """Along a velocity in the border of its cell, which states keep off: ``-x, -sign(x)`` leaves beside x = 0."""
+    sides = _sides(motion, surfaces)
+    rates = [lie_derivative(own, motion.field).at_origin for own in sides]
+    if all(own.degree == 1 for own in sides) and min(rates, default=1) == 0:
+        steps = (variable(motion.count, k, part.at_origin) for k, part in enumerate(motion.field))
+        ahead = sum(steps, constant(motion.count, 0))
+        yield from _in_barriers(motion.field, _with_supports(sides, motion.field), ahead)
+
+
+def _by_pushes(motion: FollowedField) -> Iterator[BarrierRegion]:
+    """Where ``u' = v + ...``, ``v' = w + ...``, and v turns back so late that u, which adds it up, has left the cube.
+
+    In ``u, v, w + 8 u v^2 > 0`` the product u v rises: of ``v, w, -v^3`` the sum of v is the same in all sizes.
+    """
+    rows = _linear_parts(motion)
+    for first, second, third in permutations(range(motion.count), 3):
+        if rows[first] != [second] or rows[second] != [third]:
+            continue
+        for side in (1, -1):
+            u = variable(motion.count, first, side)
+            v = _next(u, motion.field)
+            w, *supports = _with_supports([_next(v, motion.field)], motion.field)
+            held = w + (u * v * v).times(LATE)
+            yield from _in_barriers(motion.field, [u, v, held, *supports], u * v)
+
+
+def _linear_parts(motion: FollowedField) -> list[list[int]]:
+    """Which coordinates stand in the linear part of the rate of each."""
+    return [[k for k in range(motion.count) if part.slope(k)] for part in motion.field]
+
+
+def _next(state: Polynomial, field: Field) -> Polynomial:
+    """The one coordinate in the linear part of the rate of another one, with the sign that it has there."""
+    ((exponents, factor),) = part_of(lie_derivative(state, field), 1).terms.items()
+    return Polynomial(state.count, {exponents: Fraction(1 if factor > 0 else -1)})
+
+
+def _beside_slow_curve(motion: FollowedField) -> Iterator[BarrierRegion]:
+    """In the plane, where ``u' = a v + g(u)`` is zero on a curve over which ``v' = e u^q + ...`` leads.
+
+    There u rises where ``u' > u^q``, slowly.
+    """
+    rows = _linear_parts(motion)
+    for side in (1, -1) if rows in ([[1], []], [[], [0]]) else ():
+        u = variable(2, 0 if rows[0] else 1, side)
+        ahead = lie_derivative(u, motion.field)
+        over = lie_derivative(ahead, motion.field).on(_zeros(ahead), 2)
+        if over.lowest_at([Fraction(side)] * 2) > 0:
+            order = min(map(sum, over.terms))
+            yield from _in_barriers(motion.field, [u, ahead - u.power(order)], u.power(order // 2 * 2 + 1))  # odd power
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:

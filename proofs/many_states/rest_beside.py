@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import chain, combinations, product
 from math import comb
 from typing import TypeAlias
 
@@ -65,21 +65,45 @@ def ray_of_rest(system: SwitchedSystem) -> Ray | None:
 
 
 def _rays(cells: SignCells) -> Iterator[Ray]:
-    """Axes of the subspaces on which some linear surfaces through the point vanish, in both directions."""
-    forms = [own for own in cells.forms if own.degree == 1 and own.is_form]
-    count, seen = len(cells.states), set[Ray]()
-    if len(forms) > MOST_SURFACES:
+    """Axes of the subspaces on which some linear surfaces through the point vanish, in both directions.
+
+    Then those of the parts of these subspaces along which the fields beside them stay, to first order, in the space
+    that they span at the point.
+    """
+    numbers = [k for k, own in enumerate(cells.forms) if own.degree == 1 and own.is_form]
+    if len(numbers) > MOST_SURFACES:
         raise BeyondReachError(f"over {MOST_SURFACES} surfaces through the point")
-    rows = [list(map(as_fmpq, slopes(form))) for form in forms]
-    for size in range(min(len(rows), count - 1) + 1):
-        for chosen in combinations(rows, size):
-            basis = null_basis(fmpq_mat(list(chosen) or [[fmpq(0)] * count])).transpose().tolist()
-            for axis in basis:
-                for side in (1, -1):
-                    ray = tuple(as_fraction(value * side) for value in axis)
-                    if ray not in seen:
-                        seen.add(ray)
-                        yield ray
+    sizes = range(min(len(numbers), len(cells.states) - 1) + 1)
+    chosen = [own for size in sizes for own in combinations(numbers, size)]
+    rows = [[list(map(as_fmpq, slopes(cells.forms[k]))) for k in own] for own in chosen]
+    resting = (same + more for own, same in zip(chosen, rows, strict=True) for more in _conditions(cells, own))
+    seen = set[Ray]()
+    for equations in chain(rows, resting):
+        zero = [fmpq(0)] * len(cells.states)
+        for axis, side in product(null_basis(fmpq_mat([zero, *equations])).transpose().tolist(), (1, -1)):
+            ray = tuple(as_fraction(value * side) for value in axis)
+            if ray not in seen:
+                seen.add(ray)
+                yield ray
+
+
+def _conditions(cells: SignCells, surfaces: Sequence[int]) -> Iterator[list[list[fmpq]]]:
+    """Rows that vanish at a direction in which the fields beside some surfaces keep to the space that they span.
+
+    For each choice of the signs of the other surfaces: ``n . A r = 0`` for the Jacobians A of the fields of these
+    cells, and for all n on which their values at the point are zero.  These depend on each other where 0 is a mixture.
+    """
+    groups: dict[tuple[int, ...], list[Field]] = {}
+    for cell in cells.cells:
+        others = tuple(sign for k, sign in enumerate(cell.signs) if k not in surfaces)
+        groups.setdefault(others, []).extend(cell.velocities)
+    for fields in groups.values():
+        at_point = fmpq_mat([[as_fmpq(part.at_origin) for part in field] for field in fields])
+        if at_point.rank() == len(fields):
+            continue
+        normals = null_basis(at_point).transpose()
+        jacobians = (fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field]) for field in fields)
+        yield [row for own in jacobians if normals.nrows() for row in (normals * own).tolist()]
 
 
 def _beside(cells: SignCells, ray: Ray) -> list[Along]:

@@ -28,6 +28,7 @@ from nonsmooth.proofs.checker.cells import Face, Inclusion
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.polynomials import lie_derivative
+from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.findings.exact_json import Record
@@ -150,7 +151,7 @@ class FunctionFamily:
     @cached_property
     def kept(self) -> fmpq_mat:
         """Columns of coefficients whose sums stay constant to first order."""
-        return kept_forms(list(map(self._conditions.claims_on_cells, range(len(self.basis)))))
+        return kept_forms(self._claims)
 
     @cached_property
     def beside_neutral(self) -> fmpq_mat:
@@ -163,8 +164,7 @@ class FunctionFamily:
         fields = [field for cell in known.inclusion.cells for _, field in cell.fields]
         neutral = [(k, own) for k, own in enumerate(map(neutral_subspace, fields)) if own is not None]
         lists: list[list[CheckedPolynomial]] = [[] for _ in self.basis]
-        for number, own in enumerate(lists):
-            claims = known.claims_on_cells(number)
+        for claims, own in zip(self._claims, lists, strict=True):
             for k, coordinates in neutral:
                 rate = claims[k].inequalities[0].value
                 parts = (rate, *map(rate.derivative, range(rate.count)))
@@ -174,8 +174,12 @@ class FunctionFamily:
     @cached_property
     def vanishing(self) -> fmpq_mat:
         """Columns of coefficients whose sums stay constant on all cells."""
-        claims = map(self._conditions.claims_on_cells, range(len(self.basis)))
-        return vanishing_columns([[own.value for claim in same for own in claim.inequalities] for same in claims])
+        return vanishing_columns([[own.value for claim in same for own in claim.inequalities] for same in self._claims])
+
+    @cached_property
+    def _claims(self) -> list[list[Claim]]:
+        """Of each function, that it falls on closed cells."""
+        return list(map(self._conditions.claims_on_cells, range(len(self.basis))))
 
     @cached_property
     def _conditions(self) -> Functions:

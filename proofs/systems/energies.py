@@ -190,11 +190,12 @@ def _along_axis(system: SwitchedSystem, i: int, radius: Number | None) -> list[P
     states, count = system.displaced(system.states), len(system.states)
     ends = _ends(system, i, radius)
     near = NEAR * min((right - left for left, right in pairwise(ends)), default=fmpq(1))
+    off = near ** (1 + max((own.degree for own in system.surfaces(states)), default=1))  # less than curves bend
     pieces: list[list[fmpq_poly]] = [[] for _ in system.states]
     for beside in [*(end - near for end in ends if end <= 0), *(end + near for end in ends if end >= 0)]:
         total = [fmpq_poly() for _ in system.states]
         for side in (1, -1):
-            aside = [side * near * near / (k + 1) for k in range(count)]
+            aside = [side * off / (k + 1) for k in range(count)]
             at = [system.field(beside if k == i else own) for k, own in enumerate(aside)]
             read = _alone_near(system, states, i, at)
             if read is None:

@@ -43,6 +43,12 @@ LEAVING: dict[str, tuple[str, Any]] = {
     "three states, slide": ("x y z", ["x + y", "-2*sign(y)", "x - z"]),
     "rises from a border where it rests": ("x y", ["-x - y", "Max(x, 0) - Max(-y, 0)"]),
     "three states, a double integrator in a plane": ("x y z", ["y", "-x*z", "-z"]),
+    "along the border of a cell": ("x y", ["-x", "-3*y - 3*sign(x)"]),
+    "along a border that two states keep off": ("a b c d", ["-a", "-2*b + a", "-c + b", "-3*d - 3*sign(c)"]),
+    "a state that adds up one that swings": ("x y z", ["y", "z", "-y**3"]),
+    "a state that adds up one that creeps home": ("x y z", ["y", "2*z", "-y**3 - 3*z"]),
+    "beside a slow curve": ("x y", ["-x**3 + y", "x**6 - y**3"]),
+    "beside a slow curve, turned": ("x y", ["x**8", "2*x + y**5"]),
     "where two surfaces meet": ("x y z", ["-sign(x)", "-sign(y)", "-z + 2*sign(x)*sign(y)"]),
 }
 
@@ -170,6 +176,8 @@ STABLE: dict[str, tuple[str, list[Any]]] = {
         ["sign(x)*(3*sign(y + Abs(x)) - 1)/2", "-1 - 2*sign(y + Abs(x))"],
     ),
     "a stable node with an outward velocity beside a cell": ("x y", ["-2*sign(x) + 1", "-y + sign(x) - 1/2"]),
+    "a relay beside a state that comes to its surface": ("x y", ["-sign(x)", "-3*y - 3*sign(x)"]),
+    "a slow curve over which no velocity leads": ("x y", ["-x**3 + y", "-x**7 - y**3"]),
     "a slide home with one eigenvalue thrice": ("a b c d", ["b", "c", "d", "-2*sign(a + 3*b + 3*c + d)"]),
 }
 

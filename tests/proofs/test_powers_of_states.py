@@ -62,6 +62,8 @@ KNOWN: list[tuple[list[str], Translation]] = [
     ([f"-{power('x', '4/3')}"], ATTRACTS),
     ([f"{power('x', '1/3')} - x"], LEAVES),
     ([f"-{power('x', '1/3')}", "0"], STABLE),
+    (["y", f"-5*sgn(y + 2*{power('x', '2/3')}) - y"], ATTRACTS),  # terminal sliding modes with drag
+    (["y", f"-2*sgn(y + {power('x', '3/5')}) - 2*y"], ATTRACTS),
 ]
 # Those of which a V is searched for seconds. Others of each verdict take less; the answers of a search are shown by
 # KNOWN[0] and KNOWN[7], leading terms by KNOWN[9] and the test of a turn below.
