@@ -510,7 +510,7 @@ def _beside_slow_curve(motion: FollowedField) -> Iterator[BarrierRegion]:
         over = lie_derivative(ahead, motion.field).on(_zeros(ahead), 2)
         if over.lowest_at([Fraction(side)] * 2) > 0:
             order = min(map(sum, over.terms))
-            yield from _in_barriers(motion.field, [u, ahead - u.power(order)], u.power(order // 2 * 2 + 1))  # odd power
+            yield from _in_barriers(motion.field, [u, ahead - u.power(order)], u.power((order - 1) // 2 * 2 + 1))  # odd
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:
