@@ -9,6 +9,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+from nonsmooth.analysis.cells.contact_rule import all_rules, rule_of
 from nonsmooth.proofs.answers.answer import require_dynamics
 from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Orbits, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.search import OBJECTIVES, Design, Evaluation, Fewest, Told, Wish, evaluate, find_design
@@ -44,7 +45,7 @@ def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int)
 
     Raises:
         DesignError: for what cannot be used.
-        SceneError: for a tolerance to maximize that the scene does not state.
+        SceneError: for a tolerance to maximize that the scene does not state, and a margin under a rule without one.
     """
     (objective, *others) = _names(maximize, "maximize", tuple(OBJECTIVES))
     if others:
@@ -55,6 +56,10 @@ def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int)
         raise DesignError(f"seed: required a number from 0 to {LARGEST_SEED}, received {str(seed)[:60]}")
     if objective == "tolerance" and scene.tolerances is None:
         raise SceneError(scene.source, "tolerance", "a [tolerance] table to maximize it", StatedFact("nothing"))
+    if objective == "margin" and not rule_of(scene).keeps_rows:
+        known = " or ".join(f'"{rule.name}"' for rule in all_rules() if rule.keeps_rows)
+        wanted = f"{known}, of which the margin of feedback is known, to maximize it"
+        raise SceneError(scene.source, "contact.rule", wanted, scene.contact.rule)
     if objective == "settling":
         require_dynamics(scene, "maximize")
     if objective == "heading":

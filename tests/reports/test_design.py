@@ -354,6 +354,8 @@ def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> No
     assert found.to_dict()["given"]["value"] == pytest.approx(1 / after)
     assert " deg" in str(found.table())
     assert "maximize: required [units]" in invoke("design", "four-wheel", "--maximize", "settling").err
+    refused = invoke("design", "four-wheel", "--maximize", "margin", "--rule", "box")
+    assert 'contact.rule: required "nearest", of which the margin of feedback is known' in refused.err
 
 
 def test_a_design_for_headings_that_return(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
