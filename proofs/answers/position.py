@@ -65,7 +65,7 @@ def position_answer(scene: Scene, results: Results, *, may_look: bool = True) ->
 def _until_others(scene: Scene, results: Results, verdict: Position) -> Iterator[Fact]:
     """How long that holds of a body with an outline, on the wheels of the point, that turns on where it rests."""
     stays = verdict in {Position.COMES_HOME, Position.STAYS_NEAR}
-    if stays and cast("RotationResult", results["rotation"]).turns_on and may_turn_off_wheels(scene):
+    if stays and may_turn_off_wheels(scene) and cast("RotationResult", results["rotation"]).turns_on:
         yield said("but there it turns all the time, until other wheels may carry it")
 
 
