@@ -47,7 +47,7 @@ LEAVING: dict[str, tuple[str, Any]] = {
     "along a border that two states keep off": ("a b c d", ["-a", "-2*b + a", "-c + b", "-3*d - 3*sign(c)"]),
     "a state that adds up one that swings": ("x y z", ["y", "z", "-y**3"]),
     "a state that adds up one that creeps home": ("x y z", ["y", "2*z", "-y**3 - 3*z"]),
-    "beside a slow curve": ("x y", ["-x**3 + y", "x**6 - y**3"]),
+    "beside a slow curve": ("x y", ["-x**3 + y", "x**8 - y**3"]),
     "beside a slow curve, turned": ("x y", ["x**8", "2*x + y**5"]),
     "where two surfaces meet": ("x y z", ["-sign(x)", "-sign(y)", "-z + 2*sign(x)*sign(y)"]),
 }

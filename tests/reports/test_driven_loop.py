@@ -329,7 +329,7 @@ def test_a_run_that_samples_end_before_its_time_says_so(monkeypatch: pytest.Monk
     assert loop.follow((0.02, 0.0, 0.0), 0.9 * cut.end.t).end.reason is EndReason.TIME
 
 
-@pytest.mark.parametrize("rule", ["box", "ellipse"])
+@pytest.mark.parametrize("rule", keep(1, ["box", "ellipse"]))
 def test_a_body_that_a_late_law_drives_off_its_wheels_tips(rule: str, invoke: Invoke, tmp_path: Path) -> None:
     """It ends at the border of their hull, and none starts beyond."""
     file = write(tmp_path, rule, "delay = 12")
