@@ -61,7 +61,7 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import (
 from nonsmooth.proofs.clauses.translation.quadratic import least_of_parabola
 from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
-from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, Lazy, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import around, dot
 from nonsmooth.symbolic.numbers.rounded import plain
@@ -71,6 +71,8 @@ SLACK = Fraction(1, 100)  # eta
 _LARGEST_EXPONENT = 64  # of the weight, in the square of the array's own length
 _FLOAT_RANGE = 10**300
 _FEW_BITS = 8  # correct ones of a size
+
+_LEAST, _MOST = 2.0**-30, 2.0**30  # products of sixteen such floats, as in det S, are far from under- and overflow
 
 Segment: TypeAlias = tuple[Point, Point]
 # c^T P c by its coefficients at s^2, st, t^2, and a^2 + b^2 by those at s^2, st, t^2, s tau, t tau, tau^2
@@ -100,8 +102,34 @@ class ConeRate:
         return _form(self.rays, slopes, self.fields)
 
     @cached_property
+    def _form_in_floats(self) -> tuple[Form, float, float] | None:
+        """The form in floats, and bounds of its coefficients without tau; None where floats may under- or overflow."""
+        rays, fields = _floats(self.rays), _floats(self.fields)
+        slopes = _floats([self.lyapunov.slope(ray) for ray in self.rays]) if any(self.lyapunov.shape) else rays
+        sizes = [abs(x) for part in (rays, slopes, fields) for vector in part for x in vector]
+        if not sum(sizes) < _MOST or min(filter(None, sizes)) < _LEAST:
+            return None
+        longest, steepest = max(sizes[:4]), max(sizes[4:8])
+        gain = (steepest * sum(sizes[8:])) ** 2
+        return _form(rays, slopes, fields), gain, 2 * longest * steepest
+
+    def _clear_minors(self, kappa: Any, lightness: Any) -> tuple[float, ...] | None:
+        """The minors in floats, where rounding decides the sign of none."""
+        factor, light = float(kappa), float(lightness)
+        if self._form_in_floats is None or not _LEAST < factor < _MOST or not _LEAST < light < _MOST:
+            return None
+        form, gain, size = self._form_in_floats
+        minors = _minors(form, factor, light)
+        corner, *entries, determinant = minors
+        # Rounding errs by a small part of these sums of absolute terms; m13 m23 is no more than a gain times turns.
+        turns = form[1][5] + factor * light
+        bound = 2 * turns * (gain + factor * size)
+        is_clear = abs(corner) > FLOAT_DOUBT * turns and abs(determinant) > FLOAT_DOUBT * 2 * bound * bound
+        return minors if is_clear and min(map(abs, entries)) > FLOAT_DOUBT * bound else None
+
+    @cached_property
     def _form_in_balls(self) -> Form:
-        """The form in balls, which mostly show that it holds."""
+        """The form in balls, which mostly show of rounded numbers that it holds."""
         slopes = [self.lyapunov.slope(ray) for ray in self.rays]
         return _form(*([[*map(ball_of, vector)] for vector in part] for part in (self.rays, slopes, self.fields)))
 
@@ -109,9 +137,17 @@ class ConeRate:
         """Whether ``a^2 + b^2 >= kappa V`` on the closed cone near the equilibrium, exactly."""
         inner = kappa * (1 + SLACK) if any(self.lyapunov.shape) else kappa
         light = self.lyapunov.lightness
+        clear = self._clear_minors(inner, light)
+        if clear is not None:
+            return _is_positive(clear)
         corner, s11, s22, s12, determinant = _minors(self._form_in_balls, rational_ball(inner), rational_ball(light))
         is_clear = corner > 0 and s11 > 0 and s22 > 0 and (s12 > 0 or determinant > 0)
         return is_clear or _is_positive(_minors(self.form, inner, light))
+
+
+def _floats(vectors: Sequence[Any]) -> list[list[float]]:
+    """Vectors in floats; nan for numbers far from one."""
+    return [[sure_float(entry) for entry in vector] for vector in vectors]
 
 
 def _form(rays: Sequence[Any], slopes: Sequence[Any], fields: Sequence[Any]) -> Form:
