@@ -17,6 +17,7 @@ from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.theorem4 import Theorem4Result
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.mechanics.springs import under_rule
 from nonsmooth.symbolic.messages.under_way import part_of, tell
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
@@ -64,7 +65,7 @@ def other_rules(scene: Scene) -> tuple[OtherRule, ...]:
 def _under(scene: Scene, name: str) -> OtherRule:
     if len(scene.wheels) > FEW_WHEELS:
         return OtherRule(name, (), TAKES_LONG)
-    other = scene.under(name)
+    other = under_rule(scene, name)
     try:
         with work_limit(scene.field, FEW_UNITS):
             results = clause_registry.decide_clauses(Workspace(other, sample=False), left_out="feedback")

@@ -185,7 +185,9 @@ def _under_rules(scene: Any, options: CheckOptions) -> list[Any]:
     """The scene, or its wheels under every contact rule, and itself too where its wheels have different ones."""
     if options.rule != ALL_RULES:
         return [scene]
-    ruled = [scene.under(name) for name in CONTACT_RULES]
+    from nonsmooth.symbolic.mechanics.springs import under_rule
+
+    ruled = [under_rule(scene, name) for name in CONTACT_RULES]
     return [*ruled, scene] if scene.contact.rule == MIXED else ruled
 
 

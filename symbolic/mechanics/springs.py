@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from nonsmooth.symbolic.mechanics.body import DIGITS, default_radius
@@ -84,13 +84,27 @@ MANY_WHEELS = 64  # of a hundred, a thousand sets carry in the square that reach
 
 
 def radius_to_check(positions: Sequence[Vector], point: Vector, contact: Contact) -> Number:
-    """Half-width of the square about a point that is checked where a scene names none.
+    """Half-width of the square about a point that is checked where a scene names none."""
+    return _pressed(default_radius(positions, point), positions, point, contact)
 
-    Of many wheels on equal springs, under a rule with cells for each set of wheels that carry, only the square in which
-    all do is checked, about a point at which all do: a load ``N_i = a_i + b_i x + c_i y`` stays positive there within
-    the half-width ``a_i/(|b_i| + |c_i|)``, with coordinates from the point.
+
+def under_rule(scene: Scene, rule: str) -> Scene:
+    """The array under one contact rule, in a square that is not larger than that which is then checked."""
+    other = scene.under(rule)
+    if other is scene or not other.check.has_default_radius:
+        return other
+    check, places = other.check, [wheel.position for wheel in other.wheels]
+    radius = _pressed(check.radius, places, check.equilibrium, other.contact)
+    return other if radius is check.radius else replace(other, check=replace(check, radius=radius))
+
+
+def _pressed(radius: Number, positions: Sequence[Vector], point: Vector, contact: Contact) -> Number:
+    """A half-width, or less where only the square in which all wheels carry is checked.
+
+    That is so of many wheels on equal springs, under a rule with cells for each set of wheels that carry, about a point
+    at which all do: a load ``N_i = a_i + b_i x + c_i y`` stays positive there within the half-width ``a_i/(|b_i| +
+    |c_i|)``, with coordinates from the point.
     """
-    radius = default_radius(positions, point)
     if contact.rule not in CELLS_BY_LOADS or contact.loads is not None or len(positions) <= MANY_WHEELS:
         return radius
     import numpy as np

@@ -18,6 +18,7 @@ from nonsmooth.symbolic.mechanics.body import FEW, default_radius, outer_positio
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, default_length, rational_size
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, moved, scaled, with_friction_ratio
+from nonsmooth.symbolic.mechanics.springs import under_rule
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import Vector, cross, minus
@@ -174,6 +175,7 @@ def test_of_many_wheels_on_springs_all_carry_in_the_square_under_box(tmp_path: P
         wide = standing(load_scene(tmp_path / "grid.toml"))
         assert (float(scene.check.radius) < float(wide.check.radius)) == narrow
         assert not narrow or len(load_regions(scene)) == 1
+        assert standing(under_rule(wide, "box")).check.radius == Fraction(str(scene.check.radius))
         assert load_scene(tmp_path / "grid.toml", rule="box", radius="2").check.radius == 2
 
 
