@@ -20,6 +20,7 @@ from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.rounded import counted
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
@@ -164,10 +165,8 @@ class Partition(ShortRepr):
         if self.like is not None:
             return self.like._meeting
         numbers = self.scene.field
-        before = numbers.rounded_signs
-        places = [k for k, cell in enumerate(self.cells) if cell.polygon.contains((numbers.zero, numbers.zero))]
-        rounded, numbers.rounded_signs = numbers.rounded_signs - before, before
-        return places, rounded
+        origin = numbers.zero, numbers.zero
+        return counted(numbers, lambda: [k for k, cell in enumerate(self.cells) if cell.polygon.contains(origin)])
 
     def cells_at(self, point: Point) -> tuple[Cell, ...]:
         """The cells whose closure holds the point."""

@@ -61,9 +61,6 @@ class Slopes:
     def __len__(self) -> int:
         return len(self._values)
 
-    def __iter__(self) -> Iterator[SlopeOfD]:
-        return (self[k] for k in range(len(self)))
-
     def __getitem__(self, number: int) -> SlopeOfD:
         """A slope, of which the exact form is built once."""
         if number not in self._known:

@@ -178,24 +178,29 @@ def either_way(field: Tower) -> Iterator[None]:
     field.rounded_signs = before
 
 
+def counted(field: Tower, find: Callable[[], Found]) -> tuple[Found, int]:
+    """What a function finds, and how many signs rounding decided on the way, which the field does not count yet."""
+    with either_way(field):
+        before = field.rounded_signs
+        found = find()
+        return found, field.rounded_signs - before
+
+
 def remembered(most: int) -> Callable[[Callable[..., Found]], Callable[..., Found]]:
     """Remember what a function finds of the last few scenes; what rounding decided of it counts at every use."""
 
     def decorated(find: Callable[..., Found]) -> Callable[..., Found]:
         @lru_cache(most)
         def found_by_rounding(scene: Any, *more: Any) -> tuple[Found, int]:
-            with either_way(scene.field):
-                before = scene.field.rounded_signs
-                found = find(scene, *more)
-                return found, scene.field.rounded_signs - before
+            return counted(scene.field, lambda: find(scene, *more))
 
         @wraps(find)
-        def counted(scene: Any, *more: Any) -> Found:
+        def counting(scene: Any, *more: Any) -> Found:
             found, by_rounding = found_by_rounding(scene, *more)
             scene.field.rounded_signs += by_rounding
             return found
 
-        return counted
+        return counting
 
     return decorated
 

@@ -120,7 +120,9 @@ def test_slopes_against_all_pairs(name: str) -> None:
     region = load_regions(scene)[0]
     arrangement = Arrangement(scene, region)
     signs = np.array([0 if row.kind == "S" else -1 for row in arrangement.rows])  # rest: all side rows hold
-    table = [scaled(arrangement.edge(slope.pair), slope.sense) for slope in Slopes(arrangement, signs)]
+    found = Slopes(arrangement, signs)
+    listed = [found[k] for k in range(len(found))]
+    table = [scaled(arrangement.edge(slope.pair), slope.sense) for slope in listed]
     sides = [k for k, row in enumerate(arrangement.rows) if row.kind == "S"]
     for a in sides:
         for b in sides:
