@@ -375,10 +375,10 @@ def write_page(folder: Path) -> list[str]:
 
 
 def main(arguments: Sequence[str]) -> Any:
+    gc.set_threshold(GARBAGE_THRESHOLD)  # as every command does
     if arguments[0] == "--grow":
         print(grow(int(arguments[1])))
         return 0
-    gc.set_threshold(GARBAGE_THRESHOLD)  # as every command does
     missed = write_page(Path(arguments[0]))
     return f"missed: {'; '.join(missed)}" if missed else 0
 

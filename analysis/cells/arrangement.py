@@ -32,7 +32,6 @@ from nonsmooth.analysis.cells.outline import (
     Form,
     Three,
     known_sign,
-    meet,
     size_of,
     whole_numbers,
 )
@@ -65,6 +64,7 @@ beyond_floats = np.errstate(over="ignore", invalid="ignore")  # nothing is sure 
 
 FLOAT_ERROR = 2.0**-39  # of a sum of absolute terms: what a sum of up to ten thousand products may err by
 EXACT_FLOATS = 2.0**52  # sums of whole numbers below this are floats
+SHORT = 2**20  # products of two whole numbers below this are 64-bit numbers, and so are their sums
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # the other coordinates, in turn
 
 Lexicographic: TypeAlias = tuple[int, int]
@@ -168,6 +168,8 @@ class Arrangement:
         weights: ``beta_k``, affine forms.
         whole: see above.
         is_exact: whether no number stands for others close by.
+        is_rational: whether all normals are rational.
+        lines: normals, which are then python-flint's rational numbers: these are much quicker.
         error: of the affine forms in floats, in units of the sums of absolute terms.
         corners: of the load region, as rows ``(1, x, y)``.
         corner_sizes: the sizes of these.
@@ -202,6 +204,9 @@ class Arrangement:
         self.crossing_sizes[:, NEXT, AFTER] = self.crossing_sizes[:, AFTER, NEXT] = self.sizes
         self.moment_sizes = self.sizes.T @ self.weight_sizes
         self.is_exact = all(type(x) is Number for part in numbers for x in part)
+        rationals = [_rational_normal(row) for row in self.rows]
+        self.is_rational = None not in rationals
+        self.lines: Sequence[Triple] = rationals if self.is_rational else [row.normal for row in self.rows]
         self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else ROUNDED
         self.corners = float_corners(region.polygon.vertices)
         coordinates = [x for vertex in region.polygon.vertices for x in (scene.field.one, *vertex)]
@@ -209,17 +214,19 @@ class Arrangement:
         self.reach = self.corner_sizes.max(axis=0)
         self._vertices: dict[bytes, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
-        self._ways: dict[tuple[int, int], Three] = {}
         self._rates: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
 
     @cached_property
-    def exact_normals(self) -> list[Filtered] | None:
-        """Whole multiples of all normals, where there are any."""
+    def whole_normals(self) -> Indices | None:
+        """Whole multiples of all normals, where there are any, shape (2n, 3)."""
         if self.whole:
-            return [Filtered.bounded(line, [*map(abs, line)], 0) for line in self.numbers(self.normals)]
-        lines = [Filtered.of(row.normal) for row in self.rows]
-        return None if any(line.error for line in lines) else lines
+            return self.normals.astype(int)
+        lines = [whole_numbers(row.normal) for row in self.rows]
+        if any(line is None for line in lines):
+            return None
+        most = max(abs(entry) for line in lines for entry in line or ())
+        return np.array(lines, dtype=int if most < SHORT else object)
 
     @cached_property
     def moments(self) -> list[list[Affine]]:
@@ -246,14 +253,14 @@ class Arrangement:
         first, second = [j, k, i], [k, i, j]
         rates = self.directions(first, second) @ self.normals.T
         rhs, determinant = self.rhs.take(basis), float(rates[0, i])
-        residuals = (rhs @ rates - self.rhs * determinant) * math.copysign(1.0, determinant)
+        residuals = known = (rhs @ rates - self.rhs * determinant) * math.copysign(1.0, determinant)
         if not self.whole:
             sizes = self.direction_sizes(first, second) @ self.sizes.T
             bounds = self.rhs_sizes.take(basis) @ sizes + self.rhs_sizes * sizes[0][i]
             clear = np.abs(residuals) > bounds * FLOAT_DOUBT + SMALLEST_NORMAL
             clear &= abs(determinant) > sizes[0][i] * FLOAT_DOUBT + SMALLEST_NORMAL
+            known = np.where(clear, residuals, 0.0)
             residuals = np.where(clear, residuals / abs(determinant), np.nan)
-        known = residuals if self.whole else np.nan_to_num(residuals)
         signs = np.sign(known).astype(int)
         found = Vertex(basis, (self.rows[i], self.rows[j], self.rows[k]), signs, residuals)
         for n in [] if self.whole else np.isnan(residuals).nonzero()[0].tolist():
@@ -271,16 +278,22 @@ class Arrangement:
     def edge(self, pair: tuple[int, int]) -> Triple:
         """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
         if pair not in self._edges:
-            self._edges[pair] = cross_product(self.rows[pair[0]].normal, self.rows[pair[1]].normal)
+            self._edges[pair] = cross_product(self.lines[pair[0]], self.lines[pair[1]])
         return self._edges[pair]
 
-    def way(self, first: int, second: int) -> Three:
-        """A whole multiple of an edge, the same for all edges along a line (cached); for exact normals."""
-        if (first, second) not in self._ways:
-            normals = self.exact_normals or []
-            a, b, c = meet(normals[first], normals[second]).values
-            self._ways[first, second] = max((a, b, c), (-a, -b, -c))
-        return self._ways[first, second]
+    def ways(self, pairs: Indices) -> list[Three] | None:
+        """Whole multiples of the edges of pairs of rows (m, 2), the same for all edges along a line.
+
+        None where normals have no whole multiples; zeros for parallel rows.
+        """
+        if self.whole_normals is None:
+            return None
+        (a, b, c), (x, y, z) = self.whole_normals.take(pairs, 0).transpose(1, 2, 0)
+        along = np.stack((b * z - c * y, c * x - a * z, a * y - b * x))
+        leading = np.where(along[0] != 0, along[0], np.where(along[1] != 0, along[1], along[2]))
+        factors = np.gcd.reduce(along) * np.sign(leading)
+        p, q, r = (along // np.where(factors == 0, 1, factors)).tolist()
+        return list(zip(p, q, r, strict=True))
 
     def rates(self, pair: tuple[int, int]) -> tuple[Floats, Floats]:
         """How fast residuals change along an edge, in floats with the sums of absolute terms (cached)."""
@@ -294,20 +307,27 @@ class Arrangement:
         """Whether a row is independent of two others that are."""
         rates, sizes = self.rates(pair)
         is_clear = abs(rates[k]) > sizes[k] * FLOAT_DOUBT + SMALLEST_NORMAL
-        return bool(is_clear) or bool(inner(self.rows[k].normal, self.edge(pair)))
+        return bool(is_clear) or bool(inner(self.lines[k], self.edge(pair)))
 
     def slopes_along(self, pair: tuple[int, int], signs: Indices) -> tuple[Affine, Affine]:
         """The slopes along the edge of a pair and back, exactly, where the residuals of the rows have these signs."""
         direction = self.edge(pair)
-        kept = along = _zero_form(self.scene)
-        for k in tight_rows(signs):
-            reach = None if k in pair else abs(inner(self.rows[k].normal, direction))
-            if reach is not None and not _is_always_zero(reach):
-                kept = added(kept, scaled(self.weights[k], reach))
-        for entry, part in zip(direction, self._pull(signs), strict=True):
-            if not _is_always_zero(entry):
-                along = added(along, scaled(part, entry))
+        tight = [k for k in tight_rows(signs) if k not in pair]
+        reaches = [abs(inner(self.lines[k], direction)) for k in tight]
+        kept = self._weighted(reaches, [self.weights[k] for k in tight])
+        along = self._weighted(direction, self._pull(signs))
         return added(kept, along), subtracted(kept, along)
+
+    def _weighted(self, factors: Sequence[Any], forms: Sequence[Affine]) -> Affine:
+        """``sum_k f_k form_k``."""
+        if self.is_rational:
+            constant, x, y = (self.scene.field.combination(factors, [form[k] for form in forms]) for k in range(3))
+            return constant, x, y
+        total = _zero_form(self.scene)
+        for factor, form in zip(factors, forms, strict=True):
+            if not _is_always_zero(factor):
+                total = added(total, scaled(form, factor))
+        return total
 
     def _pull(self, signs: Indices) -> list[Affine]:
         """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
@@ -352,7 +372,7 @@ class Arrangement:
         def build() -> Affine:
             edge = self.edge(slope.pair)
             base, rows = (form, crossed) if "exact" in vars(form) else (slope, passed)  # no recursion over many rows
-            turns = [scaled(self.weights[k], 2 * abs(inner(self.rows[k].normal, edge))) for k in rows]
+            turns = [scaled(self.weights[k], 2 * abs(inner(self.lines[k], edge))) for k in rows]
             return reduce(added, turns, base.exact)
 
         return Form(form.filtered.plus(gained), build)
@@ -410,7 +430,7 @@ class Arrangement:
 
     def _step(self, vertex: Vertex, slope: SlopeOfD, k: int) -> Number | None:
         """Exact positive step to row k, or None where the direction leads away from it."""
-        rate = inner(self.rows[k].normal, self.edge(slope.pair))
+        rate = inner(self.lines[k], self.edge(slope.pair))
         if not rate:
             return None
         step = -slope.sense * self.rows[k].residual(vertex.twist) / rate
@@ -457,6 +477,12 @@ def normal_floats(numbers: Collection[Number]) -> list[float]:
 def _is_always_zero(number: Number) -> bool:
     """Whether a number is zero, and so are all for which it stands: asking that decides nothing by rounding."""
     return type(number) is Number and not number
+
+
+def _rational_normal(row: Row) -> Any:
+    """The normal of a row in rational numbers; None where it has others."""
+    entries = [entry.as_rational() if type(entry) is Number else None for entry in row.normal]
+    return None if None in entries else tuple(entries)
 
 
 def _sizes(numbers: Sequence[Any], values: Floats) -> Floats:

@@ -276,7 +276,7 @@ def _beside(outline: Outline, k: int, slope: SlopeOfD) -> FilteredPlace:
     (_, a, b), (_, r, s), error = slope.filtered
 
     def exactly() -> Beside:
-        (x1, y1), (x2, y2) = first.exact, second.exact
+        (x1, y1), (x2, y2) = first.point, second.point
         return Beside(((x1 + x2) / 2, (y1 + y2) / 2), outline.sides[k].exact.normal, slope.exact)
 
     return FilteredPlace(

@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.loads import Affine
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, cut, intersection
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, cut, meeting
 from nonsmooth.symbolic.numbers.coefficients import whole_multiples
 from nonsmooth.symbolic.numbers.lazy import Lazy, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -152,8 +152,15 @@ class Form(OnDemand[Affine]):
     """An affine form."""
 
 
-class OutlineCorner(OnDemand[Point]):
-    """A corner of an outline."""
+@dataclass(eq=False)
+class OutlineCorner(OnDemand[Three]):
+    """A corner of an outline: ``(w, x, y)`` with ``w > 0``, which are made by a few products."""
+
+    @cached_property
+    def point(self) -> Point:
+        """``(x/w, y/w)``."""
+        w, x, y = self.exact
+        return x / w, y / w
 
 
 @dataclass(eq=False)
@@ -177,14 +184,15 @@ class Outline:
     @classmethod
     def of(cls, polygon: Polygon) -> Outline:
         """From a polygon."""
-        corners = [OutlineCorner(Filtered.of((_one(p), *p)), lambda p=p: p) for p in polygon.vertices]  # type: ignore[misc]
+        vertices = [(_one(p), *p) for p in polygon.vertices]
+        corners = [OutlineCorner(Filtered.of(v), lambda v=v: v) for v in vertices]  # type: ignore[misc]
         sides = [OutlineSide(Filtered.of((s.offset, -s.normal[0], -s.normal[1])), lambda s=s: s) for s in polygon.sides]  # type: ignore[misc]
         return cls(tuple(corners), tuple(sides))
 
     @property
     def polygon(self) -> Polygon:
         """With exact vertices and sides."""
-        return Polygon(tuple(c.exact for c in self.corners), tuple(s.exact for s in self.sides))
+        return Polygon(tuple(c.point for c in self.corners), tuple(s.exact for s in self.sides))
 
     def keeps(self, form: Filtered) -> bool:
         """Whether a form is known not to be negative at any corner."""
@@ -199,17 +207,20 @@ class Outline:
         if max(signs) <= 0:
             return None
 
-        def meeting(own: OutlineSide, here: int) -> OutlineCorner:
-            met = meet(own.filtered, side.filtered) if here > 0 else meet(side.filtered, own.filtered)
-            return OutlineCorner(met, lambda: intersection(own.exact, side.exact))
+        def corner(own: OutlineSide, here: int) -> OutlineCorner:
+            first, second = (own, side) if here > 0 else (side, own)
+            return OutlineCorner(meet(first.filtered, second.filtered), lambda: meeting(first.exact, second.exact))
 
-        return Outline(*cut(signs, self.corners, self.sides, side, meeting))
+        return Outline(*cut(signs, self.corners, self.sides, side, corner))
 
 
 def sign_at(side: OutlineSide, corner: OutlineCorner) -> int:
     """Sign of the form behind a side."""
     known = known_sign(side.filtered, corner.filtered)
-    return sign(side.exact.slack(corner.exact)) if known is None else known
+    if known is not None:
+        return known
+    line, (w, x, y) = side.exact, corner.exact
+    return sign(line.offset * w - (line.normal[0] * x + line.normal[1] * y))
 
 
 def _one(point: Point) -> Any:

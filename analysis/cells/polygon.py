@@ -130,17 +130,25 @@ def cut(
     return tuple(kept), tuple(own)
 
 
+def meeting(first: HalfPlane, second: HalfPlane) -> tuple[Any, Any, Any]:
+    """``(w, x, y)``, where ``(x/w, y/w)`` is the common point of two boundary lines that are not parallel.
+
+    ``w`` is positive where the second normal lies to the left of the first.
+    """
+    (a, b), (c, d) = first.normal, second.normal
+    x = first.offset * d - b * second.offset
+    y = a * second.offset - first.offset * c
+    return a * d - b * c, x, y
+
+
 def intersection(first: HalfPlane, second: HalfPlane) -> Point:
     """Common point of two boundary lines that are not parallel (Cramer's rule).
 
     Vertices are always computed from the lines themselves, never from other vertices, so exact numbers do not
     grow from clip to clip.
     """
-    (a, b), (c, d) = first.normal, second.normal
-    determinant = a * d - b * c
-    x = first.offset * d - b * second.offset
-    y = a * second.offset - first.offset * c
-    return x / determinant, y / determinant
+    w, x, y = meeting(first, second)
+    return x / w, y / w
 
 
 def square(centre: Point, radius: Any) -> Polygon:

@@ -27,6 +27,9 @@ MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number 
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
 SHORTEST = 2.0**-30  # of the domain: sides that are shorter may be corners
+FEW = 32  # slopes that are looked at one by one
+DEEP_CUTS = 16  # that leave out most of many slopes
+TOUCHING = 2.0**-24  # of the size of a slope: what is larger at all corners of a cell vanishes at none
 WIDER = 1 + 2.0**-6  # than the square in which no slope vanishes, in floats: there one surely does
 LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
 
@@ -108,7 +111,7 @@ class Slopes:
         outline: list[Corner] = [(x, y, -1) for _, x, y in self._arrangement.corners.tolist()]
         reach = self._arrangement.reach
         doubts = (self._bounds @ (reach * FLOAT_DOUBT)).tolist()
-        for number in self.possible:
+        for number in self.possible if len(self.possible) <= FEW else self._near(outline, self.possible):
             a, b, c = self._numbers[number]
             values = [a + b * x + c * y for x, y, _ in outline]
             if min(values, default=0.0) < -doubts[number]:
@@ -116,6 +119,20 @@ class Slopes:
         around = zip(outline, [*outline[1:], *outline[:1]], strict=True)
         least = max(reach[1:].tolist()) * SHORTEST
         return sorted({k for (x, y, k), (u, v, _) in around if k >= 0 and abs(u - x) + abs(v - y) > least})
+
+    def _near(self, outline: list[Corner], numbers: Sequence[int]) -> list[int]:
+        """Of these numbers those of the slopes that seem to vanish within or near what some deep cuts leave."""
+        forms, sizes = self._values[numbers], self._bounds[numbers] @ self._arrangement.reach
+        for _ in range(DEEP_CUTS):
+            values = forms @ np.array([(1.0, x, y) for x, y, _ in outline]).T
+            least = np.nan_to_num(values.min(axis=1) / sizes, nan=np.inf)  # what is not known cuts nothing here
+            deepest = int(least.argmin())
+            if least[deepest] >= 0:
+                break
+            outline = _clipped(outline, values[deepest].tolist(), deepest)
+            if not outline:
+                return list(numbers)
+        return [numbers[k] for k in np.flatnonzero(least < TOUCHING).tolist()]
 
     def at(self, point: Floats, sizes: Floats | None = None) -> tuple[int | None, list[int]]:
         """At a point ``(1, x, y)``: the number of the slope that most certainly falls, and those that may vanish."""
@@ -187,10 +204,11 @@ class _PairTable:
 
     def distinct(self, numbers: Indices) -> Indices:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
-        if self.arrangement.exact_normals is not None:
+        ways = self.arrangement.ways(self.pairs.take(numbers, 0))
+        if ways is not None:
             firsts: dict[Three, int] = {}
-            for k, (first, second) in zip(numbers.tolist(), self.pairs.take(numbers, 0).tolist(), strict=True):
-                firsts.setdefault(self.arrangement.way(first, second), k)
+            for way, k in zip(ways, numbers.tolist(), strict=True):
+                firsts.setdefault(way, k)
             firsts.pop((0, 0, 0), None)
             return np.array(list(firsts.values()), dtype=int)
         if self.tight <= 3:
@@ -230,7 +248,7 @@ class _PairTable:
                     return
                 direction, rows = self._direction(first), self.pairs[bucket]
                 for k in np.flatnonzero(np.bincount(rows.ravel())).tolist():
-                    orthogonal[k] = not inner(self.arrangement.rows[k].normal, direction)
+                    orthogonal[k] = not inner(self.arrangement.lines[k], direction)
                 bucket = bucket[~orthogonal[rows].all(axis=1)]
 
     def _direction(self, pair: int) -> Triple:

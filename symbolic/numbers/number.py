@@ -450,6 +450,19 @@ class Tower(ABC):
         """The element with these terms; zero coefficients are dropped."""
         return Number(self, {mask: c for mask, c in terms.items() if c})
 
+    def combination(self, factors: Iterable[fmpq], numbers: Iterable[Number]) -> Number:
+        """``sum_k q_k x_k`` of elements by rational numbers: terms are collected once."""
+        terms: dict[int, Coefficient] = {}
+        products = 0
+        for factor, number in zip(factors, numbers, strict=True):
+            products += len(number.terms)
+            for mask, c in number.terms.items():
+                terms[mask] = terms[mask] + factor * c if mask in terms else factor * c
+        if self.meter is not None:
+            longest = max(map(height, terms.values()), default=0)
+            self.meter.spend(products * self.base_degree * (1 + longest // UNIT_BITS))
+        return self.collected(terms)
+
     def radicand_product(self, mask: int) -> Number:
         """``prod_{i in mask} g_i``."""
         if mask not in self._radicand_products:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -19,6 +19,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from nonsmooth.analysis.cells import arrangement as arrangement_module
 from nonsmooth.analysis.cells import cell_complex
 from nonsmooth.analysis.cells import outline as outline_module
+from nonsmooth.analysis.cells import slopes as slopes_module
 from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD
 from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
 from nonsmooth.analysis.cells.loads import Affine, load_regions, value_at
@@ -33,7 +34,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Functional, Minima, balance_forces
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import Twist, scene_rows
+from nonsmooth.symbolic.mechanics.constraints import Twist, cross_product, scene_rows
 from nonsmooth.symbolic.mechanics.contact_states import regular_states
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
@@ -41,7 +42,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import hull_holds_zero
 from nonsmooth.symbolic.numbers.rounded import Rounded, rounded
-from tests.conftest import Arrays
+from tests.conftest import Arrays, WheelData
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
 from tests.oracles.measured_tables import MeasuredTable
@@ -206,6 +207,42 @@ def test_slopes_that_are_handed_on_are_those_that_are_built(monkeypatch: pytest.
     monkeypatch.setattr(Slopes, "learn", learned)
     cells = build_box_partition(load_scene(name, rule="box")).cells
     assert len(found) > len(cells)
+
+
+@pytest.mark.parametrize("name", ["grid-4x4", "ring-5", "elliptic"])
+def test_deep_cuts_leave_out_no_side(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Looked at one by one or not, the same slopes bound the cells."""
+    sides, compared = Slopes.sides, list[int]()
+
+    def both(self: Slopes) -> list[int]:
+        monkeypatch.setattr(slopes_module, "FEW", 0)
+        found = sides(self)
+        monkeypatch.setattr(slopes_module, "FEW", len(self))
+        assert found == sides(self)
+        compared.append(len(self))
+        return found
+
+    monkeypatch.setattr(Slopes, "sides", both)
+    assert build_box_partition(load_scene(name, rule="box")).tiles
+    assert max(compared) > 10
+
+
+@pytest.mark.parametrize("scale", [1, 10**9 + 7])
+def test_edges_along_one_line_have_one_way(arrays: Arrays, scale: int) -> None:
+    """Products of whole numbers that are short, and of others that 64 bits do not hold."""
+    places = product((-scale - 2, scale, scale + 2), (-2 * scale, 3, 2 * scale + 1))
+    scene = arrays.scene([WheelData(place, (1 - place[0], 2 - place[1])) for place in places], (1, 1), scale)
+    arrangement = Arrangement(scene, load_regions(scene)[0])
+    pairs = np.array(list(combinations(range(len(arrangement.rows)), 2)))
+    ways = arrangement.ways(pairs)
+    assert ways is not None
+    edges = [arrangement.edge(tuple(pair)) for pair in pairs.tolist()]
+    for way, edge in zip(ways, edges, strict=True):
+        assert any(way) == any(edge)
+        assert not any(cross_product(way, edge))
+        assert math.gcd(*way) == (1 if any(way) else 0)
+    alike = {max(way, tuple(-entry for entry in way)) for way in ways}
+    assert len(set(ways)) == len(alike) < len(ways)
 
 
 @pytest.mark.parametrize(("side", "cells", "first", "most"), [(2, 13, 0, 26), (6, 157, 60, 300)])

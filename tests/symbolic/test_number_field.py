@@ -135,6 +135,7 @@ def test_ring_axioms(name: str, count: int) -> None:
         assert a - b == -(b - a)
         assert a**3 == a * a * a
         assert a * 3 == fmpq(3) * a == a + a + a
+        assert a.field.combination([fmpq(2, 3), fmpq(0), fmpq(-5)], [a, b, c]) == a * fmpq(2, 3) - c * 5
         assert hash((a + b) - b) == hash(a)
 
     check()
