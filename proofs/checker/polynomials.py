@@ -129,15 +129,15 @@ class Polynomial:
 
     def on(self, coordinates: Sequence[Polynomial], count: int) -> Polynomial:
         """Itself where every variable is a polynomial in ``count`` other ones."""
-        powers = [[constant(count, 1), form] for form in coordinates]
+        powers = [[form] for form in coordinates]
         total: Coefficients = {}
         for exponents, value in self.terms.items():
             part: Coefficients = {(0,) * count: value}
             for own, exponent in zip(powers, exponents, strict=True):
-                while len(own) <= exponent:
-                    own.append(own[-1] * own[1])
+                while len(own) < exponent:
+                    own.append(own[-1] * own[0])
                 if exponent:
-                    part = products(part, own[exponent])
+                    part = products(part, own[exponent - 1])
             BUDGET.spend(len(part) * product_cost(self.bits, longest(part.values())))
             for key, added in part.items():
                 collect(total, key, added)
