@@ -94,7 +94,8 @@ class Nearness:
         is_from_point: whether the body that starts at the point itself is one of these.
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
-        home: the disc of starts that come to that place, and how long it takes them; None where none is shown.
+        home: the disc of starts that come to that place, or to the point, and how long it takes them to come that
+            near; None where none is shown.
         turning: how bodies turn about a place beside the point; None where they are not shown to.
         is_of_one_load: whether this is shown under one of the loads that a scene leaves open.
         why_not: what stands in the way of following bodies farther; empty where nothing does.
@@ -159,6 +160,25 @@ def nearness(scene: Scene, results: Results) -> Nearness:
     place = rest.point.rest if isinstance(rest, EllipseEquilibrium) else None
     verdicts = Equilibrium(rest.verdict), Translation(translation.verdict)
     return _decided(_Asked(scene, *verdicts, fan, load, place))
+
+
+@lru_cache(maxsize=16)
+def homecoming(scene: Scene) -> Nearness:
+    """From how far bodies come to the point that attracts those close by, by enclosures: with ``ends`` and ``home``.
+
+    V falls along all motions from the disc of ``home``, but for one place in it; and the point is at rest.
+
+    Args:
+        scene: an array of which the clauses show that.
+    """
+    if scene.contact.rule not in FOLLOWED or (scene.contact.rule != "nearest" and scene.contact.loads_are_unknown):
+        return Nearness()
+    kept, array = contact_set(scene), alone(scene).recentred()
+    with either_way(scene.field):
+        ends, rest = decide_ends(array, scene.accuracy, kept=kept), enclosed_rest(array)
+        attracts = rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE
+        home = _home_disc(rest, array, scene.accuracy, ends, kept) if rest is not None and attracts else None
+    return Nearness(ends if ends is not None and ends.is_near else None, home=home)
 
 
 @lru_cache(maxsize=16)

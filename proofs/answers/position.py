@@ -19,7 +19,7 @@ from nonsmooth.proofs.answers.answer import (
     has_dynamics,
     is_by_rounding,
 )
-from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, Turning, nearness
+from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, Turning, homecoming, nearness
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation, mass_words
@@ -30,6 +30,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import Real, float_text, place_text
 
+ONLY_ROUNDING = "which only rounding tells from it"
 MOST_TEXT = 20  # characters of a number that is printed exactly
 ALL_DIGITS = 17  # which tell any float from all others
 
@@ -117,7 +118,7 @@ def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness |
         return
     if verdict is Position.COMES_HOME:
         yield from _place(scene, Quantity(Fraction(0)), (Fraction(0), Fraction(0)))
-        yield from _homecoming(found, unit)
+        yield from _homecoming(scene, found, unit)
         yield said(found.support_note)
         if isinstance(found, EllipseTranslation) and not has_dynamics(scene):
             yield said(mass_words(found.mass, scene.units))
@@ -175,23 +176,26 @@ def _coming_beside(
     scene: Scene, looked: Nearness, rests_within: Fraction, rate: Real | None, unit: str
 ) -> Iterator[Fact]:
     """To the place of rest that only rounding tells from the point, from close by; and from how far near it."""
-    ends, home, beside = looked.ends, looked.home, at_most(rests_within)
+    home, beside = looked.home, at_most(rests_within)
     there = Fraction(at_most(rests_within if home is None else home.ends_within))
     yield from _place(scene, Quantity(there), (Fraction(0), Fraction(0)))
-    start = "close by" if home is None else f"anywhere within {at_least(home.within)}{unit}"
-    yield said(
-        f"from {start}, to a place of rest within {beside}{unit} of the point, which only rounding tells from it"
-    )
-    yield Fact("within", Quantity(None if home is None else Fraction(at_least(home.within))))
+    yield from _from_discs(looked, unit, f", to a place of rest within {beside}{unit} of the point, {ONLY_ROUNDING}")
     yield Fact("after", Quantity(None if home is None else Fraction(at_most(home.after))))
+    yield Fact("seconds_per_distance", Quantity(None))
+    yield _rate(rate)
+    yield Fact("stays_within", Quantity(None))
+
+
+def _from_discs(looked: Nearness, unit: str, goal: str = "") -> Iterator[Fact]:
+    """From how far bodies come, how soon they are how near, and how far they get on their way, by enclosures alone."""
+    ends, home = looked.ends, looked.home
+    start = "close by" if home is None else f"anywhere within {at_least(home.within)}{unit}"
+    yield Fact("within", Quantity(None if home is None else Fraction(at_least(home.within))), f"from {start}{goal}")
     if ends is not None and ends.is_near:
         near, within, after = at_most(ends.ends_within or Fraction(0)), at_least(ends.within), at_most(ends.after)
         start = "" if home is not None and home.within == ends.within else f"from anywhere within {within}{unit} "
         yield said(f"{start}it is within {near}{unit} in at most {after} s")
     yield Fact("swings_out_to", Quantity(None)) if home is None else _swing(home, unit)
-    yield Fact("seconds_per_distance", Quantity(None))
-    yield _rate(rate)
-    yield Fact("stays_within", Quantity(None))
 
 
 def _swing(disc: Ends | HomeDisc, unit: str) -> Fact:
@@ -256,31 +260,23 @@ def _turning(turning: Turning, unit: str) -> str:
     return f"{start} gets at most {farther} farther away: it turns about a place within {away} of it"
 
 
-def _disc(found: AnyTranslation, unit: str) -> Iterator[Fact]:
-    """From how far, and how far away the body gets on its way at most."""
-    within, swing = found.home_radius, found.swing_radius
-    if within is None or swing is None:
-        yield Fact("within", Quantity(None), "from close by")
-        yield Fact("swings_out_to", Quantity(None))
-        return
-    yield Fact("within", Quantity(within), f"from anywhere within {at_least(within)}{unit}")
-    swings = f"it swings out to at most {at_most(swing)}{unit}" if swing > within else "it never swings out"
-    yield Fact("swings_out_to", Quantity(swing), swings)
-
-
-def _homecoming(found: AnyTranslation, unit: str) -> Iterator[Fact]:
-    """From how far, and how long it takes at most."""
-    seconds, rate = found.arrival_per_distance, found.exponential_rate
-    within = found.home_radius
+def _homecoming(scene: Scene, found: AnyTranslation, unit: str) -> Iterator[Fact]:
+    """From how far, how far away the body gets on its way, and how long it takes at most."""
+    seconds, within, swing = found.arrival_per_distance, found.home_radius, found.swing_radius
     yield Fact("after", Quantity(None if seconds is None or within is None else seconds * within))
-    yield from _disc(found, unit)
+    if within is None or swing is None:
+        yield from _from_discs(homecoming(scene), unit)
+    else:
+        yield Fact("within", Quantity(within), f"from anywhere within {at_least(within)}{unit}")
+        swings = f"it swings out to at most {at_most(swing)}{unit}" if swing > within else "it never swings out"
+        yield Fact("swings_out_to", Quantity(swing), swings)
     if seconds is None:
         yield Fact("seconds_per_distance", Quantity(None))
     else:
         words = f"it arrives within {at_most(seconds)} s for each 1{unit} of distance"
         words += "" if found.quadratic is None else " (a bound, often loose)"
         yield Fact("seconds_per_distance", Quantity(seconds), words)
-    yield _rate(rate)
+    yield _rate(found.exponential_rate)
     yield Fact("stays_within", Quantity(found.region_radius))
 
 
