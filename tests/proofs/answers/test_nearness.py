@@ -15,8 +15,9 @@ import pytest
 from flint import arb, arb_mat
 
 import nonsmooth as ns
-from nonsmooth.proofs.answers.answer import GOOD, Position
+from nonsmooth.proofs.answers.answer import GOOD, Position, at_least
 from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.nearness import homecoming
 from nonsmooth.proofs.answers.position import _where
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
@@ -511,6 +512,25 @@ def test_an_exact_array_still_comes_home() -> None:
     answer = decided(load_scene("four-wheel"))
     assert (answer.verdict, answer["ends_within"]) == (Position.COMES_HOME, 0)
     assert answer["after"] == answer["seconds_per_distance"] * answer["within"]
+
+
+@pytest.mark.parametrize("rule", keep(1, ["ellipse", "roller"]))
+def test_without_a_v_on_the_square_bodies_come_home_from_an_enclosed_disc(rule: str) -> None:
+    scene = load_scene("elliptic", rule=rule)
+    found, answer = homecoming(scene), decided(scene)
+    assert (answer.verdict, answer["ends_within"], answer["after"]) == (Position.COMES_HOME, 0, None)
+    assert found.home is not None
+    assert found.ends is not None
+    assert answer["within"] == Fraction(at_least(found.home.within)) > 10 * scene.accuracy
+    assert answer["within"] <= answer["swings_out_to"] <= found.home.swings_out_to
+
+    turns = [math.pi * k / 3 for k in range(6)]
+    fields = [(-math.cos(turn), -2 * math.sin(turn)) for turn in turns]
+    rows = [
+        (math.cos(turn), math.sin(turn), math.degrees(math.atan2(y, x)), 1.0)
+        for turn, (x, y) in zip(turns, fields, strict=True)
+    ]
+    confirm(3, MeasuredTable(tuple(rows), 1.0, 0.5, rule), scene, found.ends)
 
 
 def test_a_slide_outward_is_followed_to_the_accuracy() -> None:
