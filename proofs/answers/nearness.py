@@ -32,7 +32,7 @@ from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
-from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
+from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends, ends_at_point
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
@@ -175,7 +175,7 @@ def homecoming(scene: Scene) -> Nearness:
         return Nearness()
     kept, array = contact_set(scene), alone(scene).recentred()
     with either_way(scene.field):
-        ends, rest = decide_ends(array, scene.accuracy, kept=kept), enclosed_rest(array)
+        ends, rest = ends_at_point(array, scene.accuracy, kept), enclosed_rest(array)
         attracts = rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE
         home = _home_disc(rest, array, scene.accuracy, ends, kept) if rest is not None and attracts else None
     return Nearness(ends if ends is not None and ends.is_near else None, home=home)

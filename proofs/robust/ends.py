@@ -125,6 +125,16 @@ def decide_ends(
     return away or (_in_smaller_pieces(scene, ellipses, accuracy, keeps) if finely else None)
 
 
+def ends_at_point(scene: Scene, accuracy: Fraction, kept: ContactSet) -> Ends | None:
+    """The same about the point of a centred scene that attracts, by the first rings alone, each in one piece."""
+    velocity = velocity_of(scene) if len(scene.wheels) <= MOST_WHEELS else None
+    if velocity is None:
+        return None
+    centre = Fraction(0), Fraction(0)
+    found = _about(scene, centre, next(_shapes(scene, velocity, centre, accuracy)), accuracy, kept, ())
+    return found if isinstance(found, Ends) else None
+
+
 def _in_smaller_pieces(
     scene: Scene,
     ellipses: Sequence[tuple[Place, LevelFunction]],
