@@ -144,9 +144,15 @@ class FieldFormulas:
         Args:
             target: how formulas are written.
             names: what stands for each state.
+
+        Raises:
+            SceneError: for a number beyond the floats of a target of floats.
         """
         named = dict(zip(self.states, names, strict=True))
-        fields = [[_formula(target, text, named) for text in field] for field in self.fields]
+        try:
+            fields = [[_formula(target, text, named) for text in field] for field in self.fields]
+        except OverflowError:
+            raise SceneError(self.name, "", "numbers within the range of floats", StatedFact("another")) from None
         if self.lyapunov is None:
             return fields, None
         moved = dict(named)

@@ -372,6 +372,14 @@ def test_v_goes_to_sympy_and_casadi() -> None:
         system("moved").formulas().program("rust")
 
 
+@pytest.mark.parametrize("language", ["python", "c"])
+def test_a_number_beyond_floats_has_no_program(language: str) -> None:
+    formulas = ns.System(["x"], ["-x*1e400"]).formulas()
+    with pytest.raises(ns.SceneError, match="numbers within the range of floats"):
+        formulas.program(language)
+    assert formulas.sympy().fields[0][0] == -(10**400) * formulas.sympy().states[0]
+
+
 # ---- other provers -------------------------------------------------------------------------------
 
 
