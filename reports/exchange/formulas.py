@@ -293,7 +293,8 @@ def c_program(formulas: FieldFormulas) -> str:
     fields, lyapunov = _functions(formulas, C)
     count = len(formulas.states)
     lines = [f"/* {f' */{chr(10)}/* '.join(_head(formulas))} */", "", "#include <math.h>", ""]
-    lines += ["static double sgn(double a) { return (a > 0) - (a < 0); }"]
+    if any("sgn(" in part for part in (lyapunov or "", *(part for _, own in fields for part in own))):
+        lines += ["static double sgn(double a) { return (a > 0) - (a < 0); }"]
     for name, own in fields:
         lines += ["", f"void {name}(const double x[{count}], double dx[{count}])", "{"]
         lines += [*(f"    dx[{k}] = {part};" for k, part in enumerate(own)), "}"]

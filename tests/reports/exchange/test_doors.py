@@ -323,6 +323,12 @@ def test_the_python_program_has_the_field(name: str, tmp_path: Path) -> None:
             assert field(point) == pytest.approx(values(own, formulas.states, point), rel=1e-12, abs=1e-12)
 
 
+def test_a_c_program_says_sgn_where_it_uses_it() -> None:
+    """One that is not used is a warning of compilers, and an error with ``-Werror``."""
+    assert "sgn" not in ns.System(["x", "y"], ["y", "-x - y**3"]).formulas().program("c")
+    assert "static double sgn" in ns.System(["x", "y"], ["y", "-x - sign(y)"]).formulas().program("c")
+
+
 def test_the_c_program_has_the_field_and_v(tmp_path: Path) -> None:
     compiler = shutil.which("cc")
     if compiler is None:
