@@ -146,13 +146,10 @@ class FieldFormulas:
             names: what stands for each state.
 
         Raises:
-            SceneError: for a number beyond the floats of a target of floats.
+            SceneError: for a formula with a number beyond the floats of a target of floats.
         """
         named = dict(zip(self.states, names, strict=True))
-        try:
-            fields = [[_formula(target, text, named) for text in field] for field in self.fields]
-        except OverflowError:
-            raise SceneError(self.name, "", "numbers within the range of floats", StatedFact("another")) from None
+        fields = [[_formula(target, text, named) for text in field] for field in self.fields]
         if self.lyapunov is None:
             return fields, None
         moved = dict(named)
@@ -206,7 +203,10 @@ _NAMED = ("Abs", "Max", "Min", "sqrt", *SMOOTH)
 
 def _formula(target: Target, text: str, names: Mapping[str, Any]) -> Any:
     stated, tree = parse_tree(text, MAX_TEXT, "a formula")
-    return target.written(tree, stated, names)
+    try:
+        return target.written(tree, stated, names)
+    except OverflowError:
+        raise SceneError(text, "", "numbers within the range of floats", StatedFact("another")) from None
 
 
 # ---- programs, complete by themselves ------------------------------------------------------------

@@ -9,6 +9,7 @@ import runpy
 import shutil
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -381,8 +382,9 @@ def test_v_goes_to_sympy_and_casadi() -> None:
 @pytest.mark.parametrize("language", ["python", "c"])
 def test_a_number_beyond_floats_has_no_program(language: str) -> None:
     formulas = ns.System(["x"], ["-x*1e400"]).formulas()
-    with pytest.raises(ns.SceneError, match="numbers within the range of floats"):
-        formulas.program(language)
+    for beyond in (formulas, replace(formulas, fields=(("-x",),), lyapunov="1e400*x**2")):
+        with pytest.raises(ns.SceneError, match="numbers within the range of floats"):
+            beyond.program(language)
     assert formulas.sympy().fields[0][0] == -(10**400) * formulas.sympy().states[0]
 
 
