@@ -157,8 +157,9 @@ def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str
     """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
     largest = min(square_rooms(hull, scene.check.equilibrium))
     corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
-    exact = "" if str(largest) == float_text(largest) else f"{short_text(largest)} ~ "
-    advice = f"at most {exact}{float_text(largest)}" if largest.sign() > 0 else "an equilibrium inside it"
+    exact, rounded = short_text(largest), float_text(largest)
+    said = exact if exact.removeprefix("~") == rounded else f"{exact} ~ {rounded}"
+    advice = f"at most {said}" if largest.sign() > 0 else "an equilibrium inside it"
     return (
         f"check.radius: required {advice}, received {short_text(scene.check.radius)}: "
         f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"

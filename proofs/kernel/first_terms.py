@@ -156,7 +156,7 @@ def first_terms_attract(system: SwitchedSystem, subject: System) -> bool:
         stated = stated_cells(system, system.check.radius, irrational=True)
         jacobian = common_jacobian(fields_around(stated, subject, Search()))
         values = () if jacobian is None else np.linalg.eigvals(np.array(jacobian, dtype=float)).real
-    except (BeyondReachError, OverflowError):  # too many cells, or numbers beyond floats
+    except (BeyondReachError, NotShownError, OverflowError):  # many cells, others than the checker has, huge numbers
         return False
     return max(values, default=0.0) < -TIE
 

@@ -98,17 +98,20 @@ def _irrational_numbers(system: SwitchedSystem) -> Iterator[Number]:
     """Those of the right-hand sides, of the point, and of the V that is stated."""
     formulas = [side for member in system.members for side in member.rhs]
     for formula in (*formulas, system.check.lyapunov):
-        yield from (number for _, number in _numbers_of(formula, system))
+        yield from (number for _, number in _numbers_of(formula, system) if number.as_rational() is None)
     yield from (value for value in system.check.equilibrium if value.as_rational() is None)
 
 
 def _numbers_of(formula: PiecewiseExpression, system: SwitchedSystem) -> list[tuple[ast.expr, Number]]:
-    """The largest parts of a formula that are irrational numbers, from the left to the right."""
+    """The largest parts of a formula that are numbers and irrational, or written with a function, from left to right.
+
+    The checker reads no function of numbers: ``sqrt(4)`` and ``sin(pi/6)`` are rational, too.
+    """
     found = []
     for node, expression in formula.numbers.items():
         if isinstance(node, ast.expr):
             number = expression.value(system.field)
-            if number.as_rational() is None:
+            if number.as_rational() is None or any(isinstance(part, ast.Call) for part in ast.walk(node)):
                 found.append((node, number))
     return sorted(found, key=lambda own: own[0].col_offset)
 
@@ -193,7 +196,7 @@ def exact_text(value: Number | Fraction) -> str:
 
 
 def formula_in_names(formula: PiecewiseExpression, system: SwitchedSystem) -> str:
-    """A formula with every irrational number in the names of generators."""
+    """A formula with every irrational number in the names of generators, and no function of numbers."""
     own = parse_piecewise(one_line(formula.text), system.states)
     text = own.text
     for node, number in reversed(_numbers_of(own, system)):

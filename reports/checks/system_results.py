@@ -192,7 +192,12 @@ class SystemCheckResult(FactResult):
 
         Args:
             search: ``fast`` or ``best``.
+
+        Raises:
+            ValueError: for another search.
         """
+        if search not in ("fast", "best"):
+            raise ValueError(f"search: required fast or best, received {search!r}")
         if not self.evidence.has_local_region:
             return self
         from nonsmooth.proofs.many_states.reshaped_region import TooMuchWorkError

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.output.console import write
-from nonsmooth.reports.output.refusals import RefusedError, beyond_floats_named, refusals_named
+from nonsmooth.reports.output.refusals import RefusedError, bad_input, beyond_floats_named, refusals_named
 from nonsmooth.reports.output.study_options import SceneOptions, SceneText
 from nonsmooth.reports.studies.study_command import offered
 
@@ -62,6 +62,8 @@ def export(
 
     Exit status: 0 done, 2 bad input.
     """
+    from nonsmooth.analysis.bodies.supports import StartTipsError
+    from nonsmooth.analysis.trajectories.result import TrajectoryError
     from nonsmooth.reports.checks.system_results import EXPORTS
     from nonsmooth.reports.output.files import output_path, write_whole
     from nonsmooth.reports.simulations.mjcf import export_scene, export_world
@@ -87,7 +89,7 @@ def export(
             loaded = build_scene(data, label, file, allow_outside=allow_outside)
         loaded = loaded if rule is None else loaded.under(rule)
     stated = place is not None or is_vehicle
-    with refusals_named(loaded), beyond_floats_named(loaded):
+    with refusals_named(loaded), bad_input(loaded, StartTipsError, TrajectoryError), beyond_floats_named(loaded):
         start = loaded.check.equilibrium if stated else None
         exported = export_world(loaded, start) if frame is ExportFrame.WORLD else export_scene(loaded, start)
     if path is None:

@@ -144,6 +144,9 @@ class FieldFormulas:
         Args:
             target: how formulas are written.
             names: what stands for each state.
+
+        Raises:
+            SceneError: for a formula with a number beyond the floats of a target of floats.
         """
         named = dict(zip(self.states, names, strict=True))
         fields = [[_formula(target, text, named) for text in field] for field in self.fields]
@@ -200,7 +203,10 @@ _NAMED = ("Abs", "Max", "Min", "sqrt", *SMOOTH)
 
 def _formula(target: Target, text: str, names: Mapping[str, Any]) -> Any:
     stated, tree = parse_tree(text, MAX_TEXT, "a formula")
-    return target.written(tree, stated, names)
+    try:
+        return target.written(tree, stated, names)
+    except OverflowError:
+        raise SceneError(text, "", "numbers within the range of floats", StatedFact("another")) from None
 
 
 # ---- programs, complete by themselves ------------------------------------------------------------
@@ -287,7 +293,8 @@ def c_program(formulas: FieldFormulas) -> str:
     fields, lyapunov = _functions(formulas, C)
     count = len(formulas.states)
     lines = [f"/* {f' */{chr(10)}/* '.join(_head(formulas))} */", "", "#include <math.h>", ""]
-    lines += ["static double sgn(double a) { return (a > 0) - (a < 0); }"]
+    if any("sgn(" in part for part in (lyapunov or "", *(part for _, own in fields for part in own))):
+        lines += ["static double sgn(double a) { return (a > 0) - (a < 0); }"]
     for name, own in fields:
         lines += ["", f"void {name}(const double x[{count}], double dx[{count}])", "{"]
         lines += [*(f"    dx[{k}] = {part};" for k, part in enumerate(own)), "}"]

@@ -475,6 +475,7 @@ def export_world(scene: Scene, place: Vector | None = None) -> WorldExport:
         SceneError: for another rule than ``ellipse``, loads that are not elastic, friction axes askew to each other,
             and outlines that are neither rectangles nor discs; a ``TipsError`` for a body that does not stand there.
         RefusalError: where the motion is not determined.
+        TrajectoryError: where that of the predicted path is not proved to be the minimizer.
     """
     from nonsmooth.analysis.bodies.mass_study import rule_path
 

@@ -35,6 +35,7 @@ MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the 
 _WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
 _ABS = re.compile(r"\babs *\(")  # read as Abs, the one name that certificates and the checker know
 _ODD_EXPONENT = re.compile(r"\*\*\s*(?!\d+\b(?!\.))")  # not in digits alone
+_OTHER_DIGITS = re.compile(r"(?<![\w.])0[box]\w*", re.IGNORECASE)  # Python's integers to other bases
 _FUNCTIONS = ("sqrt", "sin", "cos")
 OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {  # in any arithmetic
     ast.Add: operator.add,
@@ -120,8 +121,8 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
         required: what should have stood there, with an example.
 
     Raises:
-        ExpressionError: for other values, long texts, decimals out of bounds, powers by ``^``, and what Python cannot
-            parse.
+        ExpressionError: for other values, long texts, decimals out of bounds, powers by ``^``, hexadecimal numbers,
+            and what Python cannot parse.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
         raise ExpressionError(f"required a number or a formula in quotes, received {shown(value)}")
@@ -138,6 +139,8 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
         decimal_value(text)
     if "^" in text:
         raise ExpressionError(f"required ** for powers, as in x**2, received {shown(value)}")
+    if _OTHER_DIGITS.search(text):
+        raise ExpressionError(f"required decimal numbers, received {shown(value)}")
     try:
         if "#" in text:
             raise SyntaxError("a comment")

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -432,6 +435,23 @@ def test_the_regions_that_hold_a_point_are_found_without_the_others(arrays: Arra
 def test_a_body_that_would_tip_is_refused_with_the_largest_radius(arrays: Arrays) -> None:
     with pytest.raises(LoadError, match=r"check.radius: required at most 1, received 11/10: at .* tips"):
         load_regions(arrays.four_wheel(radius=Fraction(11, 10)))
+
+
+def test_the_largest_radius_is_said_once(tmp_path: Path) -> None:
+    """Its exact form is too long for the line: it is told in digits alone."""
+    places = ["sqrt(2)", 0], ["-1/7", "sqrt(3)"], [-1, "-sqrt(5)/2"]
+    wheels = ", ".join(f"{{ position = {json.dumps(place)} }}" for place in places)
+    (tmp_path / "roots.toml").write_text(f"friction = {{ mu_roll = 1, mu_side = 1 }}\nwheel = [{wheels}]\n")
+    with pytest.raises(LoadError) as refused:
+        load_regions(load_scene(tmp_path / "roots.toml", radius=3))
+    ((said, told),) = re.findall(r"required at most (~?)([0-9.]+), received 3: ", str(refused.value))
+    assert said == "~"
+    corners = [np.array(corner) for corner in ((2**0.5, 0.0), (-1 / 7, 3**0.5), (-1.0, -(5**0.5) / 2))]
+    rooms = []  # how far a square may reach before a corner of it is on the line through two wheels
+    for corner, following in zip(corners, corners[1:] + corners[:1], strict=True):
+        along = following - corner
+        rooms.append(abs(along[0] * corner[1] - along[1] * corner[0]) / np.abs(along).sum())
+    assert float(told) == pytest.approx(min(rooms), abs=1e-6)
 
 
 def test_collinear_wheels_are_refused(arrays: Arrays) -> None:

@@ -173,6 +173,22 @@ def test_irrational_numbers_stand_for_themselves_in_the_plane() -> None:
     assert beside["statement"]["subject"]["at"] == [[["1/2", 0]], "0"]
 
 
+@pytest.mark.parametrize(
+    ("written", "plain"),
+    [
+        (["-sin(pi/6)*x"], ["-(1/2)*x"]),
+        (["-sqrt(4)*x"], ["-(2)*x"]),
+        (["-x*sin(pi/6) + y", "-y - sign(y)*sqrt(4)"], ["-x*(1/2) + y", "-y - sign(y)*(2)"]),
+    ],
+)
+def test_functions_of_numbers_that_are_rational_are_that_number(written: list[str], plain: list[str]) -> None:
+    """The checker reads no function of numbers; the same system in plain numbers has the same certificate."""
+    states = ["x", "y"][: len(plain)]
+    (one, other) = (ns.System(states, rhs, name="one").check().certificate() for rhs in (written, plain))
+    assert one["statement"]["claims"] == other["statement"]["claims"]
+    assert one == json.loads(json.dumps(other).replace("-(1/2)*x", "(-1/2)*x").replace("-(2)*x", "(-2)*x"))
+
+
 def test_irrational_numbers_lie_between_rational_ones_in_space() -> None:
     record = certified(ns.System(["x", "y", "z"], ["-sqrt(2)*x + y", "-y - sqrt(3)*z", "sqrt(3)*y - z"]))
     assert claims(record, "stability") == ["asymptotically stable"]

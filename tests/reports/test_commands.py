@@ -495,3 +495,33 @@ def test_the_command_writes_the_file(invoke: Invoke, tmp_path: Path) -> None:
     for words in ("the table stands", "MuJoCo 3.11 or later", "start of the centre of mass in the scene: (0.2, 0.1)"):
         assert words in text
     mujoco.MjModel.from_xml_string(text)
+
+
+# Along and across rims that are askew friction differs by nine powers of ten: floats prove no minimizer on the way.
+ASKEW = """
+friction = { mu_roll = 1e-9, mu_side = 1, axis = "45 deg" }
+contact = { rule = "ellipse" }
+body = { shape = "rectangle", width = 3, height = 3 }
+wheel = [
+    { position = [1, 0.5] }, { position = [-1, 0.5], heading = "outward" }, { position = [-1, -0.5] },
+    { position = [1, -0.5], axis = [1, -1] }, { position = [0, 0.5], heading = "pi/6" }, { position = [0, -0.5] },
+]
+"""
+
+
+@pytest.mark.parametrize(
+    ("start", "message"),
+    [
+        ("5,5", "received one where it tips"),
+        ("0,0.4929", "received a minimum without proof"),
+    ],
+)
+def test_a_path_that_cannot_be_predicted_is_refused_in_one_line(
+    start: str, message: str, invoke: Invoke, tmp_path: Path
+) -> None:
+    (tmp_path / "askew.toml").write_text(ASKEW, encoding="utf-8")
+    done = invoke("export", "askew.toml", "--frame", "world", "--from", start, "-o", "w.xml")
+    assert done.status == 2
+    assert message in done.err
+    assert done.err.count("\n") == 1
+    assert not (tmp_path / "w.xml").exists()

@@ -181,6 +181,12 @@ def test_refused_text(value: object) -> None:
     assert advice == []  # Python's own remarks about such text do not reach the user
 
 
+@pytest.mark.parametrize("text", ["0x10", "2*0B1", "sqrt(0o7)"])
+def test_digits_to_other_bases_are_refused(text: str) -> None:
+    with pytest.raises(ExpressionError, match="required decimal numbers"):
+        parse(text)
+
+
 def test_powers_are_written_as_in_python() -> None:
     with pytest.raises(ExpressionError, match=r"required \*\* for powers, as in x\*\*2, received 'sqrt\(2\)\^2'"):
         parse("sqrt(2)^2")

@@ -9,6 +9,7 @@ import runpy
 import shutil
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -323,6 +324,12 @@ def test_the_python_program_has_the_field(name: str, tmp_path: Path) -> None:
             assert field(point) == pytest.approx(values(own, formulas.states, point), rel=1e-12, abs=1e-12)
 
 
+def test_a_c_program_says_sgn_where_it_uses_it() -> None:
+    """One that is not used is a warning of compilers, and an error with ``-Werror``."""
+    assert "sgn" not in ns.System(["x", "y"], ["y", "-x - y**3"]).formulas().program("c")
+    assert "static double sgn" in ns.System(["x", "y"], ["y", "-x - sign(y)"]).formulas().program("c")
+
+
 def test_the_c_program_has_the_field_and_v(tmp_path: Path) -> None:
     compiler = shutil.which("cc")
     if compiler is None:
@@ -370,6 +377,15 @@ def test_v_goes_to_sympy_and_casadi() -> None:
     assert float(system("moved").check().formulas().casadi().lyapunov([3.0, 2.0])) == 8.0
     with pytest.raises(ValueError, match="a language of python, c, received 'rust'"):
         system("moved").formulas().program("rust")
+
+
+@pytest.mark.parametrize("language", ["python", "c"])
+def test_a_number_beyond_floats_has_no_program(language: str) -> None:
+    formulas = ns.System(["x"], ["-x*1e400"]).formulas()
+    for beyond in (formulas, replace(formulas, fields=(("-x",),), lyapunov="1e400*x**2")):
+        with pytest.raises(ns.SceneError, match="numbers within the range of floats"):
+            beyond.program(language)
+    assert formulas.sympy().fields[0][0] == -(10**400) * formulas.sympy().states[0]
 
 
 # ---- other provers -------------------------------------------------------------------------------
