@@ -18,6 +18,7 @@ from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Pose, Speeds, StateLaw, feedback_field
 from nonsmooth.analysis.fields.feedback_laws import (
+    CellLaw,
     cascade_law,
     corrected_law,
     gradient_law,
@@ -159,7 +160,7 @@ class FeedbackLoop:
         return {index: float(limit) for index, limit in self.partition.scene.speed_limits.items()}
 
     @cached_property
-    def wanted(self) -> StateLaw:
+    def wanted(self) -> CellLaw:
         """The speeds in every cell that the law asks for."""
         if self.law in _PAPER_LAWS:
             return _PAPER_LAWS[self.law](self.gain, float(self.partition.scene.check.length))
