@@ -100,7 +100,7 @@ def load_regions(scene: Scene, holding: Point | None = None, domain: Polygon | N
     if not model.lifts_off:
         forms = tuple(model.forms(exact_moments(scene), range(len(scene.wheels)), EXACT) or ())
         _require_positive(scene, forms, domain)
-        return (LoadRegion(domain, forms, frozenset(w.index for w in scene.wheels)),)
+        return (LoadRegion(domain, forms, frozenset(scene.numbers)),)
     regions = _Regions(scene, domain)
     everywhere = regions.of(regions.every)
     if everywhere is not None and everywhere.polygon is domain:  # no load is negative at its corners: it is supported
@@ -115,7 +115,7 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
     Raises:
         LoadError: where the point lies outside the support polygon or on its border, or the wheels are collinear.
     """
-    hull = support_polygon([wheel.position for wheel in scene.wheels])
+    hull = support_polygon(scene.positions)
     if len(hull) < 3 or side_of(hull, point) <= 0:
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
@@ -140,7 +140,7 @@ def require_support(scene: Scene, domain: Polygon) -> None:
     Raises:
         LoadError: naming the place, or that the wheels are collinear.
     """
-    hull = support_polygon([wheel.position for wheel in scene.wheels])
+    hull = support_polygon(scene.positions)
     if len(hull) < 3:
         raise LoadError(
             "contact.loads: required three wheels that are not collinear, "

@@ -81,11 +81,11 @@ def nearest_partition_like(scene: Scene, known: Partition) -> Partition | None:
 
 def _rational_places(scene: Scene) -> list[Any] | None:
     """Where the wheels stand, and the checked square, where all of that is rational and no row is without friction."""
-    points = *(wheel.position for wheel in scene.wheels), scene.check.equilibrium
+    points = *scene.positions, scene.check.equilibrium
     numbers = *chain.from_iterable(points), scene.check.radius
     found = [number.as_rational() if type(number) is Number else None for number in numbers]
     is_plain = all(map(has_friction, scene.wheels)) and None not in found
-    return [*found, *(wheel.index for wheel in scene.wheels)] if is_plain else None
+    return [*found, *scene.numbers] if is_plain else None
 
 
 def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:

@@ -116,7 +116,7 @@ def support_rows(scene: Scene) -> Rows:
     """Loads towards the longest edge and beyond it; a refusal for wheels on one line."""
     model = contact_model(scene)
     middle = model.positions.mean(axis=0)
-    hull = float_points(support_polygon([w.position for w in scene.wheels]))
+    hull = float_points(support_polygon(scene.positions))
     if len(hull) < 3:
         yield from _tipping(model, middle, "wheels on one line")
         return
@@ -141,7 +141,7 @@ def _tipping(model: ContactModel, point: Floats, parameter: str) -> Rows:
 
 def load_scale_rows(scene: Scene) -> Rows:
     """Loads in other units of length."""
-    if len(support_polygon([wheel.position for wheel in scene.wheels])) < 3:
+    if len(support_polygon(scene.positions)) < 3:
         return
     for power in POWERS:
         larger = scaled(scene, Fraction(10) ** power)

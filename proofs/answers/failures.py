@@ -155,7 +155,7 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
     point = scene.check.equilibrium
     carrying = standing(rest)
     require_standing(rest, carrying.wheels, point)
-    room = default_radius([wheel.position for wheel in carrying.wheels], point)
+    room = default_radius(carrying.positions, point)
     return rest if (carrying.check.radius - room).sign() <= 0 else in_square(rest, room)
 
 

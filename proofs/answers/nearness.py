@@ -272,7 +272,7 @@ def _under_a_load(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
     if asked.load is None or (scatter is not None and scatter.stiffness):
         return Nearness()
     try:
-        forms = spring_forms([wheel.position for wheel in array.wheels])
+        forms = spring_forms(array.positions)
     except NoSpringsError:
         return Nearness()
     for share in LOAD_SHARES:

@@ -267,7 +267,7 @@ class _Turns:
 
 def _standing(scene: Scene) -> float:
     """A radius about the point of a centred scene within which the body stands on the wheels."""
-    corners = support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))
+    corners = support_polygon(outer_positions(scene.positions))
     if len(corners) < 3:
         return 0.0
     places = float_points(corners)

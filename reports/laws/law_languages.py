@@ -60,7 +60,7 @@ def header(law: LawTable, at: str, language: Language) -> list[str]:
     ]
     if law.scene.body is not None:
         far = how_far(law.scene, "the checked point", "the checked heading")
-        carrying = _plain(numbers_text(tuple(wheel.index for wheel in law.scene.wheels)))
+        carrying = _plain(numbers_text(law.scene.numbers))
         said.append(f"It is about the body on wheels {carrying} and no others: they carry it for certain {far}.")
     said.append(f"Where it does not return the body: {'; '.join(_where_not(law))}.")
     said += [f"Which k: {law.gains}."] if law.gains else []

@@ -93,7 +93,7 @@ def under_rule(scene: Scene, rule: str) -> Scene:
     other = scene.under(rule)
     if other is scene or not other.check.has_default_radius:
         return other
-    check, places = other.check, [wheel.position for wheel in other.wheels]
+    check, places = other.check, other.positions
     radius = _pressed(check.radius, places, check.equilibrium, other.contact)
     return other if radius is check.radius else replace(other, check=replace(check, radius=radius))
 

@@ -22,6 +22,7 @@ from nonsmooth.symbolic.numbers.coefficients import (
     Coefficient,
     Rational,
     as_fmpq,
+    as_fraction,
     base_inverse,
     bits,
     fmpq_to_float,
@@ -334,7 +335,7 @@ class Number(ExactReal):
         if self._hash is None:
             rational = self.as_rational()
             if rational is not None:  # equal to a Fraction, so hashed like one
-                self._hash = hash(Fraction(int(rational.p), int(rational.q)))
+                self._hash = hash(as_fraction(rational))
             else:
                 self._hash = hash(frozenset((mask, str(c)) for mask, c in self.terms.items()))
         return self._hash

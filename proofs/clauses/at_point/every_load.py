@@ -229,7 +229,7 @@ class EveryLoadPoint:
 def is_admissible(scene: Scene, loads: Loads) -> bool:
     """``N >= 0, sum N_i = 1, sum N_i p_i = 0``."""
     zero = scene.field.zero
-    pairs = list(zip(loads, (wheel.position for wheel in scene.wheels), strict=True))
+    pairs = list(zip(loads, scene.positions, strict=True))
     moments = (sum((n * p[axis] for n, p in pairs), zero) for axis in (0, 1))
     return all(n >= 0 for n in loads) and sum(loads, zero) == 1 and not any(moments)
 
@@ -487,7 +487,7 @@ def moving_loads(scene: Scene, loads: LoadSet) -> Iterator[Loads]:
 
 def is_driven_away(scene: Scene, load: Loads) -> bool:
     """Whether the point is no equilibrium under a load that is carried to its neighbourhood; every wheel carries."""
-    table = carried_table(load, [wheel.position for wheel in scene.wheels])
+    table = carried_table(load, scene.positions)
     known = replace(scene, contact=Contact(scene.contact.rule, table))
     for _ in range(HALVINGS):
         try:

@@ -169,7 +169,7 @@ def limited_speed(feedback: DrivenFeedback, scene: Scene) -> Fraction | None:
     limits, own = scene.speed_limits, in_own_length(scene.recentred())
     least: list[float] = []
     for imposed in (imposed for cone in feedback.cones for imposed in cone.twists):
-        speeds = dict(zip((wheel.index for wheel in own.wheels), rim_speeds(own, imposed), strict=True))
+        speeds = dict(zip(own.numbers, rim_speeds(own, imposed), strict=True))
         least += [float(limit) / abs(speeds[wheel]) for wheel, limit in limits.items() if speeds[wheel]]
     if not least or feedback.kappa is None:
         return None
