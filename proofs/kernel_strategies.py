@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import lyapunov_cells
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, Translation, function_facts, row_fact
+from nonsmooth.proofs.findings import Fact, Record, Translation, function_facts, row_fact
 from nonsmooth.proofs.inequalities.subdivision import shared_effort
 from nonsmooth.proofs.kernel.bases import quadratic_text
 from nonsmooth.proofs.kernel.cells import BeyondReachError

@@ -28,7 +28,7 @@ from flint import arb, ctx
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError

@@ -24,8 +24,7 @@ from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.falling_function import growth_hypotheses, stated_function
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses

@@ -28,7 +28,7 @@ from nonsmooth.proofs.checker.contact import Cells
 from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record, encode
+from nonsmooth.proofs.findings import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import (

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, SupportsFloat, TypeAlia
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.proofs.own_paths import CLOSE, CLOSER, FAR, paths_from, starts_around, starts_on_borders
 from nonsmooth.proofs.theorem4 import CellCheck, Check, Contradiction
 from nonsmooth.symbolic.mechanics.scene import Scene

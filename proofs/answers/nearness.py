@@ -31,7 +31,7 @@ from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, Ever
 from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
 from nonsmooth.symbolic.mechanics.constraints import Twist

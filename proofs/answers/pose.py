@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import (
     ultimate_bound,
     wheel_speed,
 )
-from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Feedback, Quantity, said
+from nonsmooth.proofs.findings import Certainty, Fact, Feedback, Quantity, said
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, upper_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING

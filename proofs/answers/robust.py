@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, cast
 
 from nonsmooth.proofs.answers.answer import Answer, Results, angle_at_most, at_least, at_most, half_life
-from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity
+from nonsmooth.proofs.findings import Certainty, Fact, Quantity
 from nonsmooth.symbolic.mechanics.scene import Scene
 
 if TYPE_CHECKING:

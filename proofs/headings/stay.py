@@ -28,7 +28,7 @@ from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Translation
+from nonsmooth.proofs.findings import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, on_wheels, whole
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of

@@ -17,7 +17,7 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from nonsmooth.proofs.findings.exact_json import Generators, Record
+from nonsmooth.proofs.findings import Generators, Record
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, Wave, in_place_of_names
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line

@@ -17,7 +17,7 @@ from flint import fmpq
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     are_positive_everywhere,

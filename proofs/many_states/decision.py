@@ -27,7 +27,7 @@ from functools import cached_property
 import numpy as np
 from flint import ctx, fmpq, fmpq_mat, fmpq_poly
 
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, complex_roots, positive_roots
 from nonsmooth.proofs.kernel.bases import quadratic_text

@@ -13,8 +13,7 @@ from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at

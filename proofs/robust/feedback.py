@@ -28,7 +28,7 @@ from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.robust.array_forces import FOLLOWED, ArrayBox, PieceForces, Triple, force_law
 from nonsmooth.proofs.robust.box import BoxBound, box_wheels
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS, BoxCorners

@@ -37,7 +37,7 @@ from nonsmooth.proofs.boxes.enclosures import (
     unit_vector,
 )
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple, force_law, rollers
 from nonsmooth.proofs.robust.box import box_wheels, half_widths
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece

@@ -44,7 +44,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point, clipped_by
 from nonsmooth.analysis.cells.region import Region, affine, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, distinct, gradients_at, velocities_at
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst

@@ -14,8 +14,7 @@ from rich.text import Text
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Theorem4, said
+from nonsmooth.proofs.findings import Record, Theorem4, said
 from nonsmooth.proofs.theorem4 import Check, Contradiction
 from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answer_lines, answers_record, check_record, checks_record
 from nonsmooth.reports.output.progress import progress, steps

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.clauses.at_point.possible_twists import PossibleTwist
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.output.files import PICTURES

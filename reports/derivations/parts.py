@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import DIGITS, UNDECIDED, Answer, Pose, at_least, at_most
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.answers import GOES, destinations_head, destinations_table, stated_answers
 from nonsmooth.reports.checks.continuum import continuum_section

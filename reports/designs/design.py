@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import as_json, toml_text
 from nonsmooth.reports.output.facts import fact_record

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import entry

@@ -31,7 +31,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, TurnRegion, find_cascade
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.mechanics.contact_states import ContactState

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from nonsmooth.analysis.fields.feedback_laws import LawKind
 from nonsmooth.proofs.answers.answer import how_far
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.laws.law_table import LawRegion, LawTable, law_table
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.study_options import LawName

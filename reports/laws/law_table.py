@@ -25,7 +25,7 @@ from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS, certified_error, ultimate_bound, wheel_speed
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import CellCheck, Check
 from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.output.study_options import LawName

@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
+from nonsmooth.proofs.findings import Equilibrium, Fact, Translation
 from nonsmooth.proofs.theorem4 import CellCheck, Check
 from nonsmooth.reports.checks.cells import CellsResult
 from nonsmooth.reports.checks.subject import ArraySubject

@@ -18,7 +18,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
 from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units

@@ -30,8 +30,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import half_life, has_dynamics, how_far
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback, Record
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.files import FILMS, output_path, write_whole

@@ -15,8 +15,7 @@ from nonsmooth.proofs.answers.contradictions import Printed, sample_of, without_
 from nonsmooth.proofs.answers.destinations import SampledEnds, ends_from
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
+from nonsmooth.proofs.findings import Quantity, Record, Theorem4
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.domain import DecayKind
 from nonsmooth.proofs.theorem4 import CellCheck, Check, check_theorem4

@@ -23,7 +23,7 @@ from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.theorem4 import SEARCH_UNITS, judge_equilibria
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult

@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs import system_certificates
 from nonsmooth.proofs.certificate import certificate_text
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.reports.checks.cells import drawn
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait

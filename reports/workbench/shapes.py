@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.sliding_edges import switching_stretches
 from nonsmooth.analysis.trajectories.result import Event, Trajectory, TrajectoryError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.scene import LoadTable

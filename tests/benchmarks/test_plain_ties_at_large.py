@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from nonsmooth.proofs.findings.verdicts import Equilibrium
+from nonsmooth.proofs.findings import Equilibrium
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium

@@ -20,7 +20,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
 from nonsmooth.proofs.clauses.feedback.control_fields import common_normal
-from nonsmooth.proofs.findings.verdicts import Feedback, Theorem4
+from nonsmooth.proofs.findings import Feedback, Theorem4
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.constraints import inner

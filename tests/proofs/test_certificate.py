@@ -26,8 +26,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation.on_cells import certified_disc
-from nonsmooth.proofs.findings.exact_json import encode, homogeneous
-from nonsmooth.proofs.findings.verdicts import Rotation, Translation
+from nonsmooth.proofs.findings import Rotation, Translation, encode, homogeneous
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.system_stability import PlanePoint

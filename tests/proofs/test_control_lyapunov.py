@@ -32,7 +32,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import (
     shape_regions,
 )
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, certified_rate
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData

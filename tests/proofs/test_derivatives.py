@@ -15,7 +15,7 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Trend, Trends, ladder_at
 from nonsmooth.proofs.inequalities.prover import Proof, prove

@@ -45,7 +45,7 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     candidate_twists,
     candidates_of,
 )
-from nonsmooth.proofs.findings.verdicts import Feedback, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import Situation
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Feedback, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes

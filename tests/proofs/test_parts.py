@@ -14,7 +14,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.switched_cells import square_regions
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import (

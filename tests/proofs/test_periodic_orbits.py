@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.checker.statements import refusal
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.centres import show_integral_of, show_reversible_of
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.orbits.ball_steps import Expansion, precision

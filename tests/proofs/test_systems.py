@@ -27,7 +27,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
     velocities_at,
 )
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease

@@ -13,7 +13,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.checks import check
 from nonsmooth.reports.checks.subject import FILIPPOV, Reference, ReportPart, ReportSubject
 from nonsmooth.reports.derivations import derivation, parts

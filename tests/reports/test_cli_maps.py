@@ -25,7 +25,7 @@ from nonsmooth.analysis.fields.stated_field import potential_values
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampling import sample_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output import progress as progress_module

@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from rich.console import Console
 
 import nonsmooth as ns
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, row_fact, text_fact, unsaid
+from nonsmooth.proofs.findings import Fact, Quantity, Translation, row_fact, text_fact, unsaid
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.domain import plane_cells

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import nonsmooth as ns
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report

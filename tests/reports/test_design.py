@@ -16,7 +16,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.answers.answer import Answer, Position
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity
+from nonsmooth.proofs.findings import Fact, Quantity
 from nonsmooth.reports.designs.design import DesignResult
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.request import DesignError, read_freedom

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run

@@ -42,7 +42,7 @@ from nonsmooth.proofs.boxes.linearization import (
     spin_candidates,
 )
 from nonsmooth.proofs.clauses.at_point.held_wheels import HeldForce, are_strict, held_forces, radius_of_turning
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     RowKind,

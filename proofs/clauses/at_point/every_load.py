@@ -27,7 +27,7 @@ from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_can
 from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
 from nonsmooth.proofs.clauses.at_point.held_wheels import are_strict, held_forces
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity
+from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity
 from nonsmooth.symbolic.mechanics.constraints import (
     Row,
     Triple,

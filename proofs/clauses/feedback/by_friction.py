@@ -73,7 +73,7 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     unique_ones,
     with_exclusions,
 )
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.symbolic.mechanics.constraints import Triple
 from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
@@ -120,7 +120,7 @@ class DrivenFeedback:
     """Verdict with its evidence.
 
     Attributes:
-        verdict: see :class:`nonsmooth.proofs.findings.verdicts.Feedback`.
+        verdict: see :class:`nonsmooth.proofs.findings.Feedback`.
         reason: one sentence for people.
         scene: the array, centred.
         cones: the law, by direction of c, of the array with ``length`` for its unit (stabilizable).

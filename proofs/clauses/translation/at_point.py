@@ -33,7 +33,7 @@ from nonsmooth.proofs.clauses.at_point.every_load import (
     wheel_slips,
 )
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.symbolic.mechanics.constraints import cross_product, inner
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below

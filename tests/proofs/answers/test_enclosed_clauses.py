@@ -25,7 +25,7 @@ from nonsmooth.proofs.answers.destinations import best_point
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.robust import touching_rings
 from nonsmooth.proofs.robust.ends import COARSE, field_beside, velocity_of
 from nonsmooth.proofs.robust.level_sets import (

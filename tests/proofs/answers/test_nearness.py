@@ -20,7 +20,7 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.position import _where
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _shapes, decide_ends, field_beside, velocity_of
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels

@@ -19,7 +19,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
-from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.findings import Certainty
 from nonsmooth.proofs.robust.array_forces import PieceForces, ellipse_force, roller_force
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof, decide_robust
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
