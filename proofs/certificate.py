@@ -45,8 +45,8 @@ from nonsmooth.proofs.findings import Equilibrium, Feedback, Record, encode, hom
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.robust.nearest import certified_bounds
 from nonsmooth.proofs.verified import verified
-from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import alone
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.coefficients import rational_ball

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.files.scene_file import load_scene as load_scene
     from nonsmooth.symbolic.files.system_file import load_any as load_any
     from nonsmooth.symbolic.files.system_file import load_system as load_system
-    from nonsmooth.symbolic.mechanics.constraints import Row as Row
-    from nonsmooth.symbolic.mechanics.constraints import Twist as Twist
-    from nonsmooth.symbolic.mechanics.constraints import constraint_matrix as constraint_matrix
-    from nonsmooth.symbolic.mechanics.constraints import scene_rows as scene_rows
     from nonsmooth.symbolic.mechanics.contact_states import ContactState as ContactState
+    from nonsmooth.symbolic.mechanics.contact_states import Row as Row
+    from nonsmooth.symbolic.mechanics.contact_states import Twist as Twist
+    from nonsmooth.symbolic.mechanics.contact_states import constraint_matrix as constraint_matrix
+    from nonsmooth.symbolic.mechanics.contact_states import scene_rows as scene_rows
     from nonsmooth.symbolic.mechanics.contact_states import take_census as take_census
     from nonsmooth.symbolic.mechanics.equations import Coordinates as Coordinates
     from nonsmooth.symbolic.mechanics.equations import annihilator as annihilator
@@ -37,10 +37,10 @@ __getattr__ = on_demand(
     {
         "ContactState": "mechanics.contact_states",
         "take_census": "mechanics.contact_states",
-        "Row": "mechanics.constraints",
-        "Twist": "mechanics.constraints",
-        "constraint_matrix": "mechanics.constraints",
-        "scene_rows": "mechanics.constraints",
+        "Row": "mechanics.contact_states",
+        "Twist": "mechanics.contact_states",
+        "constraint_matrix": "mechanics.contact_states",
+        "scene_rows": "mechanics.contact_states",
         "Coordinates": "mechanics.equations",
         "annihilator": "mechanics.equations",
         "governing_equations": "mechanics.equations",

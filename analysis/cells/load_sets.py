@@ -34,7 +34,7 @@ from typing import NamedTuple, TypeAlias
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, require_support
 from nonsmooth.analysis.cells.polygon import square
-from nonsmooth.symbolic.mechanics.constraints import Triple, inner
+from nonsmooth.symbolic.mechanics.contact_states import Triple, inner
 from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import spring_forms

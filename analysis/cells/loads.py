@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
 from nonsmooth.symbolic.mechanics.body import square_rooms, support_polygon
-from nonsmooth.symbolic.mechanics.constraints import Triple
+from nonsmooth.symbolic.mechanics.contact_states import Triple
 from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads, carried_loads
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import EXACT, EqualSprings, exact_moments, load_model

@@ -26,7 +26,8 @@ import numpy as np
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
+    ContactState,
     Row,
     RowKind,
     Triple,
@@ -34,8 +35,8 @@ from nonsmooth.symbolic.mechanics.constraints import (
     roll_row,
     rows_with_friction,
     side_row,
+    solve_rows,
 )
-from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, in_floats

@@ -44,8 +44,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth, onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.mechanics.body import support_polygon
-from nonsmooth.symbolic.mechanics.constraints import Row, roll_row, side_row
-from nonsmooth.symbolic.mechanics.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.contact_states import Row, roll_row, side_row, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.messages.scene_kind import SceneKind

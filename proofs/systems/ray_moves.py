@@ -36,7 +36,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     lowest_form,
     positive_roots,
 )
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import place_text

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.symbolic.mechanics.constraints import Twist
-    from nonsmooth.symbolic.mechanics.contact_states import ContactState
+    from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist
     from nonsmooth.symbolic.numbers.number import Number
     from nonsmooth.symbolic.numbers.plane import Vector
 

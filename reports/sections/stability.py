@@ -39,7 +39,7 @@ from nonsmooth.reports.output.document import (
 from nonsmooth.reports.output.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.sections.feedback import feedback_blocks
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text

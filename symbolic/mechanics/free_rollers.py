@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from nonsmooth.symbolic.mechanics.constraints import Row, Triple, basis_of, complement, rows_with_friction
+from nonsmooth.symbolic.mechanics.contact_states import Row, Triple, basis_of, complement, rows_with_friction
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import brief_text
 

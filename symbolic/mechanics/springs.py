@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from nonsmooth.symbolic.mechanics.body import DIGITS, default_radius
-from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, gram, inner, scaled
+from nonsmooth.symbolic.mechanics.contact_states import Triple, cofactors, gram, inner, scaled
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, UnknownLoads, X
 from nonsmooth.symbolic.mechanics.rule import CELLS_BY_LOADS
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene

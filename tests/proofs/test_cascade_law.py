@@ -23,7 +23,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import common_normal
 from nonsmooth.proofs.findings import Feedback, Theorem4
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import inner
+from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds

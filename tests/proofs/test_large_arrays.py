@@ -36,7 +36,7 @@ from nonsmooth.proofs.theorem4 import Check, SmoothCheck, check_theorem4
 from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, independent, inner, scaled
+from nonsmooth.symbolic.mechanics.contact_states import Triple, cross_product, independent, inner, scaled
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -43,14 +43,14 @@ from nonsmooth.proofs.boxes.linearization import (
 )
 from nonsmooth.proofs.clauses.at_point.held_wheels import HeldForce, are_strict, held_forces, radius_of_turning
 from nonsmooth.proofs.findings import Equilibrium, Translation
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
     Row,
     RowKind,
     Twist,
     independent,
     scene_rows,
+    solve_rows,
 )
-from nonsmooth.symbolic.mechanics.contact_states import solve_rows
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number

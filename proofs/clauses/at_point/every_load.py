@@ -28,7 +28,7 @@ from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
 from nonsmooth.proofs.clauses.at_point.held_wheels import are_strict, held_forces
 from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
     Row,
     Triple,
     Twist,

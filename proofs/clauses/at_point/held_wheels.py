@@ -32,7 +32,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.proofs.boxes.linearization import Slip, gradient, slips_at
-from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, combine, gram, inner, scaled, total
+from nonsmooth.symbolic.mechanics.contact_states import Triple, cofactors, combine, gram, inner, scaled, total
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import enclosure

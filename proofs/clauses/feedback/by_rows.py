@@ -51,7 +51,7 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import (
     level_with_rate,
 )
 from nonsmooth.proofs.findings import Feedback
-from nonsmooth.symbolic.mechanics.constraints import Triple, independent
+from nonsmooth.symbolic.mechanics.contact_states import Triple, independent
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign

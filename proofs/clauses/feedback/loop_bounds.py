@@ -46,7 +46,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.rational_bounds import confirmed, rounded_down, rounded_up
 from nonsmooth.proofs.findings import Certainty, Feedback
-from nonsmooth.symbolic.mechanics.constraints import inner
+from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
