@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.answers.answer import Answer, Position, Question, require_dynamics, require_tolerances
-from nonsmooth.proofs.answers.heading import heading_answer
+from nonsmooth.proofs.answers.heading import heading_answer, headings_of_rest
 from nonsmooth.proofs.answers.pose import pose_answer
 from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
@@ -167,8 +167,6 @@ def _inertia_of(check: Theorem4Result) -> Answer | None:
 def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:
     if check.scene.body is None:
         return None
-    from nonsmooth.proofs.answers.heading import headings_of_rest  # a search: only a body with an outline needs it
-
     return headings_of_rest(check.scene, around=around)
 
 

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
-from nonsmooth.symbolic.numbers.plane_arrays import unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import point_velocities, unit_vectors
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.constant_field import ConstantField
@@ -633,7 +633,6 @@ def _field_beside(scene: Scene) -> _Beside | None:
     if not isinstance(rule, SmoothRule) or scene.contact.loads_are_unknown:
         return None
     from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-    from nonsmooth.symbolic.numbers.plane_arrays import point_velocities
 
     centred, step = scene.recentred(), STEP * float(scene.check.radius)
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])

@@ -14,6 +14,7 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import (
     BY_CELLS,
     UltimateBound,
     certified_error,
+    limited_speed,
     ultimate_bound,
     wheel_speed,
 )
@@ -105,8 +106,6 @@ def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
         return None
     if isinstance(found, FeedbackResult):
         return None if found.limited is None else found.limited.speed
-    from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed
-
     return limited_speed(found, scene)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.clauses.at_point.possible_twists import PossibleTwist
+from nonsmooth.proofs.clauses.at_point.possible_twists import PossibleTwist, possible_twists
 from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import with_exact
@@ -97,8 +97,6 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
         return WheelsResult(scene)
     if _leaves_motions_open(scene):
         with steps("motions that unknown loads leave possible"):
-            from nonsmooth.proofs.clauses.at_point.possible_twists import possible_twists
-
             return PossibleMotions(scene, possible_twists(scene))
     if isinstance(rule_of(scene), SmoothRule):
         from nonsmooth.reports.checks.cells import field_of
