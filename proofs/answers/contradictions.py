@@ -637,7 +637,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
     centred, step = scene.recentred(), STEP * float(scene.check.radius)
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     minima = minima_under(rule, centred, points)
-    rims = max(abs(float(wheel.speed)) for wheel in centred.wheels)
+    rims = centred.fastest
     if minima.faces or not minima.check().all() or not rims:
         return None
     size = max(abs(float(entry)) for wheel in centred.wheels for entry in wheel.position)
