@@ -239,7 +239,7 @@ def _ring(scene: Scene, radius: float) -> list[Pose]:
 
 def _crossing(scene: Scene, radius: float) -> float:
     """How long a body takes over a radius at the speed of the fastest wheel."""
-    return radius / (max(float(abs(wheel.speed)) for wheel in scene.wheels) or 1.0)
+    return radius / (scene.fastest or 1.0)
 
 
 def _body(scene: Scene) -> RigidBody | None:

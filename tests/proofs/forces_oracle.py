@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.proofs.boxes.linearization import Linearization
-from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
-from nonsmooth.proofs.clauses.at_point.held_wheels import HeldForce
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, HeldForce, Situation
 from nonsmooth.symbolic.mechanics.contact_states import (
     Triple,
     cross_product,

@@ -25,8 +25,7 @@ from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
 from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
-from nonsmooth.proofs.clauses.at_point.held_wheels import are_strict, held_forces
+from nonsmooth.proofs.clauses.at_point.ellipse import are_strict, common_twist, ellipse_point, held_forces, is_carried
 from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity
 from nonsmooth.symbolic.mechanics.contact_states import (
     Row,
