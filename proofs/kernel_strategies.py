@@ -43,8 +43,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_slopes
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.many_states.decision import SpacePoint

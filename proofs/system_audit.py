@@ -57,8 +57,7 @@ from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated, with_known_numbers
 
 BITS = 128
 ASIDE = Fraction(1, 256)  # of the half-width: how far beside a point cells are looked into

@@ -24,8 +24,14 @@ from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, written_powers
-from nonsmooth.symbolic.systems.enclosed_numbers import MOST_PLACES, NoEnclosureError, bounds_of, enclose_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import (
+    MOST_PLACES,
+    PLANE,
+    NoEnclosureError,
+    SwitchedSystem,
+    bounds_of,
+    enclose_numbers,
+)
 
 NUMBERS = re.compile(r"\b(pi|sqrt|sin|cos)\b")
 LONGEST_NAME = 31  # characters

@@ -63,8 +63,7 @@ from nonsmooth.proofs.systems.findings import (
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
 # ---- what shows itself near the point in many states ---------------------------------------------
 #

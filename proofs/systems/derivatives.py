@@ -59,8 +59,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, hull_holds_zero
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
 MEETING_WORK = 5_000  # coefficients looked at to find that a further cell does not meet the curve
 

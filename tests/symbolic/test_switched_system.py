@@ -37,8 +37,14 @@ from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, TERMS, WAVES, series
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import (
+    PLANE,
+    NoEnclosureError,
+    SwitchedSystem,
+    UnknownSign,
+    enclose_numbers,
+    signs_by_factors,
+)
 from tests.built_in import planar_systems
 from tests.oracles.floats import value
 from tests.plain import built
