@@ -19,7 +19,7 @@ from nonsmooth.proofs.theorem4 import Check, Contradiction
 from nonsmooth.reports.output.facts import as_record, fact_record, with_exact
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, place_text, real_text, short_text
 
 if TYPE_CHECKING:

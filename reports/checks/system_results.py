@@ -28,7 +28,7 @@ from nonsmooth.reports.output.facts import fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -20,7 +20,7 @@ from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 from nonsmooth.symbolic.numbers.number_text import place_text, short_text
 
 if TYPE_CHECKING:

@@ -43,7 +43,7 @@ from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
 from nonsmooth.symbolic.mechanics.units import Units
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 from nonsmooth.symbolic.numbers.number_text import decimal_latex, float_text
 from nonsmooth.symbolic.numbers.plane import in_floats
 

@@ -23,9 +23,8 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.mechanics.units import AngleUnit
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement, shown
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
-from nonsmooth.symbolic.numbers.measured_angles import ROUNDING, choose_angles, turn_of_radians
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number_field import ROUNDING, NumberField, choose_angles, turn_of_radians
 from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.plane import Vector
 

@@ -383,7 +383,7 @@ class Tower(ABC):
     Args:
         order: N of the base ``Q(2 cos(2 pi/N))``; 1 gives the rationals.
         measured: turns t of angles ``pi t`` that stand for rational directions
-            (:mod:`nonsmooth.symbolic.numbers.measured_angles`).
+            (:mod:`nonsmooth.symbolic.numbers.number_field`).
 
     Attributes:
         writes_decimals: whether people read its numbers as decimals, as those of scenes with units; JSON holds them
