@@ -29,7 +29,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.symbolic.mechanics.body import Disc, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import whole
-from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
+from nonsmooth.symbolic.mechanics.contact_states import askew_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text

@@ -24,9 +24,8 @@ from nonsmooth.reports.output.document import (
 )
 from nonsmooth.reports.output.prose import listed, paragraph, prose
 from nonsmooth.symbolic.formulas.surfaces import number_latex
-from nonsmooth.symbolic.mechanics.contact_states import ContactState, constraint_matrix
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, askew_wheels, constraint_matrix
 from nonsmooth.symbolic.mechanics.equations import Coordinates, GoverningEquations, governing_equations
-from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.number_text import real_text
 

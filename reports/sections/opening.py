@@ -38,7 +38,7 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
-from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
+from nonsmooth.symbolic.mechanics.contact_states import askew_wheels
 from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.springs import EqualSprings

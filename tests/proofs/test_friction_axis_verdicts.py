@@ -25,7 +25,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.findings import Equilibrium, Feedback, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.contact_states import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from tests.array_certificates import check_certificate, evidence, said, subject

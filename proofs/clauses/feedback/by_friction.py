@@ -74,8 +74,7 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     with_exclusions,
 )
 from nonsmooth.proofs.findings import Feedback
-from nonsmooth.symbolic.mechanics.contact_states import Triple
-from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.contact_states import Triple, with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, with_wheels
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, float_quotient, quotient
