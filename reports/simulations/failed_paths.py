@@ -21,8 +21,7 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.minimizers.float_loads import hull_sides
-from nonsmooth.analysis.trajectories.ending import EndMotion
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import EndMotion, EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
 from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
