@@ -16,7 +16,7 @@ from scipy.optimize import root
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.answers.robust import robust_facts
+from nonsmooth.proofs.answers.answers import robust_facts
 from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.findings import Certainty
