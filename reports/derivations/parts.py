@@ -38,6 +38,10 @@ from nonsmooth.reports.sections.contact import (
     constraining_wheels,
     constraints_section,
     contact_states_section,
+    ellipse_derivative_section,
+    rules_section,
+    situation_section,
+    without_rules,
 )
 from nonsmooth.reports.sections.measurements import precision_section, stress_section, without_precision
 from nonsmooth.reports.sections.opening import (
@@ -50,7 +54,6 @@ from nonsmooth.reports.sections.opening import (
     reproduction_section,
     verdict_section,
 )
-from nonsmooth.reports.sections.rules import ellipse_derivative_section, rules_section, situation_section, without_rules
 from nonsmooth.reports.sections.stability import (
     equilibria_section,
     filippov_section,
