@@ -248,7 +248,7 @@ class System(PythonScene):
         Raises:
             SceneError: for shapes that do not fit, and where not exactly one row of S holds for a pattern of signs.
         """
-        from nonsmooth.reports.exchange.from_nosnoc import formulas_of_nosnoc
+        from nonsmooth.reports.exchange.from_sympy import formulas_of_nosnoc
 
         reading = Reading("System.from_nosnoc", decimals)
         with reading.misfits_refused("states, a list c and matrices S and F, or lists of these"):
