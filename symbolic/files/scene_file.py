@@ -12,13 +12,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.symbolic.files.body_table import build_body, build_inertia
 from nonsmooth.symbolic.files.documents import deep_nesting_refused, path_beside, read_document, read_text
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
 from nonsmooth.symbolic.files.scene_document import (
     SceneDocument,
     StatedUnits,
     UnitsTable,
+    build_body,
+    build_inertia,
     build_loop_errors,
     build_tolerance,
 )

@@ -31,7 +31,7 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.files.body_table import rectangle
+from nonsmooth.symbolic.files.scene_document import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, PolygonShape
 from nonsmooth.symbolic.mechanics.contact_states import Twist
