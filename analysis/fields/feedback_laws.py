@@ -28,7 +28,7 @@ from typing import SupportsFloat, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds
+from nonsmooth.analysis.fields.constant_field import Pose, Speeds
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, RowKind
 from nonsmooth.symbolic.numbers.plane_arrays import turned
 

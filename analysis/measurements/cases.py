@@ -18,8 +18,7 @@ from flint import arb_mat
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
-from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField, feedback_field
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics

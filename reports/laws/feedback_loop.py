@@ -16,7 +16,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Pose, Speeds, StateLaw, feedback_field
+from nonsmooth.analysis.fields.constant_field import CellwiseField, Pose, Speeds, StateLaw, feedback_field
 from nonsmooth.analysis.fields.feedback_laws import (
     CellLaw,
     cascade_law,

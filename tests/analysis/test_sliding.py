@@ -16,8 +16,14 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, feedback_field
-from nonsmooth.analysis.fields.constant_field import ConstantField, Flow, array_field
+from nonsmooth.analysis.fields.constant_field import (
+    CellwiseField,
+    ConstantField,
+    Flow,
+    Speeds,
+    array_field,
+    feedback_field,
+)
 from nonsmooth.analysis.fields.convex_weights import basic_weights, central_weights, origin_distance
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics

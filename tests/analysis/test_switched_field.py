@@ -20,8 +20,13 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner, CellComplex, InCell,
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, square
-from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
-from nonsmooth.analysis.fields.constant_field import array_field, flow_of, piecewise_constant
+from nonsmooth.analysis.fields.constant_field import (
+    array_field,
+    feedback_field,
+    flow_of,
+    piecewise_constant,
+    smooth_form,
+)
 from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, least_norm_weights
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics

@@ -13,7 +13,7 @@ import pytest
 
 from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.constant_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate

@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Polygon
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.constant_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate

@@ -13,8 +13,7 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
-from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.constant_field import array_field, feedback_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
