@@ -12,9 +12,9 @@ from nonsmooth.symbolic.messages.notebook import on_demand
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.files.documents import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.files.scene_file import load_any as load_any
     from nonsmooth.symbolic.files.scene_file import load_scene as load_scene
-    from nonsmooth.symbolic.files.system_file import load_any as load_any
-    from nonsmooth.symbolic.files.system_file import load_system as load_system
+    from nonsmooth.symbolic.files.scene_file import load_system as load_system
     from nonsmooth.symbolic.mechanics.contact_states import ContactState as ContactState
     from nonsmooth.symbolic.mechanics.contact_states import Row as Row
     from nonsmooth.symbolic.mechanics.contact_states import Twist as Twist
@@ -48,8 +48,8 @@ __getattr__ = on_demand(
         "wheel_constraints": "mechanics.equations",
         "builtin_scenes": "files.documents",
         "load_scene": "files.scene_file",
-        "load_any": "files.system_file",
-        "load_system": "files.system_file",
+        "load_any": "files.scene_file",
+        "load_system": "files.scene_file",
         "Number": "numbers.number",
         "NumberField": "numbers.number_field",
         "Scene": "mechanics.scene",

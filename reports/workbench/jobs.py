@@ -25,7 +25,7 @@ from nonsmooth.reports.workbench.exact_edits import edited
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.system_view import system_stages
 from nonsmooth.symbolic.files.documents import builtin_descriptions, builtin_scenes, builtin_systems
-from nonsmooth.symbolic.files.system_file import system_descriptions
+from nonsmooth.symbolic.files.scene_file import system_descriptions
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError

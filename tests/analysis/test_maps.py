@@ -38,8 +38,7 @@ from nonsmooth.analysis.trajectories.result import (
     ending,
 )
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.thorough import few, keep, thorough

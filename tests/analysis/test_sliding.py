@@ -37,8 +37,7 @@ from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import LoopLimit, LoopMemory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import around

@@ -36,7 +36,7 @@ from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories import faces as faces_module
 from nonsmooth.analysis.trajectories.faces import FaceMotion, face_choices
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import planar_systems

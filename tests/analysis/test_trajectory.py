@@ -38,8 +38,7 @@ from nonsmooth.analysis.trajectories.result import (
 )
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import distance_watch, simulate
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE

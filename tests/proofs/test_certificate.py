@@ -33,8 +33,7 @@ from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import CellCheck, check_cells, check_smooth
 from nonsmooth.proofs.verified import UnverifiedError
 from nonsmooth.symbolic.files.documents import builtin_scenes
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy

@@ -25,7 +25,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, deriv
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -27,7 +27,7 @@ from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival

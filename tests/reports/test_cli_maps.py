@@ -34,7 +34,7 @@ from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.simulations import system_maps
 from nonsmooth.reports.simulations.maps import SettleMapResult
 from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from tests.proofs.forged import with_deciding, with_reach
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep

@@ -21,8 +21,7 @@ from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import thorough
 

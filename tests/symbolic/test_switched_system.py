@@ -30,10 +30,10 @@ from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.files.scene_values import read_start_angle, read_start_value
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
-from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, TERMS, WAVES, series
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -40,8 +40,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Event, EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.documents import builtin_scenes
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS
