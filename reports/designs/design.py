@@ -1,7 +1,4 @@
-"""The study ``design``: which headings, speeds and positions meet what is required, and do best.
-
-What is asked of a design, read from what a user wrote: what may change, what is required, how long to search.
-"""
+"""The study ``design``: which headings, speeds and positions meet what is required, and do best."""
 
 from __future__ import annotations
 
@@ -42,6 +39,11 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Answer
     from nonsmooth.reports.designs.search import Design, Evaluation, Fewest, Wish
     from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
+
+
+# ---- what is asked for ---------------------------------------------------------------------------
+#
+# What is asked of a design, read from what a user wrote: what may change, what is required, how long to search.
 
 
 FREE = (*KINDS, WHEELS)
@@ -217,7 +219,7 @@ def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Fre
     return replace(design, document={"name": f"{scene.name}-designed", "description": how, **rest})
 
 
-# ---- what is asked for ---------------------------------------------------------------------------
+# ---- what is found -------------------------------------------------------------------------------
 
 
 Held = TypeVar("Held")  # what Python holds of a scene: a :class:`nonsmooth.Array`

@@ -1,7 +1,4 @@
-"""The tables of a scene file and the keys that each may hold.
-
-``[body]`` of a scene file: outline, heading, centre of mass and inertia of the body on the array.
-"""
+"""The tables of a scene file and the keys that each may hold."""
 
 from __future__ import annotations
 
@@ -35,6 +32,10 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import FLOAT_DIGITS, decimal_text, short_text
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, same_direction
+
+# ---- the body ------------------------------------------------------------------------------------
+#
+# ``[body]`` of a scene file: outline, heading, centre of mass and inertia of the body on the array.
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
 STANDARD_GRAVITY = Fraction("9.80665")  # m/s^2
@@ -235,7 +236,7 @@ def _side(a: Vector, b: Vector, p: Vector) -> int:
     return cross(minus(b, a), minus(p, a)).sign()
 
 
-# ---- the body ------------------------------------------------------------------------------------
+# ---- the other tables ----------------------------------------------------------------------------
 
 
 def read_lyapunov(value: object) -> PiecewiseExpression:
