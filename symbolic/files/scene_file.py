@@ -29,8 +29,7 @@ from nonsmooth.symbolic.files.scene_document import (
     build_loop_errors,
     build_tolerance,
 )
-from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import Angle, Numbers, angle_remarks, angles, field_of
+from nonsmooth.symbolic.files.scene_values import Angle, Numbers, angle_remarks, angles, field_of, validate
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.mechanics.body import Body, Disc
