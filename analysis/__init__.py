@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.cells.equilibria import find_equilibria as find_equilibria
     from nonsmooth.analysis.cells.partition import Partition as Partition
     from nonsmooth.analysis.cells.partition import RefusalError as RefusalError
-    from nonsmooth.analysis.fields.cellwise_field import feedback_field as feedback_field
     from nonsmooth.analysis.fields.constant_field import array_field as array_field
+    from nonsmooth.analysis.fields.constant_field import feedback_field as feedback_field
     from nonsmooth.analysis.fields.constant_field import piecewise_constant as piecewise_constant
     from nonsmooth.analysis.fields.contact_model import contact_model as contact_model
     from nonsmooth.analysis.fields.feedback_laws import cascade_law as cascade_law
@@ -49,7 +49,7 @@ __getattr__ = on_demand(
         "RigidBody": "bodies.newton_euler",
         "disc": "bodies.newton_euler",
         "simulate_dynamics": "bodies.mass_path",
-        "feedback_field": "fields.cellwise_field",
+        "feedback_field": "fields.constant_field",
         "contact_model": "fields.contact_model",
         "corrected_law": "fields.feedback_laws",
         "cascade_law": "fields.feedback_laws",

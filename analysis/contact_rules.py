@@ -104,7 +104,7 @@ class BoxRule(CellRule, LimitedForces):
         from nonsmooth.symbolic.mechanics.body import support_polygon
         from nonsmooth.symbolic.mechanics.similar_scenes import covering
 
-        hull = convex_polygon(support_polygon([wheel.position for wheel in scene.wheels]))
+        hull = convex_polygon(support_polygon(scene.positions))
         return self.build_partition(covering(scene), domain=hull)
 
     def literal_twists(self, scene: Scene, points: Floats) -> Floats:

@@ -12,7 +12,7 @@ Every cell lists all corners of the partition that lie on its sides, and the che
 the sides of neighbours are the same pairs of points, once in each sense: that shows that the cells tile.  Cells that
 the check left out, because the lemma on inward rims speaks for them, are built here: a certificate needs no lemma.
 Rule ``ellipse`` has no cells and is refused.
-The form of the numbers is described in :mod:`nonsmooth.proofs.findings.exact_json`.
+The form of the numbers is described in :mod:`nonsmooth.proofs.findings`.
 """
 
 from __future__ import annotations
@@ -41,13 +41,12 @@ from nonsmooth.proofs.clauses.rotation.clause import RotationResult, drift_at_re
 from nonsmooth.proofs.clauses.translation.on_cells import SIMPLE, CertifiedDisc, TranslationResult, certified_disc
 from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, shaped
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.exact_json import Record, encode, homogeneous
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback
+from nonsmooth.proofs.findings import Equilibrium, Feedback, Record, encode, homogeneous
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.robust.nearest import certified_bounds
 from nonsmooth.proofs.verified import verified
-from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import alone
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.coefficients import rational_ball

@@ -11,7 +11,7 @@ from nonsmooth.proofs.clauses.feedback.clause import FeedbackClause
 from nonsmooth.proofs.clauses.rotation.clause import RotationClause
 from nonsmooth.proofs.clauses.translation.clause import TranslationClause
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings import Theorem4
 
 CLAUSES: tuple[Clause[Any], ...] = (EquilibriumClause(), TranslationClause(), RotationClause(), FeedbackClause())
 

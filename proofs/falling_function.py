@@ -22,7 +22,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
 from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.bases import functions_on

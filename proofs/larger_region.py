@@ -29,8 +29,7 @@ from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_values
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane, with_known_numbers
 
 DEGREES = range(2, 13)  # of V
 ANGLES, DISTANCES, BEYOND = 120, 32, 12  # of rays, points on each up to the outline, and from there to the border

@@ -28,7 +28,7 @@ from flint import arb, ctx
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError
@@ -57,8 +57,7 @@ from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated
+from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, require_stated, with_known_numbers
 
 BITS = 128
 ASIDE = Fraction(1, 256)  # of the half-width: how far beside a point cells are looked into

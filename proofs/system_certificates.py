@@ -24,8 +24,7 @@ from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.falling_function import growth_hypotheses, stated_function
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.homogeneity import Homogeneity
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
@@ -54,8 +53,7 @@ from nonsmooth.proofs.theorem_searches import scalar_theorem, show_verdict
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.files.system_builder import with_order
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import NoEnclosureError, SwitchedSystem, enclose_numbers
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each

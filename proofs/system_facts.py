@@ -1,6 +1,6 @@
 """What the verdict on a plain system says, and that on somebody's V: one list of facts for each.
 
-Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.findings.verdicts`).
+Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.findings`).
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, function_facts, row_fact, text_fact, unsaid
+from nonsmooth.proofs.findings import Fact, Quantity, Translation, function_facts, row_fact, text_fact, unsaid
 from nonsmooth.proofs.kernel.quotients import quotient_text
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import (

@@ -24,7 +24,7 @@ from nonsmooth.proofs.clauses.rotation.clause import RotationResult, decide_rota
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.workspace import Announce, ClauseResult, Skipped, Workspace, unheard
-from nonsmooth.proofs.findings.verdicts import Fact, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Fact, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.contact_states import (
     ContactCensus,

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from nonsmooth.proofs.checker.files import parse
 from nonsmooth.proofs.checker.statements import not_among, show_evidence
 from nonsmooth.proofs.checker.work import MALFORMED, LimitError, RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 
 

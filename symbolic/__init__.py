@@ -12,14 +12,14 @@ from nonsmooth.symbolic.messages.notebook import on_demand
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.files.documents import builtin_scenes as builtin_scenes
+    from nonsmooth.symbolic.files.scene_file import load_any as load_any
     from nonsmooth.symbolic.files.scene_file import load_scene as load_scene
-    from nonsmooth.symbolic.files.system_file import load_any as load_any
-    from nonsmooth.symbolic.files.system_file import load_system as load_system
-    from nonsmooth.symbolic.mechanics.constraints import Row as Row
-    from nonsmooth.symbolic.mechanics.constraints import Twist as Twist
-    from nonsmooth.symbolic.mechanics.constraints import constraint_matrix as constraint_matrix
-    from nonsmooth.symbolic.mechanics.constraints import scene_rows as scene_rows
+    from nonsmooth.symbolic.files.scene_file import load_system as load_system
     from nonsmooth.symbolic.mechanics.contact_states import ContactState as ContactState
+    from nonsmooth.symbolic.mechanics.contact_states import Row as Row
+    from nonsmooth.symbolic.mechanics.contact_states import Twist as Twist
+    from nonsmooth.symbolic.mechanics.contact_states import constraint_matrix as constraint_matrix
+    from nonsmooth.symbolic.mechanics.contact_states import scene_rows as scene_rows
     from nonsmooth.symbolic.mechanics.contact_states import take_census as take_census
     from nonsmooth.symbolic.mechanics.equations import Coordinates as Coordinates
     from nonsmooth.symbolic.mechanics.equations import annihilator as annihilator
@@ -37,10 +37,10 @@ __getattr__ = on_demand(
     {
         "ContactState": "mechanics.contact_states",
         "take_census": "mechanics.contact_states",
-        "Row": "mechanics.constraints",
-        "Twist": "mechanics.constraints",
-        "constraint_matrix": "mechanics.constraints",
-        "scene_rows": "mechanics.constraints",
+        "Row": "mechanics.contact_states",
+        "Twist": "mechanics.contact_states",
+        "constraint_matrix": "mechanics.contact_states",
+        "scene_rows": "mechanics.contact_states",
         "Coordinates": "mechanics.equations",
         "annihilator": "mechanics.equations",
         "governing_equations": "mechanics.equations",
@@ -48,8 +48,8 @@ __getattr__ = on_demand(
         "wheel_constraints": "mechanics.equations",
         "builtin_scenes": "files.documents",
         "load_scene": "files.scene_file",
-        "load_any": "files.system_file",
-        "load_system": "files.system_file",
+        "load_any": "files.scene_file",
+        "load_system": "files.scene_file",
         "Number": "numbers.number",
         "NumberField": "numbers.number_field",
         "Scene": "mechanics.scene",

@@ -31,7 +31,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model,
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.symbolic.files.body_table import rectangle
+from nonsmooth.symbolic.files.scene_document import rectangle
 from nonsmooth.symbolic.mechanics.body import Body, Disc
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, contact_set, standing
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene

@@ -8,8 +8,7 @@ from functools import cache
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.theorem4 import CellCheck, check_cells, check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_systems
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 

@@ -17,7 +17,7 @@ from hypothesis import settings
 
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.systems.findings import Reach
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number

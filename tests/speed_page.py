@@ -144,7 +144,7 @@ def events_beside_hysteresis() -> tuple[Work, Work]:
 
 def events_beside_scipy() -> tuple[Work, Work]:
     from nonsmooth.analysis.fields.system_field import system_field
-    from nonsmooth.symbolic.files.system_file import load_system
+    from nonsmooth.symbolic.files.scene_file import load_system
     from tests.benchmarks.test_trajectory_speed import flower_path, scipy_events
 
     return partial(flower_path, system_field(load_system("flower"))), partial(scipy_events, dense=False)

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
+    BodyTable,
     CheckTable,
     DriveTable,
     FeedbackTable,

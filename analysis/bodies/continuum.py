@@ -28,8 +28,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.layouts import LINEAR_KINDS
+from nonsmooth.symbolic.files.scene_document import rectangle
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane

@@ -94,7 +94,7 @@ class RestSearch:
         self._fastest = float(np.abs(self.model.speeds).max()) or 1.0
         self._motions = MotionsOnSets(self.model, self._outline.size)
         self._pulls = self._forces_at_rest()
-        self.reach = self._spacing()
+        self.reach = self._outline.spacing
 
     def meet(self) -> MetSets:
         """The contact sets about the point."""
@@ -278,15 +278,6 @@ class RestSearch:
         """Force and moment of every wheel under a body at rest, for each unit of load, (n, 3)."""
         forces = np.column_stack(self.model.sets.gradient(*self.model.targets.reshape(-1, 2).T))
         return (forces[:, :, None] * self.model.rows.reshape(-1, 2, 3)).sum(axis=1)
-
-    def _spacing(self) -> float:
-        """The middle one of the wheels' distances from their nearest neighbours, at most the body's size."""
-        places = self.model.positions
-        if len(places) < 2:
-            return self._outline.size
-        distances = np.linalg.norm(places[:, None] - places, axis=2)
-        np.fill_diagonal(distances, np.inf)
-        return min(float(np.median(distances.min(axis=1))), self._outline.size)
 
 
 def _least(left: Floats, met: MetSets) -> Indices:

@@ -29,7 +29,7 @@ def squared_radius_of_disc(scene: Scene) -> Number:
     otherwise (:func:`nonsmooth.analysis.bodies.newton_euler.disc`).
     """
     count, zero = len(scene.wheels), scene.field.zero
-    places = [wheel.position for wheel in scene.wheels]
+    places = scene.positions
     middle = [sum((place[axis] for place in places), zero) / count for axis in range(2)]
     offsets = [(x - middle[0], y - middle[1]) for x, y in places]
     return sum((x * x + y * y for x, y in offsets), zero) / (2 * count)

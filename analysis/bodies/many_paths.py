@@ -123,7 +123,7 @@ class ManyPaths:
             raise ValueError("required a scene with a body")
         if rule.needs_loads:
             require_springs(scene)
-        self._numbers = np.array([*(wheel.index for wheel in scene.wheels), 0])
+        self._numbers = np.array([*scene.numbers, 0])
         self._scene, self._rule = scene, rule
         self._model = contacts_under(rule, scene)
         self._outline = MovingOutline(scene.body, self._model.positions)
@@ -226,14 +226,8 @@ class ManyPaths:
 
     @property
     def spacing(self) -> float:
-        """The middle one of the wheels' distances from their nearest neighbours, at most the body's size."""
-        from scipy.spatial import cKDTree
-
-        places = self._model.positions
-        if len(places) < 2:
-            return self._outline.size
-        nearest = cKDTree(places).query(places, k=2)[0][:, 1]
-        return min(float(np.median(nearest)), self._outline.size)
+        """See :class:`nonsmooth.analysis.bodies.moving_outline.MovingOutline`."""
+        return self._outline.spacing
 
 
 def _end_fallen(state: _State, paths: Indices, here: Rates) -> None:

@@ -36,6 +36,16 @@ class MovingOutline:
         self.size = float(np.hypot(*corners.T).max())
 
     @property
+    def spacing(self) -> float:
+        """The middle one of the wheels' distances from their nearest neighbours, at most the body's size."""
+        from scipy.spatial import cKDTree
+
+        if self.count < 2:
+            return self.size
+        nearest = cKDTree(self.places).query(self.places, k=2)[0][:, 1]
+        return min(float(np.median(nearest)), self.size)
+
+    @property
     def count(self) -> int:
         """Number n of wheels."""
         return len(self.places)

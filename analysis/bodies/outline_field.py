@@ -108,9 +108,9 @@ class SetCells:
         Raises:
             RefusalError: where the motion on these wheels is not determined.
         """
-        self.wheels = tuple(wheel.index for wheel in scene.wheels)
+        self.wheels = scene.numbers
         self._scene, self._rule, self._lines = scene, rule, lines
-        hull = support_polygon([wheel.position for wheel in scene.wheels])
+        hull = support_polygon(scene.positions)
         sides = around(hull) if len(hull) > 2 else ()
         self.borders = tuple(
             lines.side(np.array([float(b[1] - a[1]), float(a[0] - b[0])]), float(cross(a, b))) for a, b in sides

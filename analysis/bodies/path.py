@@ -435,7 +435,7 @@ class OneContactSet:
             raise ValueError("required a scene with a body")
         wheels = whole(scene).wheels
         self._how_far = f" (they alone carry it for certain {how_far})" if how_far else ""
-        self.carrying = tuple(wheel.index for wheel in scene.wheels)
+        self.carrying = scene.numbers
         self._numbers = [wheel.index for wheel in wheels]
         self._outline = MovingOutline(scene.body, places_of(wheels))
         self._signs = np.array([1.0 if number in self.carrying else -1.0 for number in self._numbers])

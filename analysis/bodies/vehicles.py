@@ -22,7 +22,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model,
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import free_motions
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
     Twist,
     cofactors,
     combine,

@@ -36,7 +36,7 @@ from nonsmooth.analysis.cells.outline import (
     whole_numbers,
 )
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
     Row,
     Triple,
     Twist,
@@ -46,9 +46,9 @@ from nonsmooth.symbolic.mechanics.constraints import (
     inner,
     scaled,
     scene_rows,
+    solve_rows,
     subtracted,
 )
-from nonsmooth.symbolic.mechanics.contact_states import solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, clear_sign, is_clear, sure_float

@@ -36,8 +36,7 @@ from nonsmooth.analysis.cells.outline import ROUNDING, Filtered, Outline, Outlin
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.symbolic.mechanics.constraints import Twist, rows_with_friction, wheel_rows
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist, rows_with_friction, wheel_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
 

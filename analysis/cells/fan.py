@@ -15,7 +15,7 @@ from functools import cmp_to_key
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, same_direction, turned

@@ -34,7 +34,7 @@ from typing import NamedTuple, TypeAlias
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, require_support
 from nonsmooth.analysis.cells.polygon import square
-from nonsmooth.symbolic.mechanics.constraints import Triple, inner
+from nonsmooth.symbolic.mechanics.contact_states import Triple, inner
 from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import spring_forms
@@ -201,7 +201,7 @@ def admissible_loads(scene: Scene) -> AdmissibleLoads:
     Raises:
         LoadError: for so many wheels that its vertices are not listed.
     """
-    positions = [wheel.position for wheel in scene.wheels]
+    positions = scene.positions
     if comb(len(positions), 3) > MOST_TRIANGLES:
         raise LoadError(f"contact.loads: required at most 50 wheels for unknown loads, received {len(positions)}")
     return AdmissibleLoads(tuple(_vertices(positions)))
@@ -232,7 +232,7 @@ def _shared(positions: Sequence[Vector], shares: dict[int, Number]) -> Loads:
 
 def _loads_of_springs(scene: Scene, scatter: LoadScatter) -> LoadSet:
     """The zonotopes that bound and that are reached, or all admissible loads where a wheel may lift off."""
-    forms = spring_forms([wheel.position for wheel in scene.wheels])
+    forms = spring_forms(scene.positions)
     centre = tuple(form[0] for form in forms)
     if min(centre).sign() <= 0:  # equal springs lift a wheel off already
         known = elastic_loads_at(scene, scene.check.equilibrium)

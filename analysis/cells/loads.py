@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
 from nonsmooth.symbolic.mechanics.body import square_rooms, support_polygon
-from nonsmooth.symbolic.mechanics.constraints import Triple
+from nonsmooth.symbolic.mechanics.contact_states import Triple
 from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads, carried_loads
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import EXACT, EqualSprings, exact_moments, load_model
@@ -100,7 +100,7 @@ def load_regions(scene: Scene, holding: Point | None = None, domain: Polygon | N
     if not model.lifts_off:
         forms = tuple(model.forms(exact_moments(scene), range(len(scene.wheels)), EXACT) or ())
         _require_positive(scene, forms, domain)
-        return (LoadRegion(domain, forms, frozenset(w.index for w in scene.wheels)),)
+        return (LoadRegion(domain, forms, frozenset(scene.numbers)),)
     regions = _Regions(scene, domain)
     everywhere = regions.of(regions.every)
     if everywhere is not None and everywhere.polygon is domain:  # no load is negative at its corners: it is supported
@@ -115,7 +115,7 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
     Raises:
         LoadError: where the point lies outside the support polygon or on its border, or the wheels are collinear.
     """
-    hull = support_polygon([wheel.position for wheel in scene.wheels])
+    hull = support_polygon(scene.positions)
     if len(hull) < 3 or side_of(hull, point) <= 0:
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
@@ -140,7 +140,7 @@ def require_support(scene: Scene, domain: Polygon) -> None:
     Raises:
         LoadError: naming the place, or that the wheels are collinear.
     """
-    hull = support_polygon([wheel.position for wheel in scene.wheels])
+    hull = support_polygon(scene.positions)
     if len(hull) < 3:
         raise LoadError(
             "contact.loads: required three wheels that are not collinear, "

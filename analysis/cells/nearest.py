@@ -26,7 +26,8 @@ import numpy as np
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
+    ContactState,
     Row,
     RowKind,
     Triple,
@@ -34,8 +35,8 @@ from nonsmooth.symbolic.mechanics.constraints import (
     roll_row,
     rows_with_friction,
     side_row,
+    solve_rows,
 )
-from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, in_floats
@@ -81,11 +82,11 @@ def nearest_partition_like(scene: Scene, known: Partition) -> Partition | None:
 
 def _rational_places(scene: Scene) -> list[Any] | None:
     """Where the wheels stand, and the checked square, where all of that is rational and no row is without friction."""
-    points = *(wheel.position for wheel in scene.wheels), scene.check.equilibrium
+    points = *scene.positions, scene.check.equilibrium
     numbers = *chain.from_iterable(points), scene.check.radius
     found = [number.as_rational() if type(number) is Number else None for number in numbers]
     is_plain = all(map(has_friction, scene.wheels)) and None not in found
-    return [*found, *(wheel.index for wheel in scene.wheels)] if is_plain else None
+    return [*found, *scene.numbers] if is_plain else None
 
 
 def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:

@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING
 from flint import arb
 
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.mechanics.constraints import Row, Twist, independent
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
-from nonsmooth.symbolic.mechanics.free_rollers import free_text, kernel
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, Row, Twist, free_text, independent, kernel
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.lazy import Lazy, evaluated

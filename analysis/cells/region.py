@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.mechanics.constraints import cross_product
+from nonsmooth.symbolic.mechanics.contact_states import cross_product
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import cross
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators

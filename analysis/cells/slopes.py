@@ -19,7 +19,7 @@ from nonsmooth.analysis.cells.loads import Affine
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.outline import Filtered, Form, Three
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.symbolic.mechanics.constraints import Triple, inner
+from nonsmooth.symbolic.mechanics.contact_states import Triple, inner
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 

@@ -85,7 +85,7 @@ def _squared_distance(start: Vector, end: Vector) -> Number:
 @remembered(4)  # several clauses of one check ask for it
 def _left_support(scene: Scene) -> Support | None:
     """The support polygon of all wheels of a centred scene; None where the square lies in it."""
-    support = Support(tuple(support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))))
+    support = Support(tuple(support_polygon(outer_positions(scene.positions))))
     zero = scene.field.zero
     vertices = square((zero, zero), scene.check.radius).vertices
     inside = (cross(minus(q, p), minus((x, y), p)).sign() >= 0 for p, q in support.sides for x, y in vertices)

@@ -12,23 +12,99 @@ rate is ``V'/2 = a u_i + b u_j`` with ``a = (c, l^2 theta) . g_i``, ``b = (c, l^
   with ``(r, s) = (c . p_i, c . J p_i)/|p_i|`` and ``Theta = theta - s^2/(2 r l)``, so c runs around the equilibrium.
 
 The last two impose a motion with ``n_i . v + (n_i . J p_i) omega = 0`` by ``u_w = d_w . (v + omega J p_w)``.
+
+In every cell each speed of each law is k times a fixed combination of a few terms of the pose (:class:`LawKind`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import partial
+from operator import mul
+from typing import SupportsFloat, TypeAlias
 
-from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds, StateLaw, control_columns
-from nonsmooth.symbolic.mechanics.constraints import RowKind
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
-from nonsmooth.symbolic.numbers.plane import dot, in_floats, turned
+import numpy as np
 
-Imposed: TypeAlias = tuple[float, float, float]  # (v_x, v_y, omega)
+from nonsmooth.analysis.fields.constant_field import Pose, Speeds
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, RowKind
+from nonsmooth.symbolic.numbers.plane_arrays import turned
+
+Coefficients: TypeAlias = tuple[float, ...]
 
 
-def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> StateLaw:
+class LawKind(StrEnum):
+    """What the speeds are combinations of; the value says it."""
+
+    GRADIENT = "X = (1 + e) x + f y, Y = f x + (1 - e) y, T = w theta + Y x - X y"
+    CASCADE = "r = sqrt(x^2 + y^2), x, y, theta"
+    PAPER = "r = sqrt(x^2 + y^2), h = |theta|, theta"
+    SLOW_TURNS = "A = (1 - W) r, W = s/l - theta + s^2/(2 r l), where (r, s) is c along and across the nearest p_i"
+    DRIVEN = "g . xi_l, g = (x, y, w theta), for the xi_l of the region with the largest |g . xi_l|"
+
+    def terms(self, constants: Mapping[str, float], axes: Sequence[Coefficients], *pose: float) -> Sequence[float]:
+        """The terms at a pose.
+
+        Args:
+            constants: e, f, w or l.
+            axes: the direction of the nearest wheel (slow turns), or the twists xi_l (driven).
+            pose: ``(x, y, theta)``.
+        """
+        x, y, theta = pose
+        if self is LawKind.GRADIENT:
+            e, f = constants["e"], constants["f"]
+            along, across = (1 + e) * x + f * y, f * x + (1 - e) * y
+            return along, across, constants["w"] * theta + across * x - along * y
+        if self is LawKind.CASCADE:
+            return math.hypot(x, y), x, y, theta
+        if self is LawKind.PAPER:
+            return math.hypot(x, y), abs(theta), theta
+        if self is LawKind.SLOW_TURNS:
+            ((a, b),) = axes
+            r, s, length = a * x + b * y, a * y - b * x, constants["l"]
+            turn = s / length - theta + (s * s / (2 * r * length) if r > 0 else 0.0)
+            return (1 - turn) * r, turn
+        products = np.array(axes) @ (x, y, constants["w"] * theta)
+        chosen = int(np.argmax(np.abs(products)))
+        return [-float(products[chosen]) * (k == chosen) for k in range(len(products))]
+
+
+@dataclass(frozen=True, eq=False)
+class CellLaw:
+    """A law of rule ``nearest``: in every cell each speed is the gain times a combination of a few terms of the pose.
+
+    Attributes:
+        kind: what the terms are.
+        gain: k.
+        rows: of a contact state the coefficients of the terms for each wheel that acts; a ``ValueError`` where the law
+            is none of these wheels.
+        constants: of the terms.
+    """
+
+    kind: LawKind
+    gain: float
+    rows: Callable[[ContactState], Mapping[int, Coefficients]]
+    constants: Mapping[str, float] = field(default_factory=dict)
+
+    def axes(self, state: ContactState) -> tuple[Coefficients, ...]:
+        """What the terms ask for beside the constants: of slow turns the direction of the nearest wheel."""
+        return (_outward(state),) if self.kind is LawKind.SLOW_TURNS else ()
+
+    def __call__(self, state: ContactState) -> Speeds:
+        """The speeds from the pose, in the cells with a contact state."""
+        rows, axes, gain = self.rows(state).items(), self.axes(state), self.gain
+        terms_at = partial(self.kind.terms, self.constants, axes)
+
+        def speeds(pose: Pose) -> Mapping[int, float]:
+            terms = terms_at(*map(float, pose))
+            return {wheel: gain * sum(map(mul, row, terms)) for wheel, row in rows}
+
+        return speeds
+
+
+def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: float = 1.0) -> CellLaw:
     """``u_w = -k (P c, w theta + P c . J c) . g_w`` for every wheel that acts.
 
     That is half the rate of ``V = c^T P c + w theta^2`` by u_w, under exact kinematics.
@@ -38,23 +114,15 @@ def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: f
         shape: (e, f) of ``P = [[1 + e, f], [f, 1 - e]]``.
         weight: w (length^2).
     """
+
+    def rows(state: ContactState) -> dict[int, Coefficients]:
+        return {wheel: floats(-entry for entry in field) for wheel, field in state.control_fields.items()}
+
     e, f = shape
-
-    def prepare(state: ContactState) -> Speeds:
-        fields = control_columns(state)
-
-        def speeds(pose: Pose) -> Mapping[int, float]:
-            x, y, theta = map(float, pose)
-            along, across = (1 + e) * x + f * y, f * x + (1 - e) * y
-            turning = weight * theta + across * x - along * y
-            return {wheel: -gain * (a * along + b * across + c * turning) for wheel, a, b, c in fields}
-
-        return speeds
-
-    return prepare
+    return CellLaw(LawKind.GRADIENT, gain, rows, {"e": e, "f": f, "w": weight})
 
 
-def printed_law(gain: float, length: float = 1.0) -> StateLaw:
+def printed_law(gain: float, length: float = 1.0) -> CellLaw:
     """``u_j = -k l theta, u_i = |u_j| + k|c|`` in every cell, with ``l = 1`` as printed.
 
     Args:
@@ -64,7 +132,7 @@ def printed_law(gain: float, length: float = 1.0) -> StateLaw:
     return _paper_law(gain, length, corrected=False)
 
 
-def corrected_law(gain: float, length: float = 1.0) -> StateLaw:
+def corrected_law(gain: float, length: float = 1.0) -> CellLaw:
     """``u_j = -g k l theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell.
 
     Args:
@@ -74,7 +142,18 @@ def corrected_law(gain: float, length: float = 1.0) -> StateLaw:
     return _paper_law(gain, length, corrected=True)
 
 
-def cascade_law(gain: float, signs: Mapping[int, int]) -> StateLaw:
+def _paper_law(gain: float, length: float, *, corrected: bool) -> CellLaw:
+    def rows(state: ContactState) -> dict[int, Coefficients]:
+        _require_two_inputs(state)
+        nearest, second = state.rows[0].wheel.index, state.rows[2].wheel.index
+        torque = state.control_fields[second][2]
+        turn = -length * (torque.sign() if corrected else 1)
+        return {nearest: (1.0, length, 0.0), second: (0.0, 0.0, turn)}
+
+    return CellLaw(LawKind.PAPER, gain, rows)
+
+
+def cascade_law(gain: float, signs: Mapping[int, int]) -> CellLaw:
     """Theta decays by itself, c runs along the rim of the nearest wheel (module ``cascade_law``).
 
     Where a wheel is nearest that is not nearest at the point, the law says nothing; there ``v . d = -k c . d``, which
@@ -85,25 +164,22 @@ def cascade_law(gain: float, signs: Mapping[int, int]) -> StateLaw:
         signs: of the translation along the rim, by the number of the nearest wheel.
     """
 
-    def prepare(state: ContactState) -> Speeds:
-        _require_a_pair(state)
+    def rows(state: ContactState) -> dict[int, Coefficients]:
         wheel = state.rows[0].wheel
-        (d_x, d_y), (p_x, p_y) = in_floats(wheel.unit_direction), map(float, wheel.position)
-        (n_x, n_y), sign = turned((d_x, d_y)), signs.get(wheel.index)
-        lever = dot((n_x, n_y), turned((p_x, p_y)))
+        d, p = np.array(floats(wheel.unit_direction)), np.array(floats(wheel.position))
+        n = turned(d)
+        lever, sign = float(n @ turned(p)), signs.get(wheel.index)
+        found = {}
+        for index, row in _roll_rows(state).items():
+            along, turn = float(row[:2] @ d), lever * float(row[:2] @ n) - row[2]
+            by_place = (0.0, -along * d[0], -along * d[1]) if sign is None else (sign * along, 0.0, 0.0)
+            found[index] = floats((*by_place, turn))
+        return found
 
-        def twist(x: float, y: float, theta: float) -> Imposed:
-            omega = -gain * theta
-            along = gain * (-x * d_x - y * d_y if sign is None else sign * math.hypot(x, y))
-            across = -lever * omega
-            return along * d_x + across * n_x, along * d_y + across * n_y, omega
-
-        return _imposed(state, twist)
-
-    return prepare
+    return CellLaw(LawKind.CASCADE, gain, rows)
 
 
-def tangential_law(gain: float, length: float) -> StateLaw:
+def tangential_law(gain: float, length: float) -> CellLaw:
     """C runs around the equilibrium and comes nearer by turning to and fro, for rims at right angles to ``p_i``.
 
     Args:
@@ -111,36 +187,32 @@ def tangential_law(gain: float, length: float) -> StateLaw:
         length: l: the smaller, the more the body turns.
     """
 
-    def prepare(state: ContactState) -> Speeds:
-        _require_a_pair(state)
-        x_of, y_of = map(float, state.rows[0].wheel.position)
-        out_x, out_y = x_of / math.hypot(x_of, y_of), y_of / math.hypot(x_of, y_of)
+    def rows(state: ContactState) -> dict[int, Coefficients]:
+        across = turned(np.array(_outward(state)))
+        return {index: (float(row[:2] @ across), row[2]) for index, row in _roll_rows(state).items()}
 
-        def twist(x: float, y: float, theta: float) -> Imposed:
-            r, s = x * out_x + y * out_y, y * out_x - x * out_y
-            lead = s * s / (2 * r * length) if r > 0 else 0.0
-            omega = gain * (s / length - (theta - lead))
-            across = (gain - omega) * r
-            return -across * out_y, across * out_x, omega
-
-        return _imposed(state, twist)
-
-    return prepare
+    return CellLaw(LawKind.SLOW_TURNS, gain, rows, {"l": length})
 
 
-def _imposed(state: ContactState, twist: Callable[[float, float, float], Imposed]) -> Speeds:
-    """The speeds at which the wheels that act impose a twist which the nearest wheel's side row allows.
+def _outward(state: ContactState) -> Coefficients:
+    """The unit vector to the nearest wheel."""
+    p = np.array(floats(state.rows[0].wheel.position))
+    return floats(p / np.hypot(*p))
+
+
+def _roll_rows(state: ContactState) -> dict[int, Coefficients]:
+    """Of each wheel that acts ``u_w = row . (v, omega)``, for a motion which the nearest wheel's side row allows.
 
     With a side row in third place, as it may be away from the equilibrium, the nearest wheel alone does its part.
     """
+    _require_a_pair(state)
     acting = [row for row in (state.rows[0], state.rows[2]) if row.kind is RowKind.ROLL]
-    rows = [(row.wheel.index, tuple(map(float, row.unit_normal))) for row in acting]
+    return {row.wheel.index: floats(row.unit_normal) for row in acting}
 
-    def speeds(pose: Pose) -> Mapping[int, float]:
-        v_x, v_y, omega = twist(*map(float, pose))
-        return {wheel: a * v_x + b * v_y + c * omega for wheel, (a, b, c) in rows}
 
-    return speeds
+def floats(values: Iterable[SupportsFloat]) -> Coefficients:
+    """Numbers in floats, zero without a sign."""
+    return tuple(float(value) + 0.0 for value in values)
 
 
 def _require_a_pair(state: ContactState) -> None:
@@ -157,19 +229,3 @@ def _require_two_inputs(state: ContactState) -> None:
     _require_a_pair(state)
     if state.rows[2].kind is not RowKind.ROLL:
         raise ValueError(f"required a roll row in third place (mu_side < mu_roll), received {state.name}")
-
-
-def _paper_law(gain: float, length: float, *, corrected: bool) -> StateLaw:
-    def prepare(state: ContactState) -> Speeds:
-        _require_two_inputs(state)
-        nearest, second = state.rows[0].wheel.index, state.rows[2].wheel.index
-        torque = state.control_fields[second][2]
-        turn = -gain * length * (torque.sign() if corrected else 1)
-
-        def speeds(pose: Pose) -> Mapping[int, float]:
-            steer = turn * float(pose[2])
-            return {nearest: abs(steer) + gain * math.hypot(pose[0], pose[1]), second: steer}
-
-        return speeds
-
-    return prepare

@@ -18,8 +18,7 @@ from flint import arb_mat
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
-from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import ConstantField, feedback_field
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -44,8 +43,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Traject
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth, onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.mechanics.body import support_polygon
-from nonsmooth.symbolic.mechanics.constraints import Row, roll_row, side_row
-from nonsmooth.symbolic.mechanics.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.contact_states import Row, roll_row, side_row, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_friction_ratio
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
@@ -116,7 +114,7 @@ def support_rows(scene: Scene) -> Rows:
     """Loads towards the longest edge and beyond it; a refusal for wheels on one line."""
     model = contact_model(scene)
     middle = model.positions.mean(axis=0)
-    hull = float_points(support_polygon([w.position for w in scene.wheels]))
+    hull = float_points(support_polygon(scene.positions))
     if len(hull) < 3:
         yield from _tipping(model, middle, "wheels on one line")
         return
@@ -141,7 +139,7 @@ def _tipping(model: ContactModel, point: Floats, parameter: str) -> Rows:
 
 def load_scale_rows(scene: Scene) -> Rows:
     """Loads in other units of length."""
-    if len(support_polygon([wheel.position for wheel in scene.wheels])) < 3:
+    if len(support_polygon(scene.positions)) < 3:
         return
     for power in POWERS:
         larger = scaled(scene, Fraction(10) ** power)

@@ -12,8 +12,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
-from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.constant_field import CellwiseField, ConstantField, smooth_form
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Member, Velocity

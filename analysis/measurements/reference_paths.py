@@ -217,7 +217,7 @@ def gradient_pieces(partition: Partition, gain: float, weight: Fraction = Fracti
     """The closed loop ``u = -k (c, w theta) . g``, linear on every cell.
 
     Kinematics are of leading order at the checked point, as
-    :func:`nonsmooth.analysis.fields.cellwise_field.feedback_field` has them.
+    :func:`nonsmooth.analysis.fields.constant_field.feedback_field` has them.
     """
     with precision():
         x, y = map(ball, partition.scene.check.equilibrium)

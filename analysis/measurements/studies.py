@@ -31,8 +31,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumerat
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Functional, Minimizer, dissipation, proved
-from nonsmooth.symbolic.mechanics.constraints import Row, scene_rows
-from nonsmooth.symbolic.mechanics.contact_states import ContactState, solve_rows
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, Row, scene_rows, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import XY

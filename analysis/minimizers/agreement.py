@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.polygon import Polygon
 from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.minimum import minima_without_proof, proved
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from nonsmooth.analysis.cells.contact_rule import CellRule, LimitedForces, Rule
 from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.sum_of_supports import quadratic_parts
-from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
+from nonsmooth.symbolic.mechanics.contact_states import free_text, free_twists
 from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask

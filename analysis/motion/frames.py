@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.cell_complex import float_polygon
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import Speeds, control_columns
+from nonsmooth.analysis.fields.constant_field import Speeds, control_columns
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.fields.convex_weights import nearest_weights
 from nonsmooth.analysis.fields.polygon_field import CellSides

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 
-from nonsmooth.analysis.fields.cellwise_field import Pose, Speeds, StateLaw
+from nonsmooth.analysis.fields.constant_field import Pose, Speeds, StateLaw
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import Event, EventKind, Piece, State, Trajectory
 from nonsmooth.symbolic.mechanics.contact_states import ContactState

@@ -36,7 +36,7 @@ from nonsmooth.analysis.cells.fan import (
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import ConstantField, Flow
 from nonsmooth.analysis.fields.convex_weights import least_mix
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus, turned
 from nonsmooth.symbolic.numbers.plane_arrays import Floats

@@ -23,7 +23,7 @@ from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, point_velocities
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, field_beside, point_velocities
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -256,13 +256,11 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Flo
     for _ in range(NEWTON_STEPS):
         if np.abs(place).max() > radius:
             break
-        around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-        here, east, west, north, south = field(around)
+        here, slope = field_beside(field, place, step)
         speed = float(np.hypot(*here))
         if not speed < least:
             break
         best, least = place, speed
-        slope = np.stack([east - west, north - south], axis=1) / (2 * step)
         place = place - np.linalg.lstsq(slope, here, rcond=None)[0]
     return best, least
 

@@ -16,9 +16,9 @@ from flint import arb
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Quantity, Rotation
+from nonsmooth.proofs.findings import Certainty, Fact, Quantity, Rotation
 from nonsmooth.symbolic.mechanics.contact_set import contact_set
-from nonsmooth.symbolic.mechanics.free_rollers import free_text, free_twists
+from nonsmooth.symbolic.mechanics.contact_states import free_text, free_twists
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact

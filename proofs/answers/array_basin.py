@@ -28,7 +28,7 @@ from nonsmooth.proofs.checker.contact import Cells
 from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record, encode
+from nonsmooth.proofs.findings import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import (
@@ -233,7 +233,7 @@ def find_array_basin(scene: Scene, asked: str, announce: Callable[[str, int, int
     if scene.body is not None:
         return NoBasin("the wheels under a body with an outline change")
     about = scene.recentred()
-    half = widest_square([wheel.position for wheel in about.wheels], about.check.equilibrium)
+    half = widest_square(about.positions, about.check.equilibrium)
     if half is None:
         return NoBasin("the point is not inside the support polygon")
     announce("cells of the support polygon", 0, 1)

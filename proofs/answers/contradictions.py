@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, SupportsFloat, TypeAlia
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.proofs.own_paths import CLOSE, CLOSER, FAR, paths_from, starts_around, starts_on_borders
 from nonsmooth.proofs.theorem4 import CellCheck, Check, Contradiction
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -29,7 +29,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
-from nonsmooth.symbolic.numbers.plane_arrays import unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import point_velocities, unit_vectors
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.constant_field import ConstantField
@@ -633,12 +633,11 @@ def _field_beside(scene: Scene) -> _Beside | None:
     if not isinstance(rule, SmoothRule) or scene.contact.loads_are_unknown:
         return None
     from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-    from nonsmooth.symbolic.numbers.plane_arrays import point_velocities
 
     centred, step = scene.recentred(), STEP * float(scene.check.radius)
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     minima = minima_under(rule, centred, points)
-    rims = max(abs(float(wheel.speed)) for wheel in centred.wheels)
+    rims = centred.fastest
     if minima.faces or not minima.check().all() or not rims:
         return None
     size = max(abs(float(entry)) for wheel in centred.wheels for entry in wheel.position)

@@ -35,7 +35,7 @@ from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.theorem4 import CHECK_UNITS, Theorem4Result, judge_equilibria
 from nonsmooth.symbolic.mechanics.contact_set import alone, standing
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -17,7 +17,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.mechanics.body import default_radius
 from nonsmooth.symbolic.mechanics.contact_set import (
@@ -155,7 +155,7 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
     point = scene.check.equilibrium
     carrying = standing(rest)
     require_standing(rest, carrying.wheels, point)
-    room = default_radius([wheel.position for wheel in carrying.wheels], point)
+    room = default_radius(carrying.positions, point)
     return rest if (carrying.check.radius - room).sign() <= 0 else in_square(rest, room)
 
 

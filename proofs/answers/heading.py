@@ -32,7 +32,7 @@ from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Rotation, said
+from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity, Rotation, said
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number import Number

@@ -38,7 +38,7 @@ from nonsmooth.proofs.answers.answer import (
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, unknowns_at_rest
 from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.clauses.at_point.mass import PRECISION, Pencil, mass_limits
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, said
+from nonsmooth.proofs.findings import Fact, Quantity, Translation, said
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, checked_scene, contact_set
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -239,7 +239,7 @@ def _ring(scene: Scene, radius: float) -> list[Pose]:
 
 def _crossing(scene: Scene, radius: float) -> float:
     """How long a body takes over a radius at the speed of the fastest wheel."""
-    return radius / (max(float(abs(wheel.speed)) for wheel in scene.wheels) or 1.0)
+    return radius / (scene.fastest or 1.0)
 
 
 def _body(scene: Scene) -> RigidBody | None:

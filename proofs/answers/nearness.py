@@ -31,11 +31,11 @@ from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, Ever
 from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends, ends_at_point
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
-from nonsmooth.symbolic.mechanics.constraints import Twist
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, contact_set
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads
 from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
@@ -292,7 +292,7 @@ def _under_a_load(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
     if asked.load is None or (scatter is not None and scatter.stiffness):
         return Nearness()
     try:
-        forms = spring_forms([wheel.position for wheel in array.wheels])
+        forms = spring_forms(array.positions)
     except NoSpringsError:
         return Nearness()
     for share in LOAD_SHARES:

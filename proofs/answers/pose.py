@@ -14,10 +14,11 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import (
     BY_CELLS,
     UltimateBound,
     certified_error,
+    limited_speed,
     ultimate_bound,
     wheel_speed,
 )
-from nonsmooth.proofs.findings.verdicts import Certainty, Fact, Feedback, Quantity, said
+from nonsmooth.proofs.findings import Certainty, Fact, Feedback, Quantity, said
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, lower_text, upper_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
@@ -105,8 +106,6 @@ def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
         return None
     if isinstance(found, FeedbackResult):
         return None if found.limited is None else found.limited.speed
-    from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed
-
     return limited_speed(found, scene)
 
 

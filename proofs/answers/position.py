@@ -23,7 +23,7 @@ from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, Turning, homec
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation, mass_words
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Translation, said
+from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity, Translation, said
 from nonsmooth.proofs.robust.ends import Ends
 from nonsmooth.symbolic.mechanics.contact_set import may_turn_off_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene

@@ -398,7 +398,7 @@ def load_box(scene: Scene, step: arb, carrying: Sequence[int] | None = None) -> 
         carrying: the places of the wheels that carry, where not all do; of the others what springs would push.
     """
     off = step * arb(0, 1)
-    moments = [(arb(1), x.ball() + off, y.ball() + off) for x, y in (wheel.position for wheel in scene.wheels)]
+    moments = [(arb(1), x.ball() + off, y.ball() + off) for x, y in scene.positions]
     forms = load_model(scene).forms(moments, range(len(moments)) if carrying is None else carrying, BALLS)
     return None if forms is None else LoadBox(tuple(forms))
 

@@ -37,8 +37,8 @@ from nonsmooth.proofs.boxes.enclosures import (
     slope_of_pose_rate,
 )
 from nonsmooth.proofs.boxes.linearization import Slip, slip_at_rest
-from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.mechanics.constraints import added, scaled
+from nonsmooth.proofs.findings import Translation
+from nonsmooth.symbolic.mechanics.contact_states import added, scaled
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below

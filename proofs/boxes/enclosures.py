@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, fmpq
 
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 
 # A map and its Jacobian, (n, 1) and (n, n), over a box (n, 1); None where they are not known.
 Map: TypeAlias = Callable[[arb_mat], tuple[arb_mat, arb_mat] | None]

@@ -30,7 +30,7 @@ from flint import arb
 
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
     Triple,
     added,
     cofactors,

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from nonsmooth.symbolic.mechanics.constraints import Triple, complement, independent
+from nonsmooth.symbolic.mechanics.contact_states import Triple, complement, independent
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.plane import Vector, dot, turned
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Record, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Fact, Quantity, Record, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 

@@ -16,7 +16,7 @@ from nonsmooth.proofs.boxes.enclosed_rest import rest_at_point
 from nonsmooth.proofs.clauses.at_point.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
 from nonsmooth.proofs.clauses.at_point.every_load import EveryLoadPoint, every_load_point
-from nonsmooth.proofs.findings.verdicts import Equilibrium
+from nonsmooth.proofs.findings import Equilibrium
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.rounded import (
     PLACE_DECIDES,

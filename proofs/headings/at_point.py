@@ -139,7 +139,7 @@ class HeadingsAt:
         self.scene = replace(whole(scene), check=replace(scene.check, equilibrium=point))
         with ctx.workprec(PRECISION):
             self.outline = BallOutline(scene.body)
-            self.places = places_of([wheel.position for wheel in self.scene.wheels], point)
+            self.places = places_of(self.scene.positions, point)
             self.stays = StaysAt(self.scene)
 
     def clusters(self) -> list[HeadingCluster]:

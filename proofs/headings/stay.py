@@ -28,9 +28,9 @@ from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Translation
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.proofs.findings import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.mechanics.contact_set import TipsError, on_wheels, whole
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import SceneError

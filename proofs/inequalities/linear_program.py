@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, inner
+from nonsmooth.symbolic.mechanics.contact_states import Triple, cofactors, inner
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points

@@ -58,7 +58,7 @@ from nonsmooth.proofs.inequalities.subdivision import (
     take_effort,
 )
 from nonsmooth.symbolic.formulas.surfaces import factorize
-from nonsmooth.symbolic.mechanics.constraints import cofactors
+from nonsmooth.symbolic.mechanics.contact_states import cofactors
 from nonsmooth.symbolic.numbers.coefficients import height
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import sign

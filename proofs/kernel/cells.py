@@ -27,7 +27,7 @@ from nonsmooth.proofs.checker.cells import Domain, Inclusion, Pattern, Surfaces,
 from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.inequalities.prover import Proof, prove

@@ -20,7 +20,7 @@ from nonsmooth.proofs.checker.cells import Inclusion, Matrix, System, pattern
 from nonsmooth.proofs.checker.centres import require_reversed, show_turns
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.bounds import factorized
 from nonsmooth.proofs.kernel.cells import StatedCells, build_inclusion, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search

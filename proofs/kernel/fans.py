@@ -28,7 +28,7 @@ import numpy as np
 from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
 from nonsmooth.proofs.kernel.cells import (

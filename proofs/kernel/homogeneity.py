@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.kernel.cells import BeyondReachError, adjoining, build_cells, stated_cells
 from nonsmooth.symbolic.messages.scene_error import SceneError

@@ -29,7 +29,7 @@ from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.statements import THEOREMS
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided
 from nonsmooth.proofs.kernel import simplices, squares

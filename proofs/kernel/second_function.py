@@ -26,7 +26,7 @@ from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program, with_margin
 from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of

@@ -17,7 +17,7 @@ from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.inequalities.subdivision import (

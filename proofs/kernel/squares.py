@@ -13,7 +13,7 @@ from flint import fmpq
 
 from nonsmooth.proofs.checker.polynomials import Exponents, constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import round_parameters, solve_inside

@@ -17,15 +17,21 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from nonsmooth.proofs.findings.exact_json import Generators, Record
+from nonsmooth.proofs.findings import Generators, Record
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, Wave, in_place_of_names
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, written_powers
-from nonsmooth.symbolic.systems.enclosed_numbers import MOST_PLACES, NoEnclosureError, bounds_of, enclose_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import (
+    MOST_PLACES,
+    PLANE,
+    NoEnclosureError,
+    SwitchedSystem,
+    bounds_of,
+    enclose_numbers,
+)
 
 NUMBERS = re.compile(r"\b(pi|sqrt|sin|cos)\b")
 LONGEST_NAME = 31  # characters

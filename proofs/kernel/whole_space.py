@@ -17,7 +17,7 @@ from flint import fmpq
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     are_positive_everywhere,
@@ -42,8 +42,7 @@ from nonsmooth.proofs.sums_of_squares.conic_program import Problem, round_parame
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms, written_powers
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
 # ---- proposals for a V that is positive and falls in the whole space -----------------------------
 #

@@ -27,7 +27,7 @@ from functools import cached_property
 import numpy as np
 from flint import ctx, fmpq, fmpq_mat, fmpq_poly
 
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, complex_roots, positive_roots
 from nonsmooth.proofs.kernel.bases import quadratic_text
@@ -63,8 +63,7 @@ from nonsmooth.proofs.systems.findings import (
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
 # ---- what shows itself near the point in many states ---------------------------------------------
 #

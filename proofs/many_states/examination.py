@@ -13,8 +13,7 @@ from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
@@ -26,7 +25,7 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
     surfaces_of,
 )
-from nonsmooth.proofs.kernel.search import SQUARES, Functions, decide_claim
+from nonsmooth.proofs.kernel.search import SQUARES, Collected, Functions, decide_claim
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.written import slopes, terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
@@ -330,8 +329,6 @@ class ExaminedLyapunov(ExaminedFunction):
 
 def are_about_forms(claims: Sequence[Claim]) -> bool:
     """Whether claims on the cube hold at every distance."""
-    from nonsmooth.proofs.kernel.search import Collected
-
     noted = Collected()
     for claim in claims:
         noted.note_form(claim)

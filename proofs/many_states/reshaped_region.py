@@ -24,7 +24,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import fmpq
 
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, formula_text, functions_on, monomial
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells, without_signs
 from nonsmooth.proofs.kernel.search import Collected, stability_hypotheses

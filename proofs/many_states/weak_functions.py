@@ -31,7 +31,7 @@ from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
 from nonsmooth.proofs.kernel.bases import (
     PiecewiseFunction,

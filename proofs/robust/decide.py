@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.findings import Certainty
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS

@@ -28,7 +28,7 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, float_points, places_of
 
 Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
@@ -277,7 +277,7 @@ class _Turns:
 
 def _standing(scene: Scene) -> float:
     """A radius about the point of a centred scene within which the body stands on the wheels."""
-    corners = support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))
+    corners = support_polygon(outer_positions(scene.positions))
     if len(corners) < 3:
         return 0.0
     places = float_points(corners)
@@ -295,7 +295,7 @@ def _standing(scene: Scene) -> float:
 def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[Place]:
     """The point itself, a zero of the field near it, and where a path from it ends."""
     size = float(accuracy)
-    still = STILL * max(abs(float(wheel.speed)) for wheel in scene.wheels)
+    still = STILL * scene.fastest
     seen: list[Floats] = []
     for place in _proposed(scene, velocity, size, still):
         if place is not None and all(np.hypot(*(place - other)) > size / 64 for other in seen):
@@ -354,13 +354,6 @@ def _nearest_velocity(scene: Scene) -> Velocity:
         return np.zeros(2)
 
     return velocity
-
-
-def field_beside(velocity: Velocity, place: Floats, step: float) -> tuple[Floats, Floats]:
-    """The velocity at a place and its derivative, by differences."""
-    around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-    here, east, west, north, south = velocity(around)
-    return here, np.column_stack([east - west, north - south]) / (2 * step)
 
 
 def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats | None:

@@ -35,11 +35,10 @@ from nonsmooth.analysis.cells.partition import Cell, RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.balanced_forces import STRENGTHS, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.robust.ends import field_beside
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import enclosure
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside
 
 PRECISION = 128  # bits of the balls
 PARTS = 8  # steps on the way out, at least

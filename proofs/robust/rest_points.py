@@ -28,7 +28,7 @@ from nonsmooth.proofs.boxes.enclosed_rest import (
 )
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.robust.level_sets import (
     VERTICES,
     RingPieces,

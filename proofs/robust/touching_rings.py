@@ -89,7 +89,7 @@ def _of_cells(scene: Scene, most: float) -> TouchingRings | None:
 
     edge = fmpq(*Fraction(most).as_integer_ratio())
     cells = bounded_cells(scene, no_tolerance(scene), edge)
-    fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
+    fastest = scene.fastest
     limit = Fraction(most)
     kappas = [fmpq(*Fraction(2 * fastest * k / RATES).as_integer_ratio()) for k in range(1, RATES + 1)]
     kappas = [kappas[0] * fmpq(1, 64), *kappas]

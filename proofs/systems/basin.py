@@ -20,7 +20,7 @@ from nonsmooth.proofs.checker.basin import NAMES, Plane
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import closed, place_of
 from nonsmooth.proofs.checker.positivity import Proofs
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.systems.basin_mesh import (
     BasinEffort,
     BuiltMesh,

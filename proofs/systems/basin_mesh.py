@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls, whole_argument
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.systems.basin_rings import (
     SMALL,
     FieldInCells,

@@ -34,7 +34,7 @@ from nonsmooth.proofs.checker.cells import Pattern, System
 from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan}

@@ -35,7 +35,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
 )
 from nonsmooth.proofs.orbits.ball_steps import in_balls
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO
-from nonsmooth.symbolic.mechanics.constraints import cross_product
+from nonsmooth.symbolic.mechanics.contact_states import cross_product
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.plane import between, dot
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

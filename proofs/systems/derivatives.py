@@ -44,7 +44,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point, clipped_by
 from nonsmooth.analysis.cells.region import Region, affine, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, distinct, gradients_at, velocities_at
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
@@ -59,8 +59,7 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, hull_holds_zero
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
-from nonsmooth.symbolic.systems.enclosed_numbers import with_known_numbers
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
+from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
 MEETING_WORK = 5_000  # coefficients looked at to find that a further cell does not meet the curve
 

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
+from nonsmooth.proofs.findings import Equilibrium, Fact, Record, Translation
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum
 from nonsmooth.proofs.systems.domain import (

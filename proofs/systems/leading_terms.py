@@ -30,7 +30,7 @@ from flint import acb, acb_poly, arb, ctx
 from nonsmooth.analysis.cells.fan import Wedge, by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.real_roots import (
     RealRoot,
     along_ray,

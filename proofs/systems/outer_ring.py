@@ -27,7 +27,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.systems.basin_rings import (
     FloatField,
     Pace,

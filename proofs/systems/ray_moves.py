@@ -24,7 +24,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, distinct, velocities_at
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, ray_adherence, sectors
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.inequalities.kinks import mixtures
@@ -36,7 +36,7 @@ from nonsmooth.proofs.inequalities.real_roots import (
     lowest_form,
     positive_roots,
 )
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import place_text

@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Translation
+from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity, Record, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
 from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses

@@ -24,8 +24,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Record, Translation
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.inequalities.subdivision import effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel.cells import require_denominators

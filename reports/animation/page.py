@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nonsmooth.analysis.motion.frames import WheelContact
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
 from nonsmooth.reports.figures.path import marked
 from nonsmooth.reports.figures.style import length_label

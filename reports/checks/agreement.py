@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules, intersect
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.cells import draw_hatch
 from nonsmooth.reports.figures.style import (
     INK,

@@ -14,13 +14,12 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.answers.answer import Answer, Position, at_least, contact_facts, has_dynamics
 from nonsmooth.proofs.answers.answers import Answers, OtherRule, answers_of
 from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
+from nonsmooth.proofs.findings import Quantity, Record, Theorem4
 from nonsmooth.proofs.theorem4 import Check, Contradiction
 from nonsmooth.reports.output.facts import as_record, fact_record, with_exact
 from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, place_text, real_text, short_text
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.minimizers.sampling import SampledField, sample_field
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.style import figure_bytes
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.facts import floats

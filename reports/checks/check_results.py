@@ -13,13 +13,35 @@ from rich.text import Text
 
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
-from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Theorem4, said
+from nonsmooth.proofs.answers.contradictions import (
+    contradictions_of_certificate,
+    contradictions_of_rules,
+    reconciled,
+    rests_under,
+)
+from nonsmooth.proofs.findings import Record, Theorem4, said
 from nonsmooth.proofs.theorem4 import Check, Contradiction
-from nonsmooth.reports.checks.answers import CHECK_SCHEMA, answer_lines, answers_record, check_record, checks_record
+from nonsmooth.reports.checks.answers import (
+    CHECK_SCHEMA,
+    answer_lines,
+    answers_record,
+    answers_view,
+    check_record,
+    checks_record,
+    tipped_view,
+)
 from nonsmooth.reports.output.progress import progress, steps
-from nonsmooth.reports.output.terminal import header_table, verdict_text
+from nonsmooth.reports.output.terminal import (
+    MORE,
+    answers_table,
+    check_view,
+    clauses_view,
+    header_table,
+    headline,
+    legend,
+    notes_lines,
+    verdict_text,
+)
 from nonsmooth.reports.studies.result import DataTable, Result, counted_words, short_lines
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet, contact_set, tipped, wheels_text
 from nonsmooth.symbolic.messages.scene_error import one_line
@@ -287,7 +309,6 @@ class CheckResult(ArrayAnswers):
             NoCertificateError: where there is none.
             UnverifiedError: where the stand-alone checker rejects it.
         """
-        from nonsmooth.proofs.answers.contradictions import contradictions_of_certificate
         from nonsmooth.proofs.certificate import build_certificate
 
         _ = self.answers  # all of them: they may contradict what is certified
@@ -406,9 +427,6 @@ class TippedResult(ArrayAnswers):
 
     def views(self) -> Sequence[RenderableType]:
         """The answers."""
-        from nonsmooth.reports.checks.answers import tipped_view
-        from nonsmooth.reports.output.terminal import notes_lines
-
         drawn = Text("nonsmooth partition SCENE --show array -o FILE.png draws it")
         return [tipped_view(self.scene, [*self._answers.values()]), drawn, *notes_lines(self.scene.field)]
 
@@ -474,20 +492,6 @@ def region_words(result: CheckResult) -> tuple[str, str]:
 
 def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
     """Answers and verdicts of one array under one rule or several, and why where that was asked."""
-    from rich.console import Group
-    from rich.text import Text
-
-    from nonsmooth.reports.checks.answers import answers_view
-    from nonsmooth.reports.output.terminal import (
-        MORE,
-        answers_table,
-        check_view,
-        clauses_view,
-        headline,
-        legend,
-        notes_lines,
-    )
-
     views: list[RenderableType] = []
     evidence, continuum = results[0].shows_evidence, results[0].continuum
     for result in results:

@@ -9,7 +9,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.bodies.continuum import HeadingEffect, NoIdealizationError, Prediction, predictions
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.theorem4 import Check
 from nonsmooth.reports.output.document import Section, display, table
 from nonsmooth.reports.output.facts import with_exact

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb
 
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Quantity
+from nonsmooth.proofs.findings import Quantity, Record
 from nonsmooth.reports.output.document import Block, Table, sentences, table
 from nonsmooth.reports.output.facts import as_record
 from nonsmooth.symbolic.mechanics.units import Units

@@ -14,7 +14,7 @@ from rich.table import Table as TerminalTable
 from rich.text import Text
 
 from nonsmooth.analysis.measurements.harness import FittedSlope, Measured, ResultRow, Run
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.style import LINES, legend_below, line_entry, mark_entry, new_figure
 from nonsmooth.reports.output.console import INTERRUPTED
 from nonsmooth.reports.output.document import Block, sentences, table

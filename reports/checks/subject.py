@@ -14,7 +14,7 @@ from nonsmooth.proofs.answers.answers import Answers, full_answers
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.theorem4 import CellCheck, Check, check_theorem4
 from nonsmooth.reports.checks.answers import check_record, partition_record, states_record
 from nonsmooth.reports.output.console import PROGRAM, own_version

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Record, Translation
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import (
     audit_facts,
@@ -29,13 +28,13 @@ from nonsmooth.reports.output.facts import fact_record, fact_rows, with_exact
 from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from rich.console import RenderableType
 
-    from nonsmooth.proofs.findings.verdicts import Fact
+    from nonsmooth.proofs.findings import Fact
     from nonsmooth.proofs.system_audit import AuditResult
     from nonsmooth.proofs.systems.findings import ExaminedFunction
     from nonsmooth.reports.exchange.formulas import FieldFormulas

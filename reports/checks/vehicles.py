@@ -18,7 +18,7 @@ from nonsmooth.analysis.bodies.vehicles import (
     vehicle_motions,
 )
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.style import INK, LINES, legend_below, length_label, new_figure, view_square, wrapped
 from nonsmooth.reports.figures.wheels import draw_wheel
 from nonsmooth.reports.output.document import Block, Paragraph, sentences, table

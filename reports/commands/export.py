@@ -105,7 +105,7 @@ def _export_system(scene: str, path: Path) -> int:
     from nonsmooth.proofs.kernel.subject import NoCertificateError
     from nonsmooth.reports.checks.check import check_system
     from nonsmooth.symbolic.files.documents import deep_nesting_refused
-    from nonsmooth.symbolic.files.system_file import load_system
+    from nonsmooth.symbolic.files.scene_file import load_system
 
     with deep_nesting_refused(scene):
         system = load_system(scene)

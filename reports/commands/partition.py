@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.clauses.at_point.possible_twists import PossibleTwist
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.clauses.at_point.possible_twists import PossibleTwist, possible_twists
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import with_exact
 from nonsmooth.reports.output.files import PICTURES
@@ -20,7 +20,7 @@ from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 from nonsmooth.symbolic.numbers.number_text import place_text, short_text
 
 if TYPE_CHECKING:
@@ -97,8 +97,6 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
         return WheelsResult(scene)
     if _leaves_motions_open(scene):
         with steps("motions that unknown loads leave possible"):
-            from nonsmooth.proofs.clauses.at_point.possible_twists import possible_twists
-
             return PossibleMotions(scene, possible_twists(scene))
     if isinstance(rule_of(scene), SmoothRule):
         from nonsmooth.reports.checks.cells import field_of

@@ -6,7 +6,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.cells.contact_rule import CellRule, all_rules
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.console import write_json, write_views
 from nonsmooth.reports.output.study_options import Json
 from nonsmooth.reports.output.terminal import header_table

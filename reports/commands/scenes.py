@@ -9,7 +9,7 @@ from nonsmooth.reports.output.study_options import Json
 def scenes(json: Json = False) -> int:
     """List the built-in scenes: arrays of wheels, then plain switched systems and vehicles."""
     from nonsmooth.symbolic.files.documents import builtin_descriptions
-    from nonsmooth.symbolic.files.system_file import system_descriptions
+    from nonsmooth.symbolic.files.scene_file import system_descriptions
     from nonsmooth.symbolic.files.vehicle_file import vehicle_descriptions
 
     kinds = builtin_descriptions(), system_descriptions(), vehicle_descriptions()

@@ -86,7 +86,7 @@ def _verify_system(file: str, scene: str | None, radius: str | None, at: str | N
     from nonsmooth.proofs.checker.files import check_file, read
     from nonsmooth.proofs.kernel.subject import NoCertificateError
     from nonsmooth.proofs.system_certificates import find_system_difference, left_out
-    from nonsmooth.symbolic.files.system_file import load_system
+    from nonsmooth.symbolic.files.scene_file import load_system
 
     if rule is not None:
         raise RefusedError("--rule: required a certificate of an array, received one of a plain system")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.checks.subject import ArraySubject, Invocation, ReportSubject
 from nonsmooth.reports.derivations.parts import brief_document, chosen_parts, names_of, sections_of, subject_of
 from nonsmooth.reports.formats.html import render_html

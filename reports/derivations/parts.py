@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import DIGITS, UNDECIDED, Answer, Pose, at_least, at_most
 from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.answers import GOES, destinations_head, destinations_table, stated_answers
 from nonsmooth.reports.checks.continuum import continuum_section
@@ -38,6 +38,10 @@ from nonsmooth.reports.sections.contact import (
     constraining_wheels,
     constraints_section,
     contact_states_section,
+    ellipse_derivative_section,
+    rules_section,
+    situation_section,
+    without_rules,
 )
 from nonsmooth.reports.sections.measurements import precision_section, stress_section, without_precision
 from nonsmooth.reports.sections.opening import (
@@ -50,7 +54,6 @@ from nonsmooth.reports.sections.opening import (
     reproduction_section,
     verdict_section,
 )
-from nonsmooth.reports.sections.rules import ellipse_derivative_section, rules_section, situation_section, without_rules
 from nonsmooth.reports.sections.stability import (
     equilibria_section,
     filippov_section,

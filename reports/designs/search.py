@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.inertia import inertia_answer
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.robust.decide import certified_factor
 from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.reports.designs.freedom import Freedom

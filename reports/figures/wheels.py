@@ -29,7 +29,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.symbolic.mechanics.body import Disc, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import whole
-from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
+from nonsmooth.symbolic.mechanics.contact_states import askew_wheels
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
@@ -202,11 +202,7 @@ def array_figure(scene: Scene, tips: str = "") -> Figure:
     draw_array(axes, scene)
     if tips:
         title_axes(axes, f"{one_line(scene.name)}: {tips}")
-        hull = (
-            float_points(support_polygon([wheel.position for wheel in scene.wheels]))
-            if scene.wheels
-            else np.empty((0, 2))
-        )
+        hull = float_points(support_polygon(scene.positions)) if scene.wheels else np.empty((0, 2))
         axes.fill(*hull.T, fill=False, edgecolor=TIPS, linestyle=":", linewidth=1.6, zorder=2.5)
     entries = [
         line_entry("wheel: rim and number", color=INK, linewidth=5),
@@ -285,10 +281,9 @@ def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] 
     left, right = axes.get_xlim()
     gap = nearest_gap(places_of(wheels), right - left)
     size, labels = wheel_labels(wheels, gap * points / (right - left))
-    carrying = {wheel.index for wheel in scene.wheels}
     lines = _points_on(_rings(scene) if rings is None else rings) * points / (right - left)
     for wheel, name in zip(wheels, labels, strict=False):
-        color = INK if wheel.index in carrying else IDLE_NAME
+        color = INK if wheel.index in scene.places else IDLE_NAME
         place, (dx, dy) = in_floats(wheel.position), in_floats(wheel.unit_direction)
         near = lines - np.array(place) * points / (right - left)
         offsets = [name_offset(way, name, size) for way in ((dx, dy), (-dx, -dy))]

@@ -17,7 +17,19 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from nonsmooth.reports.output.document import Block, Code, Document, Figure, Inline, Math, Section, Table, Text, Verdict
+from nonsmooth.reports.output.document import (
+    Block,
+    Code,
+    Document,
+    Figure,
+    Inline,
+    Math,
+    Section,
+    Table,
+    Text,
+    Verdict,
+    plain_text,
+)
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -145,19 +157,8 @@ def _inline(part: Inline) -> str:
 
 def _room(text: Text) -> Markup:
     """The class of a table's entry: short ones stay on one line, long ones have room to wrap."""
-    length = sum(len(_plain(part)) for part in text)
+    length = len(plain_text(text))
     return _markup(' class="short"' if length < SHORT else ' class="long"' if length > LONG else "")
-
-
-def _plain(part: Inline) -> str:
-    """The characters that a part shows."""
-    match part:
-        case Math(_, plain):
-            return plain
-        case Code(text) | Verdict(text):
-            return text
-        case str():
-            return part
 
 
 def _display(block: Block) -> Markup:

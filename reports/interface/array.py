@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.checks.check import ALL_RULES, AUTO, CHECK, CheckOptions
-from nonsmooth.reports.designs.design import DesignOptions
+from nonsmooth.reports.designs.design import DESIGN, DesignOptions, GivenArray
 from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.simulations.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.studies.study import takes
+from nonsmooth.symbolic.files.documents import deep_nesting_refused, read_document, require_path
 from nonsmooth.symbolic.messages.scene_error import SceneError
 
 if TYPE_CHECKING:
@@ -199,8 +200,6 @@ class Array(PythonScene):
         Raises:
             SceneError: for whatever cannot be used, naming row and column.
         """
-        from nonsmooth.symbolic.files.documents import require_path
-
         require_path(file, "wheels.file", "a table")
         path = Path(file)
         return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
@@ -239,7 +238,6 @@ class Array(PythonScene):
     @cached_property
     def scene(self) -> Scene:
         """The exact array: all numbers in one field."""
-        from nonsmooth.symbolic.files.documents import deep_nesting_refused
         from nonsmooth.symbolic.files.scene_file import build_scene
 
         label, file = self.origin
@@ -372,8 +370,6 @@ class Array(PythonScene):
             SceneError: for a tolerance to maximize that the array does not state.
             ValueError: for other things that cannot be used.
         """
-        from nonsmooth.reports.designs.design import DESIGN, GivenArray
-
         found = DESIGN.of(GivenArray(self.document, self.folder, self.scene), **options)
         return replace(found, array=self.of_document(found.design.document, self.folder))
 
@@ -495,7 +491,6 @@ def load(source: str | Path) -> Array | System:
         SceneError: for whatever cannot be used.
     """
     from nonsmooth.reports.interface.system import System
-    from nonsmooth.symbolic.files.documents import read_document
 
     document, _, path = read_document(source)
     named = {"name": path.stem, **document}

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.entries import entry
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.symbolic.mechanics.constraints import Twist
-    from nonsmooth.symbolic.mechanics.contact_states import ContactState
+    from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist
     from nonsmooth.symbolic.numbers.number import Number
     from nonsmooth.symbolic.numbers.plane import Vector
 

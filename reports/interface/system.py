@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
+from nonsmooth.reports.exchange.reading import Reading, without_parentheses
 from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.output.entries import entry, table
 from nonsmooth.reports.simulations.simulate_options import PATH, UNTIL, SimulateOptions
@@ -105,7 +106,6 @@ class System(PythonScene):
             SceneError: for an expression that is no formula of the states.
         """
         from nonsmooth.reports.exchange.from_sympy import formulas_of_sympy
-        from nonsmooth.reports.exchange.reading import Reading
 
         named, reading = dict(parameters or {}), Reading("System.from_sympy", decimals)
         with reading.misfits_refused("lists of states and of expressions"):
@@ -146,7 +146,6 @@ class System(PythonScene):
             SceneError: for matrices of other shapes, and for what is no number.
         """
         from nonsmooth.reports.exchange import from_matrices
-        from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_matrices", decimals)
         with reading.misfits_refused("lists of matrices, of cones and of offsets"):
@@ -186,7 +185,6 @@ class System(PythonScene):
             SceneError: without CasADi, and for instructions that formulas do not have.
         """
         from nonsmooth.reports.exchange.from_matrices import formulas_of_casadi
-        from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_casadi", decimals)
         names, rhs = formulas_of_casadi(function, states, inputs or {}, reading)
@@ -222,7 +220,6 @@ class System(PythonScene):
             SceneError: without python-control, and for what is no such loop.
         """
         from nonsmooth.reports.exchange.from_matrices import formulas_of_control
-        from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_control", decimals)
         return cls._of_formulas(*formulas_of_control(plant, nonlinearity, limit, sign, reading), **more)
@@ -251,8 +248,7 @@ class System(PythonScene):
         Raises:
             SceneError: for shapes that do not fit, and where not exactly one row of S holds for a pattern of signs.
         """
-        from nonsmooth.reports.exchange.from_nosnoc import formulas_of_nosnoc
-        from nonsmooth.reports.exchange.reading import Reading
+        from nonsmooth.reports.exchange.from_sympy import formulas_of_nosnoc
 
         reading = Reading("System.from_nosnoc", decimals)
         with reading.misfits_refused("states, a list c and matrices S and F, or lists of these"):
@@ -262,8 +258,6 @@ class System(PythonScene):
     @classmethod
     def _of_formulas(cls, states: Sequence[str], rhs: Sequence[Any], **more: Any) -> Self:
         """The system of formulas that a door has written, with fewer parentheses."""
-        from nonsmooth.reports.exchange.reading import without_parentheses
-
         plain = [
             without_parentheses(side) if isinstance(side, str) else list(map(without_parentheses, side)) for side in rhs
         ]

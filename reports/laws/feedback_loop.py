@@ -16,8 +16,9 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import contact_rule
 from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Pose, Speeds, StateLaw, feedback_field
+from nonsmooth.analysis.fields.constant_field import CellwiseField, Pose, Speeds, StateLaw, feedback_field
 from nonsmooth.analysis.fields.feedback_laws import (
+    CellLaw,
     cascade_law,
     corrected_law,
     gradient_law,
@@ -30,7 +31,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, TurnRegion, find_cascade
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
@@ -159,7 +160,7 @@ class FeedbackLoop:
         return {index: float(limit) for index, limit in self.partition.scene.speed_limits.items()}
 
     @cached_property
-    def wanted(self) -> StateLaw:
+    def wanted(self) -> CellLaw:
         """The speeds in every cell that the law asks for."""
         if self.law in _PAPER_LAWS:
             return _PAPER_LAWS[self.law](self.gain, float(self.partition.scene.check.length))

@@ -1,10 +1,10 @@
 """A feedback law as a program: one header and one function, in Python, C and Structured Text (IEC 61131-3).
 
 Every program does the same: it finds the region that holds the displacement c, forms the few terms of which the speeds
-are combinations there (:class:`~nonsmooth.reports.laws.law_table.LawKind`), and scales all speeds by one factor where
-one of them would exceed its limit.  D is homogeneous in twist and speeds together, so such a factor changes how fast
-the body moves and not where to.  To add a language, write a function from a law and the lines of its header to a text,
-and list it in :data:`LANGUAGES`.
+are combinations there (:class:`~nonsmooth.analysis.fields.feedback_laws.LawKind`), and scales all speeds by one factor
+where one of them would exceed its limit.  D is homogeneous in twist and speeds together, so such a factor changes how
+fast the body moves and not where to.  To add a language, write a function from a law and the lines of its header to a
+text, and list it in :data:`LANGUAGES`.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ from pprint import pformat
 from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar
 
+from nonsmooth.analysis.fields.feedback_laws import LawKind
 from nonsmooth.proofs.answers.answer import how_far
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.reports.laws.law_table import LawKind, LawRegion, LawTable, law_table
+from nonsmooth.proofs.findings import Record
+from nonsmooth.reports.laws.law_table import LawRegion, LawTable, law_table
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Formats, Result, short_lines
@@ -59,7 +60,7 @@ def header(law: LawTable, at: str, language: Language) -> list[str]:
     ]
     if law.scene.body is not None:
         far = how_far(law.scene, "the checked point", "the checked heading")
-        carrying = _plain(numbers_text(tuple(wheel.index for wheel in law.scene.wheels)))
+        carrying = _plain(numbers_text(law.scene.numbers))
         said.append(f"It is about the body on wheels {carrying} and no others: they carry it for certain {far}.")
     said.append(f"Where it does not return the body: {'; '.join(_where_not(law))}.")
     said += [f"Which k: {law.gains}."] if law.gains else []

@@ -10,36 +10,28 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from fractions import Fraction
-from typing import SupportsFloat, TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.cells.partition import Cell
+from nonsmooth.analysis.fields.feedback_laws import CellLaw, Coefficients, LawKind, floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.motion.saturation import demand
 from nonsmooth.proofs.answers.pose import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS, certified_error, ultimate_bound, wheel_speed
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import CellCheck, Check
-from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
+from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.output.study_options import LawName
-from nonsmooth.symbolic.mechanics.constraints import RowKind
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text, lower_text, upper_text
-from nonsmooth.symbolic.numbers.plane_arrays import turned
-
-Coefficients: TypeAlias = tuple[float, ...]
-
 
 NEARBY = "from starts near the checked point; how near is not known"
 SEAM = 1e-9  # of the half-width of the square: regions meet within rounding
@@ -49,16 +41,6 @@ DIGITS = 6  # of speeds in words
 
 class NoLawError(ValueError):
     """A check that certifies no law; ``str(error)`` is one line."""
-
-
-class LawKind(StrEnum):
-    """What the speeds are combinations of; the value says it."""
-
-    GRADIENT = "X = (1 + e) x + f y, Y = f x + (1 - e) y, T = w theta + Y x - X y"
-    CASCADE = "r = sqrt(x^2 + y^2), x, y, theta"
-    PAPER = "r = sqrt(x^2 + y^2), h = |theta|, theta"
-    SLOW_TURNS = "A = (1 - W) r, W = s/l - theta + s^2/(2 r l), where (r, s) is c along and across the nearest p_i"
-    DRIVEN = "g . xi_l, g = (x, y, w theta), for the xi_l of the region with the largest |g . xi_l|"
 
 
 @dataclass(frozen=True)
@@ -131,7 +113,7 @@ class LawTable:
         if not all(abs(value) < BEYOND for value in (x, y, theta, k)):
             raise ValueError(f"required a pose and a gain of sizes below {BEYOND:g}, received {(x, y, theta, k)}")
         region = self.region_at(x, y)
-        terms = self._terms(region, x, y, theta)
+        terms = self.kind.terms(self.constants, region.axes, x, y, theta)
         wanted = {wheel: k * float(np.dot(row, terms)) for wheel, row in region.speeds.items()}
         size = max(1.0, demand(wanted, {wheel: float(limit) for wheel, limit in self.scene.speed_limits.items()}))
         return {wheel: speed / size for wheel, speed in wanted.items()}
@@ -147,27 +129,6 @@ class LawTable:
         if depths[best] < -SEAM * float(self.scene.check.radius):
             raise ValueError(f"required a place in a region of the law, received ({x}, {y})")
         return self.regions[best]
-
-    def _terms(self, region: LawRegion, x: float, y: float, theta: float) -> Sequence[float]:
-        """What the speeds are combinations of."""
-        match self.kind:
-            case LawKind.GRADIENT:
-                e, f = self.constants["e"], self.constants["f"]
-                along, across = (1 + e) * x + f * y, f * x + (1 - e) * y
-                return along, across, self.constants["w"] * theta + across * x - along * y
-            case LawKind.CASCADE:
-                return math.hypot(x, y), x, y, theta
-            case LawKind.PAPER:
-                return math.hypot(x, y), abs(theta), theta
-            case LawKind.SLOW_TURNS:
-                ((a, b, *_),) = region.axes
-                r, s, length = a * x + b * y, a * y - b * x, self.constants["l"]
-                turn = s / length - theta + (s * s / (2 * r * length) if r > 0 else 0.0)
-                return (1 - turn) * r, turn
-            case LawKind.DRIVEN:
-                products = np.array(region.axes) @ (x, y, self.constants["w"] * theta)
-                chosen = int(np.argmax(np.abs(products)))
-                return [-float(products[chosen]) * (k == chosen) for k in range(len(products))]
 
     def rows(self) -> list[dict[str, str]]:
         """One row for each region, twist and wheel: where, and the speed of its rim.
@@ -219,7 +180,7 @@ def law_table(check: Check, name: LawName = LawName.CERTIFIED) -> LawTable:
         raise NoLawError(f"required a law of cells or of imposed twists, received rule {scene.contact.rule}")
     try:
         loop = build_loop(check.partition, name, Kinematics.EXACT, feedback)
-        table = _by_cells(scene, loop, check.partition.cells)
+        table = _by_cells(scene, loop.wanted, check.partition.cells)
     except ValueError as error:
         raise NoLawError(str(error)) from None
     table = replace(table, formula=loop.formula, status=f"{loop.name} law, {loop.status}")
@@ -240,26 +201,14 @@ def _driven(scene: Scene, feedback: DrivenFeedback) -> LawTable:
     return replace(table, effort=_effort_by_v(table, feedback, scene), gains=_gains_text(feedback, scene))
 
 
-def _by_cells(scene: Scene, loop: FeedbackLoop, cells: Sequence[Cell]) -> LawTable:
+def _by_cells(scene: Scene, law: CellLaw, cells: Sequence[Cell]) -> LawTable:
     """A law of rule ``nearest``.
 
     Raises:
         ValueError: for a law that the wheels of a cell do not allow.
     """
-    for cell in cells:
-        loop.wanted(cell.states[0])
-    if loop.law is LawName.GRADIENT:
-        (e, f), weight = loop.feedback.lyapunov.shape, loop.feedback.lyapunov.weight
-        constants = {"e": float(e), "f": float(f), "w": float(weight)}
-        return LawTable(scene, LawKind.GRADIENT, tuple(map(_gradient, cells)), constants)
-    if loop.law is not LawName.CASCADE:
-        corrected = loop.law is LawName.CORRECTED
-        regions = tuple(_paper(cell, float(scene.check.length), corrected=corrected) for cell in cells)
-        return LawTable(scene, LawKind.PAPER, regions, {})
-    if loop.cascade.descent is Descent.SLOW_TURNS:
-        return LawTable(scene, LawKind.SLOW_TURNS, tuple(map(_slow_turns, cells)), {"l": loop.turning_length})
-    signs = _signs(loop.cascade)
-    return LawTable(scene, LawKind.CASCADE, tuple(_cascade(cell, signs) for cell in cells), {})
+    regions = tuple(_region(cell, law.rows(cell.states[0]), law.axes(cell.states[0])) for cell in cells)
+    return LawTable(scene, law.kind, regions, law.constants)
 
 
 # ---- what is said of it --------------------------------------------------------------------------
@@ -360,74 +309,21 @@ def _sum(coefficients: Sequence[float], names: Sequence[str]) -> str:
     return " + ".join(f"{value!r} {name}" for value, name in zip(coefficients, names, strict=True) if value) or "0"
 
 
-def _region(cell: Cell, speeds: Mapping[int, Coefficients], axes: tuple[Coefficients, ...] = ()) -> LawRegion:
+def _region(cell: Cell, speeds: Mapping[int, Coefficients], axes: tuple[Coefficients, ...]) -> LawRegion:
     corners = [f"({', '.join(map(brief_text, vertex))})" for vertex in cell.polygon.vertices]
-    sides = tuple(_floats((s.offset, -s.normal[0], -s.normal[1])) for s in cell.polygon.sides)
-    vertices = tuple(map(_floats, cell.polygon.vertices))
+    sides = tuple(floats((s.offset, -s.normal[0], -s.normal[1])) for s in cell.polygon.sides)
+    vertices = tuple(map(floats, cell.polygon.vertices))
     return LawRegion(f"cell {cell.index}", f"corners {', '.join(corners)}", sides, speeds, axes, vertices)
-
-
-def _gradient(cell: Cell) -> LawRegion:
-    """``u_w = -k (a X + b Y + c T)`` with the control field (a, b, c) of wheel w."""
-    fields = cell.states[0].control_fields
-    return _region(cell, {wheel: _floats(-entry for entry in field) for wheel, field in fields.items()})
-
-
-def _paper(cell: Cell, length: float, *, corrected: bool) -> LawRegion:
-    """``u_j = turn theta`` and ``u_i = |u_j| + k r``: the nearest wheel i and the second j."""
-    nearest, second = cell.states[0].rows[0].wheel.index, cell.states[0].rows[2].wheel.index
-    torque = cell.states[0].control_fields[second][2]
-    turn = -length * (torque.sign() if corrected else 1)
-    return _region(cell, {nearest: (1.0, length, 0.0), second: (0.0, 0.0, turn)})
-
-
-def _signs(cascade: CascadeLaw) -> dict[int, int]:
-    return {wheel.index: sign for wheel, sign in zip(cascade.wheels, cascade.signs, strict=True)}
-
-
-def _roll_rows(state: ContactState) -> dict[int, Coefficients]:
-    """Of each wheel that acts: ``u_w = row . (v, omega)``."""
-    acting = [row for row in (state.rows[0], state.rows[2]) if row.kind is RowKind.ROLL]
-    return {row.wheel.index: _floats(row.unit_normal) for row in acting}
-
-
-def _cascade(cell: Cell, signs: Mapping[int, int]) -> LawRegion:
-    """``omega = -k theta`` and ``v = k s r d - (n . J p) omega n``; ``-k c . d`` for ``k s r`` where no s is known."""
-    state = cell.states[0]
-    wheel = state.rows[0].wheel
-    d, p = np.array(_floats(wheel.unit_direction)), np.array(_floats(wheel.position))
-    n = turned(d)
-    lever, sign = float(n @ turned(p)), signs.get(wheel.index)
-    speeds = {}
-    for index, row in _roll_rows(state).items():
-        along, turn = float(row[:2] @ d), lever * float(row[:2] @ n) - row[2]
-        by_place = (0.0, -along * d[0], -along * d[1]) if sign is None else (sign * along, 0.0, 0.0)
-        speeds[index] = _floats((*by_place, turn))
-    return _region(cell, speeds)
-
-
-def _slow_turns(cell: Cell) -> LawRegion:
-    """``v = (k - omega) r J p_i/|p_i|`` and ``omega = k W``: the rows times these."""
-    state = cell.states[0]
-    p = np.array(_floats(state.rows[0].wheel.position))
-    out = p / np.hypot(*p)
-    across = turned(out)
-    speeds = {index: (float(row[:2] @ across), row[2]) for index, row in _roll_rows(state).items()}
-    return _region(cell, speeds, (_floats(out),))
 
 
 def _cone(own: Scene, cone: LawCone, feedback: DrivenFeedback) -> LawRegion:
     """The twists of a cone in the scene's unit, and the speeds that impose each."""
     columns = [rim_speeds(own, imposed) for imposed in cone.twists]
     speeds = {wheel.index: tuple(column[k] for column in columns) for k, wheel in enumerate(own.wheels)}
-    twists = tuple(_floats(in_scene(imposed.twist, feedback.length)) for imposed in cone.twists)
+    twists = tuple(floats(in_scene(imposed.twist, feedback.length)) for imposed in cone.twists)
     if cone.rays is None:
         return LawRegion("all directions", "everywhere", (), speeds, twists)
-    (ax, ay), (bx, by) = (_floats(ray) for ray in cone.rays)
+    (ax, ay), (bx, by) = (floats(ray) for ray in cone.rays)
     start, end = (float_text(float(np.degrees(np.arctan2(y, x))) % 360, 4) for x, y in ((ax, ay), (bx, by)))
     sides = ((0.0, -ay, ax), (0.0, by, -bx))
     return LawRegion(f"directions {start} to {end} degrees", "of c, counterclockwise", sides, speeds, twists)
-
-
-def _floats(values: Iterable[SupportsFloat]) -> Coefficients:
-    return tuple(float(value) + 0.0 for value in values)

@@ -9,8 +9,7 @@ from typing import Any
 
 from flint import arb
 
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity
+from nonsmooth.proofs.findings import Fact, Quantity, Record
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import real_text, short_text

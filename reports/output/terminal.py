@@ -14,11 +14,10 @@ from rich.console import Group, RenderableType
 from rich.table import Table as TerminalTable
 from rich.text import Text
 
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.numbers.number_field import FirstRemark
+from nonsmooth.symbolic.numbers.number_field import FirstRemark, angle_notes
 from nonsmooth.symbolic.numbers.number_text import exact_place, short_text
 
 if TYPE_CHECKING:

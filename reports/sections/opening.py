@@ -38,12 +38,12 @@ from nonsmooth.reports.output.document import (
     table,
 )
 from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
-from nonsmooth.symbolic.mechanics.free_rollers import askew_wheels
+from nonsmooth.symbolic.mechanics.contact_states import askew_wheels
 from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
 from nonsmooth.symbolic.mechanics.units import Units
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import angle_notes
 from nonsmooth.symbolic.numbers.number_text import decimal_latex, float_text
 from nonsmooth.symbolic.numbers.plane import in_floats
 

@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Translation
+from nonsmooth.proofs.findings import Equilibrium, Fact, Translation
 from nonsmooth.proofs.theorem4 import CellCheck, Check
 from nonsmooth.reports.checks.cells import CellsResult
 from nonsmooth.reports.checks.subject import ArraySubject
@@ -39,7 +39,7 @@ from nonsmooth.reports.output.document import (
 from nonsmooth.reports.output.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.output.study_options import Drawing
 from nonsmooth.reports.sections.feedback import feedback_blocks
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text

@@ -21,7 +21,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, Trajec
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.figures.path import (
     cells_picture,

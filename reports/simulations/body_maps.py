@@ -14,7 +14,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
 from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.style import (
     INK,
     LEGEND_LINE,

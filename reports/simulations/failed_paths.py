@@ -21,10 +21,9 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.minimizers.float_loads import hull_sides
-from nonsmooth.analysis.trajectories.ending import EndMotion
-from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import EndMotion, EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, accuracy_text, in_unit, is_near, sampled_record
@@ -384,7 +383,7 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
 
 def _cases(scene: Scene, text: str) -> Iterator[Failed]:
     """Every wheel alone, or the ones that are listed together; stopped and lifted."""
-    known = [wheel.index for wheel in whole(scene).wheels]
+    known = whole(scene).numbers
     if text.strip() == ANY:
         groups: list[tuple[int, ...]] = [(number,) for number in known]
     else:
@@ -392,7 +391,7 @@ def _cases(scene: Scene, text: str) -> Iterator[Failed]:
         named = {f"{number:d}": number for number in known} | {str(number): number for number in known}  # names win
         wrong = next((part for part in parts if part not in named), None)
         if wrong is not None:
-            required = f"wheels among {numbers_text(tuple(known))}, or {ANY}"
+            required = f"wheels among {numbers_text(known)}, or {ANY}"
             raise OptionError(f"--fail: required {required}, received {wrong[:60]!r}")
         groups = [tuple(sorted({named[part] for part in parts}))]
     for group in groups:
@@ -434,7 +433,7 @@ def _followed(scene: Scene, failed: Failed, start: Pose, until: float, before: F
 def _on_the_others(scene: Scene, lifted: Collection[int]) -> Scene:
     """The table without wheels, in as much of the checked square as the hull of the others holds: cells end there."""
     rest = without(scene, lifted)
-    room = widest_square([wheel.position for wheel in rest.wheels], rest.check.equilibrium)
+    room = widest_square(rest.positions, rest.check.equilibrium)
     if scene.body is not None or room is None or (rest.check.radius - room).sign() <= 0:
         return rest
     return in_square(rest, room)
@@ -450,7 +449,7 @@ def _never_carry(scene: Scene, failed: Failed, path: Trajectory | None) -> bool:
 
 def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | None:
     """The first of some places that is not strictly inside the hull of the wheels; None where all are."""
-    positions = [wheel.position for wheel in array.wheels]
+    positions = array.positions
     if len(support_polygon(positions)) < 3:
         return 0
     corners = float_points(positions)

@@ -17,7 +17,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, OnStep, turned_heading
 from nonsmooth.analysis.cells.contact_rule import rule_of
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.style import figure_with_legend, title_axes
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.progress import progress

@@ -24,7 +24,7 @@ from nonsmooth.analysis.bodies.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.bodies.path import smooth_path
 from nonsmooth.analysis.cells.contact_rule import massless_rule
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import in_unit, pose_text, shown_angle

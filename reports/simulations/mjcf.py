@@ -202,7 +202,7 @@ class Export:
 
     def differences(self) -> Iterator[str]:
         """What the file holds otherwise than the scene, and what it leaves out."""
-        named, carrying = self.given.contact.rule, {wheel.index for wheel in self.scene.wheels}
+        named, carrying = self.given.contact.rule, set(self.scene.numbers)
         if named != RULE:
             yield f"rule {RULE}, which the engine follows, in place of the scene's {named}"
         idle = tuple(wheel.index for wheel in whole(self.given).wheels if wheel.index not in carrying)

@@ -1,7 +1,7 @@
 """Where a path ends, when and how: one sentence in the scene's own units, and its record.
 
 ``ends 0.108 mm from the point, heading 7.49 deg, within 4.15 mm of its end after 0.8 s, at rest since 1.1 s``.  The
-motion at the end is that of :func:`nonsmooth.analysis.trajectories.ending.ending`; swings and the time after which a
+motion at the end is that of :func:`nonsmooth.analysis.trajectories.result.ending`; swings and the time after which a
 body stays near where it ends are counted as for bodies with inertia (:mod:`nonsmooth.analysis.bodies.settling`).
 """
 
@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
-from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of
-from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.analysis.trajectories.result import Ending, EndMotion, EndReason, Trajectory, ending, parts_of
+from nonsmooth.proofs.findings import Record
 from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units

@@ -30,8 +30,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import half_life, has_dynamics, how_far
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback, Record
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.output.document import Block, findings, sentences
 from nonsmooth.reports.output.files import FILMS, output_path, write_whole
@@ -427,7 +426,7 @@ class ArrayPath(PathResult):
             return lines
         lines += self.loop.words(self._centred_start)
         if self.scene.body is not None:
-            wheels = tuple(wheel.index for wheel in self._carrying.wheels)
+            wheels = self._carrying.numbers
             lines.append(f"certified while wheels {numbers_text(wheels)} carry the body, and no others")
         return lines
 
@@ -486,9 +485,8 @@ class ArrayPath(PathResult):
         if not isinstance(self.loop, FeedbackLoop):
             return None
         (times, _), units = self.trajectory.dense(SAMPLES), self.scene.units
-        wheels = [wheel.index for wheel in self._carrying.wheels]
         labels = time_label("t", units), f"speeds u_i [{units.speed or 'speed'}]"
-        return SpeedCurves(times, self.speeds(times), wheels, self.loop.limits, labels)
+        return SpeedCurves(times, self.speeds(times), self._carrying.numbers, self.loop.limits, labels)
 
     @property
     def _carrying(self) -> Scene:

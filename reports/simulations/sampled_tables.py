@@ -17,8 +17,8 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, sample_tables, why_not_sampled
 from nonsmooth.proofs.answers.answer import at_least, at_most
-from nonsmooth.proofs.answers.robust import WORDS
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.answers.answers import WORDS
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.figures.style import INK, figure_with_legend, length_label, title_axes
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.output.facts import floats

@@ -24,7 +24,7 @@ from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.console import json_text, write, write_json, write_views
 from nonsmooth.reports.output.files import PICTURES, output_path, write_whole
 from nonsmooth.symbolic.messages.notebook import html_table

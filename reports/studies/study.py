@@ -82,7 +82,7 @@ class SceneStudy(ABC, Generic[Chosen]):
         Raises:
             SceneError: for whatever cannot be used.
         """
-        from nonsmooth.symbolic.files.system_file import load_any
+        from nonsmooth.symbolic.files.scene_file import load_any
 
         return load_any(scene, **changes)
 

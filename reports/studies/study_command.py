@@ -13,7 +13,7 @@ import typer
 from nonsmooth.reports.output import study_options as shared
 from nonsmooth.reports.output.study_options import OfferedOption, Options, SceneOptions, flag_of, options_of, types_of
 from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
-from nonsmooth.symbolic.messages.scene_error import is_meant
+from nonsmooth.symbolic.messages.scene_error import is_meant, one_line
 
 OUTPUTS = ("output", "certificate", "law", "report")  # options that name files, beside -o
 
@@ -83,7 +83,6 @@ def _require_other_files(scene: Any, written: Iterable[str | None]) -> None:
 def _warn(scene: Any) -> None:
     """Print what of a scene may not be what was meant, above all that is said of it; of many scenes nothing."""
     from nonsmooth.reports.output.console import write
-    from nonsmooth.symbolic.messages.scene_error import one_line
     from nonsmooth.symbolic.numbers.number_field import FirstRemark
 
     scenes = scene if isinstance(scene, list) else [scene]

@@ -17,6 +17,7 @@ from typing import TypeAlias
 
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, questions_of
 from nonsmooth.reports.sweeps.sweep_plan import Point, Range, SweepPlan, Value, Values, WrittenValue
+from nonsmooth.symbolic.numbers.rational_directions import simplest_between
 
 WITHIN = Fraction(1, 10**9)  # of the axis: how near the two sides of a border come
 MOST = 4  # borders that one edge of the grid is searched for
@@ -203,14 +204,7 @@ def _simplest_between(below: Value, above: Value) -> Value:
 
 
 def simplest_fraction(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction with the smallest denominator in ``[low, high]``, by continued fractions."""
+    """The fraction with the smallest denominator in ``[low, high]``, which need not be positive."""
     if low <= 0 <= high:
         return Fraction(0)
-    if high < 0:
-        return -simplest_fraction(-high, -low)
-    whole = low.numerator // low.denominator
-    if whole == low:
-        return low
-    if whole + 1 <= high:
-        return Fraction(whole + 1)
-    return whole + 1 / simplest_fraction(1 / (high - whole), 1 / (low - whole))
+    return simplest_between(low, high) if low > 0 else -simplest_between(-high, -low)

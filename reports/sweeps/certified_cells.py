@@ -13,8 +13,7 @@ from itertools import pairwise, product
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.findings import Certainty, Record
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.borders import has_place

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.findings import Certainty
 from nonsmooth.reports.figures.style import INK, legend_below, new_figure, title_figure
 from nonsmooth.reports.sweeps.borders import Border, has_place
 from nonsmooth.reports.sweeps.certified_cells import CertifiedCell

@@ -10,13 +10,11 @@ from nonsmooth.analysis.cells.contact_rule import rule_of
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
-from nonsmooth.proofs.answers.answers import Answers, answers_of
+from nonsmooth.proofs.answers.answers import TOLERANCES, Answers, answers_of, robust_answer
 from nonsmooth.proofs.answers.contradictions import Printed, sample_of, without_contradictions
 from nonsmooth.proofs.answers.destinations import SampledEnds, ends_from
 from nonsmooth.proofs.answers.failures import failures_of
-from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Quantity, Theorem4
+from nonsmooth.proofs.findings import Quantity, Record, Theorem4
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.domain import DecayKind
 from nonsmooth.proofs.theorem4 import CellCheck, Check, check_theorem4

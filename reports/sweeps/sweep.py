@@ -19,7 +19,7 @@ from nonsmooth.reports.sweeps.certified_cells import Cells, CertifiedCell, certi
 from nonsmooth.reports.sweeps.outcome import REFUSED, Outcome, questions_of
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Entry, Point, SweepError, SweepPlan
-from nonsmooth.reports.sweeps.workers import MOST, Task, Work, Workers, local_workers
+from nonsmooth.reports.sweeps.workers import MOST, Cluster, Task, Work, Workers, local_workers
 
 SAMPLES = 4  # jobs by which the time of a large sweep is estimated; the first one is not counted
 MAX_WORKERS = 1024
@@ -154,8 +154,6 @@ def _workers(work: Work, means: Means) -> Workers:
     """A cluster where one is named, else this machine."""
     if means.scheduler is None:
         return local_workers(work, means.processes)
-    from nonsmooth.reports.sweeps.workers import Cluster
-
     return Cluster(work, means.scheduler)
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from nonsmooth.proofs.answers.answer import Position, at_most
-from nonsmooth.proofs.findings.exact_json import Record
-from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.findings import Certainty, Record
 from nonsmooth.reports.checks.answers import FAILURE
 from nonsmooth.reports.output.document import Block, sentences, table
 from nonsmooth.reports.studies.result import counted_words

@@ -25,7 +25,7 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.console import own_version
 from nonsmooth.reports.output.processes import DiedError, LateError, StoppedError, WorkerPool
 from nonsmooth.reports.workbench.requests import RequestError, read_request

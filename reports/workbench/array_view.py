@@ -18,12 +18,11 @@ from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.minimizers.sampling import sample_field
 from nonsmooth.proofs.answers.answer import Answer, Heading, Position, has_dynamics
-from nonsmooth.proofs.answers.answers import OtherRule, other_rules
+from nonsmooth.proofs.answers.answers import OtherRule, other_rules, robust_answer
 from nonsmooth.proofs.answers.inertia import inertia_answer
-from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.theorem4 import SEARCH_UNITS, judge_equilibria
 from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult

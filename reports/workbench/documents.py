@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.output.entries import as_json, toml_text
 from nonsmooth.reports.workbench.requests import RequestError
-from nonsmooth.symbolic.files.documents import toml_excess
+from nonsmooth.symbolic.files.documents import read_document, toml_excess
 from nonsmooth.symbolic.files.scene_file import wheel_table
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 
@@ -139,7 +139,6 @@ def document_of(source: str | Path) -> Document:
         RequestError: for a vehicle, and for too many wheels.
     """
     from nonsmooth.reports.interface.array import Array
-    from nonsmooth.symbolic.files.documents import read_document
 
     tables, _, path = read_document(source)
     named = {"name": path.stem, **tables}

@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs import system_certificates
 from nonsmooth.proofs.certificate import certificate_text
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.reports.checks.cells import drawn
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
@@ -25,7 +25,7 @@ from nonsmooth.reports.workbench.exact_edits import edited
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.system_view import system_stages
 from nonsmooth.symbolic.files.documents import builtin_descriptions, builtin_scenes, builtin_systems
-from nonsmooth.symbolic.files.system_file import system_descriptions
+from nonsmooth.symbolic.files.scene_file import system_descriptions
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError

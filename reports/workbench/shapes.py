@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.sliding_edges import switching_stretches
 from nonsmooth.analysis.trajectories.result import Event, Trajectory, TrajectoryError
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.scene import LoadTable
@@ -54,17 +54,16 @@ def wheels_record(scene: Scene, unit: Fraction, carrying: Collection[int], loads
 def loads_at_point(scene: Scene) -> dict[int, float]:
     """Shares of the weight by wheel, of a body at the checked point; none where they are unknown or do not exist."""
     loads, place = scene.contact.loads, scene.check.equilibrium
-    numbers = [wheel.index for wheel in scene.wheels]
     try:
         if isinstance(loads, LoadTable):
             forces = [value_at(row, place) for row in loads.rows]
-        elif loads is None and len(numbers) <= MOST_LOADED:
+        elif loads is None and len(scene.wheels) <= MOST_LOADED:
             forces = list(elastic_loads_at(scene, place))
         else:
             return {}
     except RefusalError:
         return {}
-    return {number: float(force) for number, force in zip(numbers, forces, strict=True)}
+    return {number: float(force) for number, force in zip(scene.numbers, forces, strict=True)}
 
 
 def _wheel_record(wheel: Wheel, unit: Fraction, carries: bool, load: float | None) -> Record:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
 from nonsmooth.reports.interface.system import System

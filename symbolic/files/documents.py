@@ -72,7 +72,7 @@ def builtin_scenes() -> tuple[str, ...]:
 
 
 def builtin_systems() -> tuple[str, ...]:
-    """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.files.system_file`)."""
+    """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.files.scene_file`)."""
     return _SYSTEMS
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Annotated
+from itertools import combinations
+from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator, StrictStr
 
-from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.layouts import AnyField, Grid, HeadingField, Ring, RuleName, WheelTable
 from nonsmooth.symbolic.files.load_values import Loads
 from nonsmooth.symbolic.files.scene_values import (
@@ -21,14 +21,222 @@ from nonsmooth.symbolic.files.scene_values import (
     OptionalExact,
     PairField,
     TomlTable,
+    read_pair,
 )
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.mechanics.body import Body, BodyInertia, Disc, Footprint, PolygonShape, is_convex
 from nonsmooth.symbolic.mechanics.rule import DEFAULT_RULE
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Tolerance
 from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, SpeedUnit, Units
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import FLOAT_DIGITS, decimal_text, short_text
+from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, same_direction
+
+# ---- the body ------------------------------------------------------------------------------------
+#
+# ``[body]`` of a scene file: outline, heading, centre of mass and inertia of the body on the array.
+
+MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
+STANDARD_GRAVITY = Fraction("9.80665")  # m/s^2
+MOST_INERTIA = 1e30  # a quotient and a product of such numbers are floats that dynamics can take
+_OF_INERTIA = ("mass", "inertia", "gravity", "centre_height")
+_KEYS = {"disc": ("radius",), "rectangle": ("width", "height"), "polygon": ("vertices",)}
+
+
+def read_vertices(value: object) -> tuple[tuple[Exact, Exact], ...]:
+    """Three or more points.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if not isinstance(value, list) or not 3 <= len(value) <= MAX_VERTICES:
+        raise ValueError(f"required 3 to {MAX_VERTICES} points [[x, y], ...]")
+    return tuple(read_pair(point) for point in value)
+
+
+class BodyTable(TomlTable):
+    """``[body]``: a disc, a rectangle (width along its own x axis) or a convex polygon.
+
+    ``heading`` is the angle of the body's own frame at the checked pose, ``centre_of_mass`` a point of that frame: the
+    centroid unless it is stated.  ``mass`` (kg), ``inertia`` about the centre of mass (kg length^2), ``gravity``
+    (length/s^2) and ``centre_height``, of the centre of mass above the wheels, say how it moves where it is not slow;
+    with these alone, and no shape, it covers all wheels at every pose.
+    """
+
+    shape: Literal["disc", "rectangle", "polygon"] | None = None
+    radius: OptionalExact = None
+    width: OptionalExact = None
+    height: OptionalExact = None
+    vertices: Annotated[tuple[tuple[Exact, Exact], ...] | None, PlainValidator(read_vertices)] = None
+    heading: AngleField = Angle(Fraction(0))
+    centre_of_mass: Annotated[tuple[Exact, Exact] | None, PlainValidator(read_pair)] = None
+    mass: OptionalExact = None
+    inertia: OptionalExact = None
+    gravity: OptionalExact = None
+    centre_height: OptionalExact = None
+
+    @property
+    def states_inertia(self) -> bool:
+        """Whether anything is said of how heavy the body is."""
+        return any(getattr(self, key) is not None for key in _OF_INERTIA)
+
+
+def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Numbers) -> BodyInertia | None:
+    """How heavy the body of a scene is; None where no unit of length says what gravity is.
+
+    Args:
+        table: ``[body]``, if there is one.
+        metres: the scene's unit of length.
+        numbers: of the scene.
+
+    Raises:
+        SceneError: for a number that is not positive, one without a unit of length, and an inertia without a mass.
+    """
+    stated = BodyTable() if table is None else table
+    named = {key: getattr(stated, key) for key in _OF_INERTIA}
+    found = {key: _of_size(value, f"body.{key}", numbers) for key, value in named.items() if value is not None}
+    if metres is None:
+        if found:
+            key = next(iter(found))
+            raise SceneError(numbers.file, f"body.{key}", "units.length beside it", StatedFact("no unit of length"))
+        return None
+    if "inertia" in found and "mass" not in found:
+        raise SceneError(numbers.file, "body.inertia", "body.mass beside it: I/m counts", StatedFact("no mass"))
+    gravity = found["gravity"] if "gravity" in found else numbers.field.rational(STANDARD_GRAVITY / metres)
+    radius = found["inertia"] / found["mass"] if "inertia" in found else None
+    height, mass = found.get("centre_height"), found.get("mass")
+    return BodyInertia(gravity, radius, height, is_stated=bool(found), mass=mass)
+
+
+def _of_size(value: Exact, key: str, numbers: Numbers) -> Number:
+    """A positive number, or a height of zero, of a size that dynamics, which are in floats, can take.
+
+    Raises:
+        SceneError: for another one.
+    """
+    number = numbers.at_least_zero(value, key) if key == "body.centre_height" else numbers.positive(value, key)
+    if number and not 1 / MOST_INERTIA <= abs(float(number)) <= MOST_INERTIA:
+        expected = f"a size of {1 / MOST_INERTIA:g} to {MOST_INERTIA:g}"
+        raise SceneError(numbers.file, key, expected, StatedFact(decimal_text(number, FLOAT_DIGITS)))
+    return number
+
+
+def build_body(table: BodyTable, numbers: Numbers) -> Body | None:
+    """The body of a scene; None where its table says only how heavy it is, so that all wheels carry it.
+
+    Raises:
+        SceneError: for keys that do not fit the shape or need one, polygons that are not convex, and a centre of mass
+            that is not strictly inside the outline.
+    """
+    if table.shape is None:
+        of_outline = table.model_fields_set.difference(_OF_INERTIA)
+        if of_outline or not table.states_inertia:
+            received = StatedFact(f"none, beside {', '.join(sorted(of_outline))}" if of_outline else "none")
+            raise SceneError(numbers.file, "body.shape", "'disc', 'rectangle' or 'polygon'", received)
+        return None
+    outline, centroid = _outline(table, numbers)
+    centre = numbers.field.zero, numbers.field.zero
+    if table.centre_of_mass is not None:
+        key = "body.centre_of_mass"
+        mass = numbers(table.centre_of_mass[0], key), numbers(table.centre_of_mass[1], key)
+        centre = minus(centroid, mass)
+    body = Body(outline, centre, numbers.direction(table.heading))
+    if not _holds_its_centre_of_mass(body):
+        raise SceneError(
+            numbers.file, "body.centre_of_mass", "a point strictly inside the outline", StatedFact("another")
+        )
+    return body
+
+
+def _holds_its_centre_of_mass(body: Body) -> bool:
+    """Whether the centre of mass lies strictly inside the outline."""
+    if isinstance(body.outline, Disc):
+        return (body.outline.radius * body.outline.radius - dot(body.centre, body.centre)).sign() > 0
+    return all(cross(a, b).sign() > 0 for a, b in around(body.vertices))
+
+
+def _outline(table: BodyTable, numbers: Numbers) -> tuple[Footprint, Vector]:
+    """The outline about its centroid, and the centroid in the frame of the file."""
+    origin = numbers.field.zero, numbers.field.zero
+    for key in ("radius", "width", "height", "vertices"):
+        wanted, given = key in _KEYS[table.shape or ""], getattr(table, key) is not None
+        if wanted != given:
+            expected = f"{'a value' if wanted else 'no value'} for shape {table.shape}"
+            raise SceneError(numbers.file, f"body.{key}", expected, StatedFact("one" if given else "nothing"))
+    if table.radius is not None:
+        return Disc(numbers.positive(table.radius, "body.radius")), origin
+    if table.width is not None and table.height is not None:
+        width = numbers.positive(table.width, "body.width")
+        return rectangle(width / 2, numbers.positive(table.height, "body.height") / 2), origin
+    vertices = [
+        (numbers(x, f"body.vertices[{k}]"), numbers(y, f"body.vertices[{k}]"))
+        for k, (x, y) in enumerate(table.vertices or (), 1)
+    ]
+    return _polygon(vertices, numbers.file)
+
+
+def rectangle(half_width: Number, half_height: Number) -> PolygonShape:
+    """The rectangle ``|x| <= half_width, |y| <= half_height``."""
+    a, b = half_width, half_height
+    return PolygonShape(((-a, -b), (a, -b), (a, b), (-a, b)), "rectangle")
+
+
+def _polygon(vertices: list[Vector], file: str) -> tuple[PolygonShape, Vector]:
+    if not _is_simple(vertices):
+        expected = "a polygon whose sides meet at its vertices only"
+        raise SceneError(file, "body.vertices", expected, StatedFact("sides that cross or touch"))
+    sides = around(vertices)
+    crosses = [cross(a, b) for a, b in sides]
+    twice = sum(crosses[1:], crosses[0])
+    x, y = (
+        sum(((a[k] + b[k]) * c for (a, b), c in zip(sides, crosses, strict=True)), twice * 0) / (3 * twice)
+        for k in (0, 1)
+    )
+    ordered = vertices if twice.sign() > 0 else vertices[::-1]
+    outline = PolygonShape(tuple((a - x, b - y) for a, b in ordered))
+    if not is_convex(outline):
+        raise SceneError(file, "body.vertices", "a convex polygon", StatedFact("one with a corner that turns inward"))
+    return outline, (x, y)
+
+
+def _is_simple(vertices: list[Vector]) -> bool:
+    """Whether sides share nothing but the vertex between neighbours."""
+    sides = around(vertices)
+    if any(a == b for a, b in sides):
+        return False
+    for (i, first), (j, second) in combinations(enumerate(sides), 2):
+        if j - i in (1, len(sides) - 1):
+            shared = first[1] if j - i == 1 else first[0]
+            ends = [p for p in (*first, *second) if p != shared]
+            if len(ends) < 2 or _folds(shared, ends[0], ends[1]):
+                return False
+        elif _meet(first, second):
+            return False
+    return True
+
+
+def _folds(corner: Vector, a: Vector, b: Vector) -> bool:
+    """Whether two sides leave a corner in the same direction."""
+    return same_direction(minus(a, corner), minus(b, corner))
+
+
+def _meet(first: tuple[Vector, Vector], second: tuple[Vector, Vector]) -> bool:
+    """Whether two segments have a point in common."""
+    sides = [_side(*first, p) for p in second] + [_side(*second, p) for p in first]
+    if not any(sides):  # on one line
+        axis = 0 if first[0][0] != first[1][0] else 1
+        return max(min(p[axis] for p in s) for s in (first, second)) <= min(
+            max(p[axis] for p in s) for s in (first, second)
+        )
+    return sides[0] * sides[1] <= 0 and sides[2] * sides[3] <= 0
+
+
+def _side(a: Vector, b: Vector, p: Vector) -> int:
+    return cross(minus(b, a), minus(p, a)).sign()
+
+
+# ---- the other tables ----------------------------------------------------------------------------
 
 
 def read_lyapunov(value: object) -> PiecewiseExpression:

@@ -12,20 +12,20 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
-from typing import Annotated, Any, TypeAlias, get_args
+from typing import Annotated, Any, TypeAlias, TypeVar, get_args
 
 from flint import arb, ctx
-from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo
+from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationError, ValidationInfo
 from pydantic.fields import FieldInfo
 
 from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError, decimal_value, parse
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.mechanics.units import AngleUnit
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement, shown
+from nonsmooth.symbolic.messages import removed
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, is_meant, requirement, shown
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
-from nonsmooth.symbolic.numbers.measured_angles import ROUNDING, choose_angles, turn_of_radians
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number_field import ROUNDING, NumberField, choose_angles, turn_of_radians
 from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.plane import Vector
 
@@ -343,3 +343,106 @@ def _sum_with_pi(constant: Fraction, multiple: Fraction) -> float:
         if ball.rel_accuracy_bits() >= _PRECISION // 2 + 1:
             return float(ball.mid())
         precision *= 2
+
+
+# ---- what is refused -----------------------------------------------------------------------------
+#
+# Pydantic's findings in the words of a scene file: the key, what it requires, what it received.
+
+
+QUOTED = re.compile("'([^']+)'")  # a name among those that pydantic expects
+Model = TypeVar("Model", bound=TomlTable)
+
+
+def validate(model: type[Model], data: object, file: str, angle_unit: AngleUnit | None = None) -> Model:
+    """The data as a table; ``angle_unit`` is what the scene states for angles.
+
+    Raises:
+        SceneError: naming the first offending key; misspelt keys come before missing ones.
+    """
+    try:
+        return model.model_validate(data, context={"angle": angle_unit})
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+        first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+        key = key_text(first["loc"])
+        if first["type"] == "extra_forbidden" and key in removed.TABLES:
+            without, kind = f"a scene without it: {removed.TABLES[key]}", "a key" if "." in key else "a table"
+            raise SceneError(file, key, without, StatedFact(f"{kind} that was removed")) from None
+        raise SceneError(file, _key(first), _expected(model, first), _received(first)) from None
+
+
+def _key(detail: Any) -> str:
+    """The offending key; pydantic's location in a field holds the kind as well."""
+    location = detail["loc"]
+    if _lacks_kind(detail):
+        location = (*location, "kind")
+    elif location[0] == "field":
+        location = location[:1] + location[2:]
+    return key_text(location)
+
+
+def _received(detail: Any) -> object:
+    match detail["type"]:
+        case "missing":
+            return StatedFact("nothing")
+        case "extra_forbidden":
+            return StatedFact("an unknown key")
+        case _ if _lacks_kind(detail):
+            return detail["input"].get("kind", StatedFact("nothing"))
+    return detail["input"]
+
+
+def key_text(location: tuple[int | str, ...]) -> str:
+    """``wheel[2].speed``; list items are counted from 1."""
+    return "".join(f"[{k + 1}]" if isinstance(k, int) else f".{k}" for k in location).removeprefix(".")
+
+
+_EXPECTED = {
+    "missing": "a value",
+    "int_type": "an integer",
+    "int_from_float": "an integer",
+    "int_parsing": "an integer",
+    "string_type": "a text in quotes",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "bool_type": "true or false",
+    "tuple_type": "a list of tables, written [[region]]",
+    "list_type": "a list of tables, written [[wheel]]",
+    "greater_than_equal": "an integer of at least {ge}",
+    "less_than_equal": "an integer of at most {le}",
+    "enum": "{expected}",
+    "literal_error": "{expected}",
+    "union_tag_not_found": "a table",  # of a number, which is none
+}
+
+
+def _lacks_kind(detail: Any) -> bool:
+    """Whether a table of a field has no ``kind``, or one that there is not."""
+    return detail["type"] in ("union_tag_not_found", "union_tag_invalid") and isinstance(detail["input"], Mapping)
+
+
+def _expected(model: type[TomlTable], detail: Any) -> str:
+    """What a pydantic error detail requires, in the words of a scene file."""
+    context = detail.get("ctx", {})
+    if isinstance(context.get("error"), ValueError):
+        return requirement(context["error"])
+    if detail["type"] == "extra_forbidden":
+        keys = _keys(model, detail["loc"])
+        return f"one of the keys {', '.join(keys)}{is_meant(detail['loc'][-1], keys)}"
+    if _lacks_kind(detail):
+        kinds = (t.model_fields["kind"].default for t in tables_in(model.model_fields["field"].annotation))
+        return f"one of {', '.join(kinds)}"
+    known = _EXPECTED.get(detail["type"])
+    if known is None:
+        return str(detail["msg"])
+    return known.format(**context) + is_meant(detail["input"], QUOTED.findall(context.get("expected", "")))
+
+
+def _keys(model: type[TomlTable], location: tuple[int | str, ...]) -> list[str]:
+    """Keys of the table that holds the unknown key."""
+    if len(location) == 1:
+        return list(keys_of(model))
+    tables = list(tables_in(keys_of(model)[str(location[0])].annotation))
+    tagged = (t for t in tables if "kind" in t.model_fields and t.model_fields["kind"].default == location[1])
+    return list(next(tagged, tables[0]).model_fields)

@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.files.right_hand_sides import float_point, intervals_in, read_right_hand_sides, split_intervals
-from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of, validate
 from nonsmooth.symbolic.files.system_document import (
     RESERVED,
     SystemCheckTable,

@@ -24,7 +24,6 @@ from nonsmooth.symbolic.files.scene_document import (
     UnitsTable,
 )
 from nonsmooth.symbolic.files.scene_file import stated_units
-from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import (
     ExactField,
     Name,
@@ -35,6 +34,7 @@ from nonsmooth.symbolic.files.scene_values import (
     angle_remarks,
     angles,
     field_of,
+    validate,
 )
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder, build_contact
 from nonsmooth.symbolic.mechanics.body import default_radius

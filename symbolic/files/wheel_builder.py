@@ -14,6 +14,7 @@ from nonsmooth.symbolic.mechanics.rule import BY_FRICTION_SET, MIXED
 from nonsmooth.symbolic.mechanics.scene import CheckedSquare, Contact, Friction, Wheel, WheelNumber, default_length
 from nonsmooth.symbolic.mechanics.springs import radius_to_check
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import short_text
 from nonsmooth.symbolic.numbers.plane import Vector, cross, dot
@@ -291,4 +292,4 @@ def _stated_length(value: Exact, numbers: Numbers) -> Fraction:
     rational = number.as_rational()
     if rational is None:
         raise SceneError(numbers.file, "check.length", "a rational number", StatedFact(short_text(number)))
-    return Fraction(int(rational.p), int(rational.q))
+    return as_fraction(rational)

@@ -98,7 +98,7 @@ class ContactSet(NamedTuple):
 
 def contact_set(scene: Scene) -> ContactSet:
     """The wheels that carry at the checked pose; all of them without a body."""
-    numbers = tuple(wheel.index for wheel in scene.wheels)
+    numbers = scene.numbers
     if scene.body is None:
         return ContactSet(numbers)
     body, at = scene.body, scene.check.equilibrium

@@ -16,8 +16,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from nonsmooth.symbolic.formulas.surfaces import LINE_BREAK, Formula, Monomial
-from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple, constraint_matrix
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, RowKind, Triple, constraint_matrix
 from nonsmooth.symbolic.mechanics.scene import Wheel
 
 if TYPE_CHECKING:

@@ -410,6 +410,16 @@ class Scene(ShortRepr):
     inertia: BodyInertia | None = None
 
     @property
+    def positions(self) -> list[Vector]:
+        """Where the wheels are."""
+        return [wheel.position for wheel in self.wheels]
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers of the wheels, in their order."""
+        return tuple(wheel.index for wheel in self.wheels)
+
+    @property
     def fastest(self) -> float:
         """The speed of the fastest rim, zero of an array that stands."""
         return max((abs(float(wheel.speed)) for wheel in self.wheels), default=0.0)
@@ -433,9 +443,8 @@ class Scene(ShortRepr):
         stated = self.check.accuracy
         if stated is not None:
             rational = stated.as_rational()
-            return rational_below(stated.ball()) if rational is None else Fraction(int(rational.p), int(rational.q))
-        positions = [wheel.position for wheel in self.wheels]
-        return DEFAULT_ACCURACY * default_length(positions, self.check.equilibrium)
+            return rational_below(stated.ball()) if rational is None else as_fraction(rational)
+        return DEFAULT_ACCURACY * default_length(self.positions, self.check.equilibrium)
 
     @cached_property
     def places(self) -> dict[int, int]:
@@ -463,7 +472,7 @@ class Scene(ShortRepr):
         """The same array, checked at another point, within ``radius`` of it; a length that is not stated follows it."""
         check = replace(self.check, equilibrium=point, radius=radius)
         if check.has_default_length:
-            check = replace(check, length=default_length([wheel.position for wheel in self.wheels], point))
+            check = replace(check, length=default_length(self.positions, point))
         return replace(self, check=check)
 
     def recentred(self) -> Scene:

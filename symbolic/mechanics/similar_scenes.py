@@ -80,7 +80,7 @@ def counted_in_own_length(scene: Scene) -> Scene:
 
 def covering(scene: Scene) -> Scene:
     """The same array with a checked square that holds all its wheels."""
-    corners = support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))
+    corners = support_polygon(outer_positions(scene.positions))
     middle = tuple((min(values) + max(values)) / 2 for values in zip(*corners, strict=True))
     widest = max(extent(corners, 0), extent(corners, 1))
     return replace(scene, check=replace(scene.check, equilibrium=(middle[0], middle[1]), radius=widest))

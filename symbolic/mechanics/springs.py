@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from nonsmooth.symbolic.mechanics.body import DIGITS, default_radius
-from nonsmooth.symbolic.mechanics.constraints import Triple, cofactors, gram, inner, scaled
+from nonsmooth.symbolic.mechanics.contact_states import Triple, cofactors, gram, inner, scaled
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, UnknownLoads, X
 from nonsmooth.symbolic.mechanics.rule import CELLS_BY_LOADS
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
@@ -93,7 +93,7 @@ def under_rule(scene: Scene, rule: str) -> Scene:
     other = scene.under(rule)
     if other is scene or not other.check.has_default_radius:
         return other
-    check, places = other.check, [wheel.position for wheel in other.wheels]
+    check, places = other.check, other.positions
     radius = _pressed(check.radius, places, check.equilibrium, other.contact)
     return other if radius is check.radius else replace(other, check=replace(check, radius=radius))
 

@@ -22,6 +22,7 @@ from nonsmooth.symbolic.numbers.coefficients import (
     Coefficient,
     Rational,
     as_fmpq,
+    as_fraction,
     base_inverse,
     bits,
     fmpq_to_float,
@@ -334,7 +335,7 @@ class Number(ExactReal):
         if self._hash is None:
             rational = self.as_rational()
             if rational is not None:  # equal to a Fraction, so hashed like one
-                self._hash = hash(Fraction(int(rational.p), int(rational.q)))
+                self._hash = hash(as_fraction(rational))
             else:
                 self._hash = hash(frozenset((mask, str(c)) for mask, c in self.terms.items()))
         return self._hash
@@ -382,7 +383,7 @@ class Tower(ABC):
     Args:
         order: N of the base ``Q(2 cos(2 pi/N))``; 1 gives the rationals.
         measured: turns t of angles ``pi t`` that stand for rational directions
-            (:mod:`nonsmooth.symbolic.numbers.measured_angles`).
+            (:mod:`nonsmooth.symbolic.numbers.number_field`).
 
     Attributes:
         writes_decimals: whether people read its numbers as decimals, as those of scenes with units; JSON holds them

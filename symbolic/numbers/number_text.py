@@ -28,6 +28,7 @@ from typing import Any, SupportsFloat, TypeAlias
 
 from flint import arb, ctx, fmpq
 
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -89,7 +90,7 @@ def plain_decimal(value: Number | Lazy) -> str:
         with localcontext(prec=PLAIN):
             decimal = Decimal(int(rational.p)) / Decimal(int(rational.q))
         text = f"{decimal:f}".rstrip("0").rstrip(".") if "." in f"{decimal:f}" else f"{decimal:f}"
-        if Fraction(text) == Fraction(int(rational.p), int(rational.q)) and len(text) <= PLAIN:
+        if Fraction(text) == as_fraction(rational) and len(text) <= PLAIN:
             return text
     return decimal_text(value, FLOAT_DIGITS)
 

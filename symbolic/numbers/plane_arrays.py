@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -40,6 +40,13 @@ def turned(vectors: Floats) -> Floats:
 def point_velocities(twists: Floats, points: Floats) -> Floats:
     """``v + omega J c`` for spatial twists of shape (..., 3) and points c of shape (..., 2)."""
     return np.asarray(twists[..., :2] + twists[..., 2:] * turned(points))
+
+
+def field_beside(velocity: Callable[[Floats], Floats], place: Floats, step: float) -> tuple[Floats, Floats]:
+    """The velocity at a place of the plane and its derivative, by differences."""
+    around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    here, east, west, north, south = velocity(around)
+    return here, np.column_stack([east - west, north - south]) / (2 * step)
 
 
 def dot(a: Floats, b: Floats) -> Floats:

@@ -34,8 +34,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import forces_at
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Functional, Minima, balance_forces
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import Twist, cross_product, scene_rows
-from nonsmooth.symbolic.mechanics.contact_states import regular_states
+from nonsmooth.symbolic.mechanics.contact_states import Twist, cross_product, regular_states, scene_rows
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign

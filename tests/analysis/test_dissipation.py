@@ -52,7 +52,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import with_samples
 from nonsmooth.proofs.theorem4 import SmoothCheck, check_smooth, check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import constraint_matrix
+from nonsmooth.symbolic.mechanics.contact_states import constraint_matrix
 from nonsmooth.symbolic.mechanics.scene import Contact, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import with_friction_ratio
 from tests.conftest import Arrays, Pair, WheelData

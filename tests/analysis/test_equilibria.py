@@ -29,12 +29,12 @@ from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace, fin
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.files.body_table import rectangle
+from nonsmooth.symbolic.files.scene_document import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.body import ContinuousField, Disc, PolygonShape
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

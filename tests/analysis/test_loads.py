@@ -443,7 +443,7 @@ def test_the_largest_radius_is_said_once(tmp_path: Path) -> None:
     wheels = ", ".join(f"{{ position = {json.dumps(place)} }}" for place in places)
     (tmp_path / "roots.toml").write_text(f"friction = {{ mu_roll = 1, mu_side = 1 }}\nwheel = [{wheels}]\n")
     with pytest.raises(LoadError) as refused:
-        load_regions(load_scene(tmp_path / "roots.toml", radius=3))
+        load_regions(load_scene(tmp_path / "roots.toml", radius="3"))
     ((said, told),) = re.findall(r"required at most (~?)([0-9.]+), received 3: ", str(refused.value))
     assert said == "~"
     corners = [np.array(corner) for corner in ((2**0.5, 0.0), (-1 / 7, 3**0.5), (-1.0, -(5**0.5) / 2))]

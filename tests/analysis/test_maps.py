@@ -24,13 +24,21 @@ from nonsmooth.analysis.minimizers.agreement import (
     intersect,
     shared_area,
 )
-from nonsmooth.analysis.trajectories.ending import CREEP, REST, EndMotion, ending
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map, settle_maps
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
-from nonsmooth.analysis.trajectories.result import End, EndReason, Piece, State, Trajectory
+from nonsmooth.analysis.trajectories.result import (
+    CREEP,
+    REST,
+    End,
+    EndMotion,
+    EndReason,
+    Piece,
+    State,
+    Trajectory,
+    ending,
+)
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE
 from tests.thorough import few, keep, thorough

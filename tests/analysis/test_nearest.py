@@ -18,8 +18,15 @@ from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.sampling import literal_twist
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import Row, Twist, independent, roll_row, side_row, wheel_rows
-from nonsmooth.symbolic.mechanics.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.contact_states import (
+    Row,
+    Twist,
+    independent,
+    roll_row,
+    side_row,
+    solve_rows,
+    wheel_rows,
+)
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene, Wheel
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number

@@ -29,7 +29,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.orbits import orbit_proof
 from nonsmooth.reports.simulations.orbits import measured_text
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.numbers.plane import around
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival, matrix
 from tests.thorough import few, keep, thorough

@@ -16,8 +16,14 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.fields.cellwise_field import CellwiseField, Speeds, feedback_field
-from nonsmooth.analysis.fields.constant_field import ConstantField, Flow, array_field
+from nonsmooth.analysis.fields.constant_field import (
+    CellwiseField,
+    ConstantField,
+    Flow,
+    Speeds,
+    array_field,
+    feedback_field,
+)
 from nonsmooth.analysis.fields.convex_weights import basic_weights, central_weights, origin_distance
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -31,8 +37,7 @@ from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import LoopLimit, LoopMemory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.contact_states import ContactState
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import around

@@ -13,8 +13,7 @@ from scipy.integrate import DOP853, solve_ivp
 
 import nonsmooth
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.fields.cellwise_field import CellwiseField, feedback_field
-from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.constant_field import CellwiseField, array_field, feedback_field
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField

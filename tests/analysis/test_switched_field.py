@@ -20,8 +20,13 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner, CellComplex, InCell,
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, square
-from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
-from nonsmooth.analysis.fields.constant_field import array_field, flow_of, piecewise_constant
+from nonsmooth.analysis.fields.constant_field import (
+    array_field,
+    feedback_field,
+    flow_of,
+    piecewise_constant,
+    smooth_form,
+)
 from nonsmooth.analysis.fields.convex_weights import basic_weights, least_mix, least_norm_weights
 from nonsmooth.analysis.fields.feedback_laws import corrected_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -31,7 +36,7 @@ from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories import faces as faces_module
 from nonsmooth.analysis.trajectories.faces import FaceMotion, face_choices
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.built_in import planar_systems

@@ -16,8 +16,13 @@ from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
-from nonsmooth.analysis.fields.cellwise_field import feedback_field, smooth_form
-from nonsmooth.analysis.fields.constant_field import ConstantField, array_field, piecewise_constant
+from nonsmooth.analysis.fields.constant_field import (
+    ConstantField,
+    array_field,
+    feedback_field,
+    piecewise_constant,
+    smooth_form,
+)
 from nonsmooth.analysis.fields.feedback_laws import corrected_law, gradient_law, printed_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
@@ -33,8 +38,7 @@ from nonsmooth.analysis.trajectories.result import (
 )
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import distance_watch, simulate
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from tests.conftest import Arrays
 from tests.four_wheel import ROLL, SIDE

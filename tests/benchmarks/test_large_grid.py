@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.benchmarks.conftest import Stopwatch

@@ -15,7 +15,7 @@ from typing import Any
 import cvxpy as cp
 import pytest
 
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.benchmarks.conftest import Stopwatch

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from nonsmooth.proofs.findings.verdicts import Equilibrium
+from nonsmooth.proofs.findings import Equilibrium
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.benchmarks.conftest import Stopwatch
 from tests.proofs.plain_ties import Oracle, contradictions, random_tie

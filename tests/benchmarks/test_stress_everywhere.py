@@ -9,8 +9,7 @@ import pytest
 from nonsmooth.analysis.measurements.harness import measure
 from nonsmooth.proofs.measurements import CASES
 from nonsmooth.symbolic.files.documents import builtin_scenes
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_any
+from nonsmooth.symbolic.files.scene_file import load_any, load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.benchmarks.conftest import Stopwatch

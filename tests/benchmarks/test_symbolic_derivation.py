@@ -7,8 +7,7 @@ from itertools import combinations
 import pytest
 import sympy
 
-from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple
-from nonsmooth.symbolic.mechanics.contact_states import regular_states
+from nonsmooth.symbolic.mechanics.contact_states import RowKind, Triple, regular_states
 from tests.benchmarks.conftest import Stopwatch
 from tests.conftest import Arrays
 

@@ -19,7 +19,7 @@ from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.checks.answers import check_record
 from nonsmooth.reports.checks.equilibrium_headings import headings_record
-from nonsmooth.symbolic.files.body_table import rectangle
+from nonsmooth.symbolic.files.scene_document import rectangle
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene
 from nonsmooth.symbolic.mechanics.body import ContinuousField, PolygonShape
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from nonsmooth.proofs.clauses.translation.fan_stability import Move
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from tests.oracles.nearest_paths import End, Wheel
 
 # ---- Paths of rule ``box`` close to a point, by the definitions alone: an oracle for verdicts about translation.

@@ -56,8 +56,8 @@ from nonsmooth.proofs.clauses.translation.quadratic import (
     _pairs,
     shaped,
 )
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Translation
-from nonsmooth.symbolic.mechanics.constraints import inner
+from nonsmooth.proofs.findings import Equilibrium, Feedback, Rotation, Translation
+from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import around, cross, dot
 

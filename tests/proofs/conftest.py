@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import pytest
 
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.thorough import keep
 

@@ -14,9 +14,16 @@ from dataclasses import dataclass
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.proofs.boxes.linearization import Linearization
-from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
-from nonsmooth.proofs.clauses.at_point.held_wheels import HeldForce
-from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, independent, inner, roll_row, scaled, total
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, HeldForce, Situation
+from nonsmooth.symbolic.mechanics.contact_states import (
+    Triple,
+    cross_product,
+    independent,
+    inner,
+    roll_row,
+    scaled,
+    total,
+)
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.ray_moves import RayOfRest

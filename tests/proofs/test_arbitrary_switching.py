@@ -12,7 +12,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.checker.statements import refusal
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.cells import started
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_text

@@ -13,17 +13,17 @@ import pytest
 
 from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.constant_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
 from nonsmooth.proofs.clauses.feedback.control_fields import common_normal
-from nonsmooth.proofs.findings.verdicts import Feedback, Theorem4
+from nonsmooth.proofs.findings import Feedback, Theorem4
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import inner
+from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.oracles.clause_evidence import evidence_holds

@@ -26,17 +26,15 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation.on_cells import certified_disc
-from nonsmooth.proofs.findings.exact_json import encode, homogeneous
-from nonsmooth.proofs.findings.verdicts import Rotation, Translation
+from nonsmooth.proofs.findings import Rotation, Translation, encode, homogeneous
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import CellCheck, check_cells, check_smooth
 from nonsmooth.proofs.verified import UnverifiedError
 from nonsmooth.symbolic.files.documents import builtin_scenes
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number

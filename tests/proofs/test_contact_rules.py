@@ -41,7 +41,7 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import BoxTwist, candida
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import CellCheck, SmoothCheck, check_cells, check_smooth, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene

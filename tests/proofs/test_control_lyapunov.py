@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Polygon
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.constant_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
@@ -32,7 +32,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import (
     shape_regions,
 )
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, certified_rate
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays, WheelData

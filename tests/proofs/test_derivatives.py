@@ -15,7 +15,7 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Trend, Trends, ladder_at
 from nonsmooth.proofs.inequalities.prover import Proof, prove
@@ -25,7 +25,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, deriv
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import PlaneFunction
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -45,11 +45,11 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     candidate_twists,
     candidates_of,
 )
-from nonsmooth.proofs.findings.verdicts import Feedback, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import cross_product, independent, inner, side_row
+from nonsmooth.symbolic.mechanics.contact_states import cross_product, independent, inner, side_row
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -16,9 +16,8 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumResult, decide_equilibrium
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, decide_rotation, drift_at_rest
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Translation
-from nonsmooth.symbolic.mechanics.constraints import Twist
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.proofs.findings import Equilibrium, Rotation, Translation
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import Vector, dot, separating_direction

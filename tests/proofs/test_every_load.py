@@ -26,7 +26,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, WheelForms
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed, ultimate_bound
 from nonsmooth.proofs.clauses.translation.at_point import EveryLoadTranslation, is_positive_on_hull
-from nonsmooth.proofs.findings.verdicts import Certainty, Equilibrium, Feedback, Rotation, Translation
+from nonsmooth.proofs.findings import Certainty, Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse

@@ -29,7 +29,7 @@ from nonsmooth.proofs.boxes.enclosures import (
     turned_by,
     unit_vector,
 )
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, separated, value
 from nonsmooth.symbolic.numbers.number import Number

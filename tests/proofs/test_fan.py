@@ -12,8 +12,8 @@ import pytest
 
 from nonsmooth.analysis.cells.fan import Cone, build_fan, ray_speeds, slide_speed
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence, decide_cones
-from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.proofs.findings import Translation
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays

@@ -22,10 +22,10 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargi
 from nonsmooth.proofs.clauses.feedback.cascade_law import Descent
 from nonsmooth.proofs.clauses.feedback.control_fields import SQUARES, ControlLyapunov, InputCell, RowInputs, input_ranks
 from nonsmooth.proofs.clauses.feedback.gradient_law import ConeRate, certified_rate, exponent_of
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import RowKind
+from nonsmooth.symbolic.mechanics.contact_states import RowKind
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number

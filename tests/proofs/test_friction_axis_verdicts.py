@@ -13,7 +13,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_rule import rule_of, smooth_rule_of
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
+from nonsmooth.analysis.fields.constant_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, corrected_law, printed_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
@@ -22,10 +22,10 @@ from nonsmooth.proofs.clauses.at_point.ellipse import Situation
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Feedback, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.symbolic.mechanics.contact_states import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from tests.array_certificates import check_certificate, evidence, said, subject

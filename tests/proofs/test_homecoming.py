@@ -23,12 +23,11 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.answers.answer import at_least
 from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.boxes.linearization import linearize
-from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point
-from nonsmooth.proofs.clauses.at_point.held_wheels import are_strict, held_forces
+from nonsmooth.proofs.clauses.at_point.ellipse import are_strict, ellipse_point, held_forces
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, Pencil, mass_limits
 from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene

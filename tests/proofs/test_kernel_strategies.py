@@ -19,7 +19,7 @@ import nonsmooth as ns
 from nonsmooth.proofs.checker.polynomials import Polynomial, variable
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.checker.statements import VERSION, refusal
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.kernel import simplices
 from nonsmooth.proofs.kernel.quotients import find_quotient, proposed

@@ -31,12 +31,12 @@ from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.twist_candidates import PromisingTwists, candidate_twists
 from nonsmooth.proofs.clauses.translation import clause
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import Check, SmoothCheck, check_theorem4
 from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
-from nonsmooth.symbolic.mechanics.constraints import Triple, cross_product, independent, inner, scaled
+from nonsmooth.symbolic.mechanics.contact_states import Triple, cross_product, independent, inner, scaled
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -12,7 +12,7 @@ import scipy.linalg
 from flint import fmpq
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
 from nonsmooth.proofs.inequalities.subdivision import effort_left, effort_of_its_own, shared_effort

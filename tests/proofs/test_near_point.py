@@ -17,7 +17,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.cells.region import quadrants
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.statements import VERSION
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, extent, ray_adherence
 from nonsmooth.proofs.inequalities.real_roots import form_lines, lowest_form
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, stated_cells

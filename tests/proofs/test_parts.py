@@ -14,7 +14,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.cells.switched_cells import square_regions
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import (
@@ -26,7 +26,7 @@ from nonsmooth.proofs.system_decision import (
 )
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Method, Reach
 from nonsmooth.reports.exchange.obligations import obligations_of
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

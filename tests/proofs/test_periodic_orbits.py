@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.checker.statements import refusal
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.centres import show_integral_of, show_reversible_of
 from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
@@ -27,7 +27,7 @@ from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival

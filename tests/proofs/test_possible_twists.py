@@ -14,7 +14,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.proofs.clauses.at_point.possible_twists import PossibleTwist, possible_twists
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import rows_with_friction
+from nonsmooth.symbolic.mechanics.contact_states import rows_with_friction
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.oracles.floats import Floats
 

@@ -16,7 +16,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.cells import Domain
 from nonsmooth.proofs.checker.roots import read_subject, whole_root
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system

@@ -24,7 +24,7 @@ from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.waves import BITS, KINDS, LARGEST, interpolation_error, wave_value
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.many_states.weak_functions import find_energy_on_circles
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text

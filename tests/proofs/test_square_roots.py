@@ -17,7 +17,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import decide_system

@@ -42,10 +42,8 @@ from nonsmooth.analysis.trajectories.smooth_path import IMPLICIT
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import ARRAY_VERDICTS, CASES
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_any, load_system
-from nonsmooth.symbolic.mechanics.constraints import Row, Twist
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.files.scene_file import load_any, load_scene, load_system
+from nonsmooth.symbolic.mechanics.contact_states import ContactState, Row, Twist
 from nonsmooth.symbolic.mechanics.scene import Friction, LoadTable, Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import scaled, with_wheels
 from nonsmooth.symbolic.numbers import enclosures

@@ -23,7 +23,7 @@ from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.domain import SublevelRegion
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from tests import built_in
 from tests.oracles.floats import velocity

@@ -27,7 +27,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
     velocities_at,
 )
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -37,8 +37,7 @@ from nonsmooth.proofs.systems.ray_moves import decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.reports.derivations.derivation import derive_report
 from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_any, load_system, system_descriptions
+from nonsmooth.symbolic.files.scene_file import load_any, load_scene, load_system, system_descriptions
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.formulas.surfaces import switching_factors

@@ -18,7 +18,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.rotation.clause import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.measurements import CASES, PRUNING, STUDIES, SYSTEM_STUDIES
 from nonsmooth.proofs.measurements import verdicts as verdicts_of
 from nonsmooth.proofs.theorem4 import CENSUS_LIMIT, check_cells, check_theorem4

@@ -26,7 +26,7 @@ from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array, faile
 from nonsmooth.proofs.clauses.equilibrium.clause import decide_equilibrium
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.symbolic.mechanics.scene import Contact, LoadTable, Scene
 from tests.array_certificates import check_certificate, said, subject

@@ -24,7 +24,7 @@ from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.rotation.clause import decide_rotation, rotation_bound
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
-from nonsmooth.proofs.findings.verdicts import Rotation, Translation
+from nonsmooth.proofs.findings import Rotation, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import dot

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.study_options import Options, option
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Result

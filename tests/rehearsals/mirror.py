@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.verdicts import Fact, Theorem4, number_fact
+from nonsmooth.proofs.findings import Fact, Theorem4, number_fact
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Vector, dot
 

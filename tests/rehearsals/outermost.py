@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.checks.check import CheckOptions, CheckStudy
 from nonsmooth.reports.checks.check_results import CheckResult
 from nonsmooth.reports.output.study_options import option

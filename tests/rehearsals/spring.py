@@ -13,7 +13,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from nonsmooth.proofs.findings.exact_json import Record
+from nonsmooth.proofs.findings import Record
 from nonsmooth.reports.checks import check
 from nonsmooth.reports.checks.subject import FILIPPOV, Reference, ReportPart, ReportSubject
 from nonsmooth.reports.derivations import derivation, parts
@@ -22,7 +22,7 @@ from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.output.document import Block, Section, findings
 from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.studies.result import DataTable, Result
-from nonsmooth.symbolic.files import system_file
+from nonsmooth.symbolic.files import scene_file
 from nonsmooth.symbolic.files.documents import read_document
 from nonsmooth.symbolic.messages.scene_error import SceneError
 
@@ -146,7 +146,7 @@ class PythonSpring(PythonScene):
 
 def branches() -> dict[tuple[Any, str], Callable[..., Any]]:
     """What stands in the product in place of a function, by its module and name: the same with a branch."""
-    load_any, check_array, load = system_file.load_any, check._check_array, interface_array.load
+    load_any, check_array, load = scene_file.load_any, check._check_array, interface_array.load
     subject_of, parts_of = parts.subject_of, parts.parts_of
 
     def any_loaded(source: Any, **changes: Any) -> Any:
@@ -167,7 +167,7 @@ def branches() -> dict[tuple[Any, str], Callable[..., Any]]:
         return PythonSpring({"name": path.stem, **document}) if "spring" in document else load(source)
 
     return {
-        (system_file, "load_any"): any_loaded,
+        (scene_file, "load_any"): any_loaded,
         (check, "_check_array"): checked,
         (parts, "subject_of"): subject_named,
         (derivation, "subject_of"): subject_named,  # imported from there

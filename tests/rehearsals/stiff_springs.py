@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.mechanics.constraints import inner, scaled
+from nonsmooth.symbolic.mechanics.contact_states import inner, scaled
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, LoadModel, Three, X
 from nonsmooth.symbolic.numbers.number import Number
 

@@ -13,7 +13,7 @@ from nonsmooth.proofs.checker.polynomials import constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.theorems import STABLE, Statement
 from nonsmooth.proofs.checker.work import require, take
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.cells import adjoining, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, Kind
 from nonsmooth.proofs.many_states.decision import SpacePoint

@@ -18,8 +18,7 @@ from nonsmooth.reports.simulations.simulate_options import PATH, SimulateOptions
 from nonsmooth.reports.studies import result
 from nonsmooth.reports.studies.result import Result
 from nonsmooth.reports.studies.study import takes
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from tests.rehearsals import counting
 from tests.reports.conftest import Invoke
 

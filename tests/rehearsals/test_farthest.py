@@ -13,7 +13,7 @@ import pytest
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.contact_rule import all_rules
 from nonsmooth.analysis.minimizers.agreement import PointLocator
-from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.rule import CONTACT_RULES

@@ -12,7 +12,7 @@ import pytest
 from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.clauses.clause import CheckedArray
 from nonsmooth.proofs.clauses.rotation.clause import RotationClause, RotationResult
-from nonsmooth.proofs.findings.verdicts import Fact, number_fact
+from nonsmooth.proofs.findings import Fact, number_fact
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.rehearsals.mirror import MirrorClause

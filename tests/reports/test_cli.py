@@ -366,7 +366,7 @@ def test_an_interrupt_ends_quietly(monkeypatch: pytest.MonkeyPatch, invoke: Invo
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("nonsmooth.symbolic.files.system_file.load_any", interrupt)
+    monkeypatch.setattr("nonsmooth.symbolic.files.scene_file.load_any", interrupt)
     assert invoke("check", "four-wheel") == (130, "", "")
 
 

@@ -25,7 +25,7 @@ from nonsmooth.analysis.fields.stated_field import potential_values
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampling import sample_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output import progress as progress_module
@@ -34,7 +34,7 @@ from nonsmooth.reports.output.progress import progress
 from nonsmooth.reports.simulations import system_maps
 from nonsmooth.reports.simulations.maps import SettleMapResult
 from nonsmooth.reports.simulations.system_maps import SystemMap, Whereabouts, mapped
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from tests.proofs.forged import with_deciding, with_reach
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep

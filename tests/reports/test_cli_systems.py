@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from rich.console import Console
 
 import nonsmooth as ns
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Translation, row_fact, text_fact, unsaid
+from nonsmooth.proofs.findings import Fact, Quantity, Translation, row_fact, text_fact, unsaid
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.domain import plane_cells
@@ -24,8 +24,8 @@ from nonsmooth.reports.checks.phase_portrait import PhasePortrait, sampled_rates
 from nonsmooth.reports.checks.system_results import SystemCheckResult
 from nonsmooth.reports.output.console import BAD_INPUT
 from nonsmooth.reports.output.facts import fact_record, fact_rows
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.floats import value

@@ -26,7 +26,7 @@ from nonsmooth.reports.checks.measurements import Stress
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import INTERRUPTED, run
 from nonsmooth.reports.simulations.mjcf import CONFORMS, Motion, WorldExport, export_scene, export_world
-from nonsmooth.symbolic.files.body_table import rectangle
+from nonsmooth.symbolic.files.scene_document import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.mechanics.body import Body, Disc

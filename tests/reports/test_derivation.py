@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import nonsmooth as ns
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
@@ -23,7 +23,7 @@ from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
 from nonsmooth.reports.output.prose import paragraph, prose
-from nonsmooth.reports.sections.rules import MOST_WHEELS
+from nonsmooth.reports.sections.contact import MOST_WHEELS
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays

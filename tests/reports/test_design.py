@@ -16,10 +16,9 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.answers.answer import Answer, Position
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity
-from nonsmooth.reports.designs.design import DesignResult
+from nonsmooth.proofs.findings import Fact, Quantity
+from nonsmooth.reports.designs.design import DesignError, DesignResult, read_freedom
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
-from nonsmooth.reports.designs.request import DesignError, read_freedom
 from nonsmooth.reports.designs.search import OBJECTIVES
 from nonsmooth.reports.output.entries import toml_text
 from nonsmooth.symbolic.files.documents import read_document

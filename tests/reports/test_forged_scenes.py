@@ -17,12 +17,11 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from tests.thorough import thorough
 

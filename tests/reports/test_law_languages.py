@@ -24,6 +24,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.analysis.fields.feedback_laws import LawKind
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
@@ -33,7 +34,7 @@ from nonsmooth.proofs.theorem4 import CellCheck, Check, check_theorem4
 from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.reports.laws.feedback_loop import build_loop
 from nonsmooth.reports.laws.law_languages import Language, LawResult, law_of
-from nonsmooth.reports.laws.law_table import LawKind, NoLawError
+from nonsmooth.reports.laws.law_table import NoLawError
 from nonsmooth.reports.output.study_options import LawName
 from nonsmooth.reports.simulations.paths import follow_array
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions

@@ -16,7 +16,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_rule import rule_of, smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.reports.sections.rules import losses_of
+from nonsmooth.reports.sections.contact import losses_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.mechanics.friction_set import float_sets

@@ -14,7 +14,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs import theorem4
-from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
+from nonsmooth.proofs.findings import Theorem4, Translation
 from nonsmooth.proofs.theorem4 import CellCheck, Check
 from nonsmooth.reports.checks import subject
 from nonsmooth.reports.designs.freedom import Freedom

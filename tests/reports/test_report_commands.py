@@ -27,9 +27,8 @@ from nonsmooth.reports.output.document import Bullets, Document, Math, Paragraph
 from nonsmooth.reports.output.prose import with_formulas
 from nonsmooth.reports.sections.opening import answers_section
 from nonsmooth.symbolic.files.documents import builtin_scenes
-from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.files.system_builder import build_system
-from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from tests.oracles.floats import value

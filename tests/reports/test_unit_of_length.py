@@ -23,7 +23,7 @@ from nonsmooth.proofs.answers.destinations import best_point
 from nonsmooth.proofs.certificate import build_certificate, certificate_text, find_difference
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
-from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run

@@ -19,15 +19,15 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import AngleUnit, LengthUnit, SpeedUnit, Units
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.measured_angles import (
+from nonsmooth.symbolic.numbers.number_field import (
     MOST_DEGREE,
     ROUNDING,
+    NumberField,
     angle_notes,
     choose_angles,
     degree_of,
     turn_of_radians,
 )
-from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS, rational_direction, simplest_between
 from tests.thorough import few

@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 import nonsmooth.symbolic.files.scene_file
 from nonsmooth.symbolic.files.documents import builtin_descriptions, builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import Twist, cross_product, scene_rows, side_row
 from nonsmooth.symbolic.mechanics.contact_set import standing
+from nonsmooth.symbolic.mechanics.contact_states import Twist, cross_product, scene_rows, side_row
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane import cross, dot

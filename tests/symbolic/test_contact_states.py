@@ -19,22 +19,20 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.formulas.expression import parse
 from nonsmooth.symbolic.formulas.surfaces import LINE_BREAK, Formula, constant, number_latex
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
+    ContactCensus,
     Row,
     RowKind,
     Twist,
     constraint_matrix,
     independent,
-    scene_rows,
-    side_row,
-    wheel_rows,
-)
-from nonsmooth.symbolic.mechanics.contact_states import (
-    ContactCensus,
     possible_triples,
     regular_states,
+    scene_rows,
+    side_row,
     solve_rows,
     take_census,
+    wheel_rows,
 )
 from nonsmooth.symbolic.mechanics.equations import (
     Coordinates,

@@ -12,8 +12,7 @@ import pytest
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.body import FEW, default_radius, outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, default_length, rational_size

@@ -26,19 +26,25 @@ from scipy.optimize import linprog
 import nonsmooth as ns
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.symbolic.files.scene_file import load_system
 from nonsmooth.symbolic.files.scene_values import read_start_angle, read_start_value
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.files.system_document import MAX_STATES
-from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.formulas.enclosed_functions import ONE_AT_ZERO, TERMS, WAVES, series
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.systems.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, UnknownSign, signs_by_factors
+from nonsmooth.symbolic.systems.switched_system import (
+    PLANE,
+    NoEnclosureError,
+    SwitchedSystem,
+    UnknownSign,
+    enclose_numbers,
+    signs_by_factors,
+)
 from tests.built_in import planar_systems
 from tests.oracles.floats import value
 from tests.plain import built

@@ -23,8 +23,7 @@ from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 from nonsmooth.symbolic.mechanics.body import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
-from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.numbers.number_field import FirstRemark
+from nonsmooth.symbolic.numbers.number_field import FirstRemark, angle_notes
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.oracles.floats import value
 from tests.thorough import keep

@@ -25,10 +25,9 @@ from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
 from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
-from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
-from nonsmooth.proofs.clauses.at_point.held_wheels import are_strict, held_forces
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.proofs.clauses.at_point.ellipse import are_strict, common_twist, ellipse_point, held_forces, is_carried
+from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity
+from nonsmooth.symbolic.mechanics.contact_states import (
     Row,
     Triple,
     Twist,
@@ -229,7 +228,7 @@ class EveryLoadPoint:
 def is_admissible(scene: Scene, loads: Loads) -> bool:
     """``N >= 0, sum N_i = 1, sum N_i p_i = 0``."""
     zero = scene.field.zero
-    pairs = list(zip(loads, (wheel.position for wheel in scene.wheels), strict=True))
+    pairs = list(zip(loads, scene.positions, strict=True))
     moments = (sum((n * p[axis] for n, p in pairs), zero) for axis in (0, 1))
     return all(n >= 0 for n in loads) and sum(loads, zero) == 1 and not any(moments)
 
@@ -487,7 +486,7 @@ def moving_loads(scene: Scene, loads: LoadSet) -> Iterator[Loads]:
 
 def is_driven_away(scene: Scene, load: Loads) -> bool:
     """Whether the point is no equilibrium under a load that is carried to its neighbourhood; every wheel carries."""
-    table = carried_table(load, [wheel.position for wheel in scene.wheels])
+    table = carried_table(load, scene.positions)
     known = replace(scene, contact=Contact(scene.contact.rule, table))
     for _ in range(HALVINGS):
         try:

@@ -44,7 +44,7 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from nonsmooth.proofs.boxes.enclosures import holds_on, is_positive_definite, linear_stability
 from nonsmooth.proofs.boxes.linearization import Linearization
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import lower_text, upper_text

@@ -24,8 +24,16 @@ from itertools import product
 from nonsmooth.analysis.cells.partition import RefusalError, require_rank
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.symbolic.mechanics.body import support_polygon
-from nonsmooth.symbolic.mechanics.constraints import Triple, Twist, added, rows_with_friction, scaled
-from nonsmooth.symbolic.mechanics.contact_states import ContactState, regular_states, triples_with_friction
+from nonsmooth.symbolic.mechanics.contact_states import (
+    ContactState,
+    Triple,
+    Twist,
+    added,
+    regular_states,
+    rows_with_friction,
+    scaled,
+    triples_with_friction,
+)
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross, dot, minus, turned

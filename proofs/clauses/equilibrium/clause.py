@@ -14,9 +14,9 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.clauses.at_point.every_load import EveryLoad, EveryLoadPoint, load_facts, witness_load
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Record, Theorem4
+from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity, Record, Theorem4
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector, cross, dot, separating_direction

@@ -50,7 +50,7 @@ from nonsmooth.analysis.fields.contact_model import FloatShape
 from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.proofs.inequalities.linear_program import solve_program
-from nonsmooth.symbolic.mechanics.constraints import Triple, inner, roll_row, scaled, side_row
+from nonsmooth.symbolic.mechanics.contact_states import Triple, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, FrictionSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane_arrays import float_points

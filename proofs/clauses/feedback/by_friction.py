@@ -73,9 +73,8 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     unique_ones,
     with_exclusions,
 )
-from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.symbolic.mechanics.constraints import Triple
-from nonsmooth.symbolic.mechanics.free_rollers import with_rims_along_axes
+from nonsmooth.proofs.findings import Feedback
+from nonsmooth.symbolic.mechanics.contact_states import Triple, with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length, with_wheels
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, float_quotient, quotient
@@ -120,7 +119,7 @@ class DrivenFeedback:
     """Verdict with its evidence.
 
     Attributes:
-        verdict: see :class:`nonsmooth.proofs.findings.verdicts.Feedback`.
+        verdict: see :class:`nonsmooth.proofs.findings.Feedback`.
         reason: one sentence for people.
         scene: the array, centred.
         cones: the law, by direction of c, of the array with ``length`` for its unit (stabilizable).

@@ -50,8 +50,8 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import (
     certified_rate,
     level_with_rate,
 )
-from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.symbolic.mechanics.constraints import Triple, independent
+from nonsmooth.proofs.findings import Feedback
+from nonsmooth.symbolic.mechanics.contact_states import Triple, independent
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -253,7 +253,7 @@ class FeedbackResult:
     """Verdict with its evidence.
 
     Attributes:
-        verdict: see :class:`nonsmooth.proofs.findings.verdicts.Feedback`.
+        verdict: see :class:`nonsmooth.proofs.findings.Feedback`.
         reason: one sentence for people.
         inputs: the cells about the checked point with their inputs.
         witness: a nonzero c with its theta (the value) at which no input changes V.

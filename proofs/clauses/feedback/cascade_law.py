@@ -57,8 +57,8 @@ from nonsmooth.proofs.clauses.feedback.control_fields import SQUARES, RowInputs
 from nonsmooth.proofs.clauses.feedback.gradient_law import are_above, segments
 from nonsmooth.proofs.clauses.feedback.rational_bounds import BELOW, DIGITS, ball_of
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_cones
-from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.proofs.findings import Translation
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.enclosures import rational_above
 from nonsmooth.symbolic.numbers.number import Number, sign

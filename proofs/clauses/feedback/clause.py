@@ -13,7 +13,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, InputMargi
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, input_ranks, obstruction_text
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, LimitedRate
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.verdicts import Fact, Feedback, Quantity, Record, Theorem4, said
+from nonsmooth.proofs.findings import Fact, Feedback, Quantity, Record, Theorem4, said
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.number_text import decimal_text, float_text, lower_text, real_text

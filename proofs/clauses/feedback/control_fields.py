@@ -25,8 +25,14 @@ from nonsmooth.analysis.cells.support import Support, limiting_support
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.feedback.rational_bounds import late
 from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, root_above, shaped
-from nonsmooth.symbolic.mechanics.constraints import RowKind, Triple, cross_product, independent, leading_one
-from nonsmooth.symbolic.mechanics.contact_states import ContactState
+from nonsmooth.symbolic.mechanics.contact_states import (
+    ContactState,
+    RowKind,
+    Triple,
+    cross_product,
+    independent,
+    leading_one,
+)
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_field import NumberField

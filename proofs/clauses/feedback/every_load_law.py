@@ -47,7 +47,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.at_point.every_load import FloatLoads, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
-from nonsmooth.symbolic.mechanics.constraints import roll_row, side_row
+from nonsmooth.symbolic.mechanics.contact_states import roll_row, side_row
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse, float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points

@@ -59,7 +59,7 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import (
     rounded_down,
 )
 from nonsmooth.proofs.clauses.translation.quadratic import least_of_parabola
-from nonsmooth.symbolic.mechanics.constraints import Triple
+from nonsmooth.symbolic.mechanics.contact_states import Triple
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, Lazy, sure_float
 from nonsmooth.symbolic.numbers.number import Number, sign

@@ -45,8 +45,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.rational_bounds import confirmed, rounded_down, rounded_up
-from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
-from nonsmooth.symbolic.mechanics.constraints import inner
+from nonsmooth.proofs.findings import Certainty, Feedback
+from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.mechanics.scene import LoopErrors, Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
@@ -169,7 +169,7 @@ def limited_speed(feedback: DrivenFeedback, scene: Scene) -> Fraction | None:
     limits, own = scene.speed_limits, in_own_length(scene.recentred())
     least: list[float] = []
     for imposed in (imposed for cone in feedback.cones for imposed in cone.twists):
-        speeds = dict(zip((wheel.index for wheel in own.wheels), rim_speeds(own, imposed), strict=True))
+        speeds = dict(zip(own.numbers, rim_speeds(own, imposed), strict=True))
         least += [float(limit) / abs(speeds[wheel]) for wheel, limit in limits.items() if speeds[wheel]]
     if not least or feedback.kappa is None:
         return None

@@ -25,7 +25,7 @@ from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes, blocks
 from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
-from nonsmooth.symbolic.mechanics.constraints import (
+from nonsmooth.symbolic.mechanics.contact_states import (
     RowKind,
     Triple,
     cross_product,

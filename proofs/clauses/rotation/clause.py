@@ -22,9 +22,9 @@ from nonsmooth.proofs.clauses.translation.at_point import (
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Fact, Quantity, Record, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Equilibrium, Fact, Quantity, Record, Rotation, Theorem4, Translation
 from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text

@@ -33,8 +33,8 @@ from nonsmooth.proofs.clauses.at_point.every_load import (
     wheel_slips,
 )
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.mechanics.constraints import cross_product, inner
+from nonsmooth.proofs.findings import Equilibrium, Translation
+from nonsmooth.symbolic.mechanics.contact_states import cross_product, inner
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number

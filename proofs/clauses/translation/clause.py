@@ -18,7 +18,7 @@ from nonsmooth.proofs.clauses.translation.at_point import (
 )
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
-from nonsmooth.proofs.findings.verdicts import Fact, Quantity, Theorem4, Translation, number_fact, said
+from nonsmooth.proofs.findings import Fact, Quantity, Theorem4, Translation, number_fact, said
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number_text import float_text
 

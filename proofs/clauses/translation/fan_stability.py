@@ -53,8 +53,8 @@ from nonsmooth.analysis.cells.fan import (
     slide_speed,
 )
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.proofs.findings import Translation
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.plane import cross, dot

@@ -35,8 +35,8 @@ from nonsmooth.proofs.clauses.at_point.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.clause import Witness
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_fan
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
-from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.symbolic.mechanics.constraints import Twist
+from nonsmooth.proofs.findings import Translation
+from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below, short_below, square_root
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text

@@ -26,7 +26,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
-from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4
+from nonsmooth.proofs.findings import Rotation, Theorem4
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.theorem4 import CellCheck, check_cells, check_smooth
 from nonsmooth.reports.output.document import (

@@ -13,8 +13,7 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
-from nonsmooth.analysis.fields.cellwise_field import feedback_field
-from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.constant_field import array_field, feedback_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -41,8 +40,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Event, EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.documents import builtin_scenes
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.conftest import Arrays
 from tests.four_wheel import CORNERS

@@ -48,8 +48,7 @@ from nonsmooth.analysis.measurements.reference_paths import ExactPath
 from nonsmooth.analysis.measurements.studies import DERIVATION, UPPER_DERIVATIVE, codimension_of_largest
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.scene_file import load_scene, load_system
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 from tests.conftest import Arrays

@@ -35,7 +35,7 @@ from nonsmooth.proofs.answers.answers import (
 )
 from nonsmooth.proofs.answers.failures import NO_DRIVE, NO_TABLE, Failure, FailureKind, failures_of, worst_failure
 from nonsmooth.proofs.answers.inertia import inertia_answer, near_rest, settled_from
-from nonsmooth.proofs.findings.verdicts import Fact
+from nonsmooth.proofs.findings import Fact
 from nonsmooth.proofs.theorem4 import Theorem4Result, check_cells, check_theorem4
 from nonsmooth.reports.checks.check import REQUIRABLE
 from nonsmooth.reports.output.facts import fact_lines

@@ -24,7 +24,7 @@ from nonsmooth.proofs.clauses.equilibrium.clause import EllipseEquilibrium, Equi
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.findings.verdicts import Certainty, Equilibrium, Fact, Quantity, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings import Certainty, Equilibrium, Fact, Quantity, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import Check, check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.array_certificates import say

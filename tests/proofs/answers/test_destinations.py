@@ -29,7 +29,7 @@ from nonsmooth.proofs.answers.answers import answers_of, full_answers
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, best_point, destinations_of
 from nonsmooth.proofs.answers.nearness import nearness
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
-from nonsmooth.proofs.findings.verdicts import Equilibrium
+from nonsmooth.proofs.findings import Equilibrium
 from nonsmooth.proofs.robust.drift import (
     _directions,
     driven_out,

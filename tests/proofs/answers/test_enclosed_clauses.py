@@ -25,9 +25,9 @@ from nonsmooth.proofs.answers.destinations import best_point
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.robust import touching_rings
-from nonsmooth.proofs.robust.ends import COARSE, field_beside, velocity_of
+from nonsmooth.proofs.robust.ends import COARSE, velocity_of
 from nonsmooth.proofs.robust.level_sets import (
     Distance,
     LevelFunction,
@@ -54,6 +54,7 @@ from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.plane_arrays import field_beside
 from nonsmooth.symbolic.numbers.rounded import certain_sign, enclosed, plain, rounded
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.proofs.forged import with_results

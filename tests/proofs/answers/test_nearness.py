@@ -21,9 +21,9 @@ from nonsmooth.proofs.answers.nearness import homecoming
 from nonsmooth.proofs.answers.position import _where
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.robust.drift import driven_out
-from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _shapes, decide_ends, field_beside, velocity_of
+from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _shapes, decide_ends, velocity_of
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_away
 from nonsmooth.proofs.robust.rings import TouchingRings
@@ -35,6 +35,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane_arrays import field_beside
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.thorough import keep, thorough
 

@@ -24,7 +24,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.polynomials import Polynomial as Checked
-from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.kernel import second_function
 from nonsmooth.proofs.kernel.bases import PiecewiseFunction, families
 from nonsmooth.proofs.kernel.cells import SignCells, build_cells, is_empty

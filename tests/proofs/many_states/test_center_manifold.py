@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.polynomials import Polynomial
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel_strategies import decide_by_center_manifold
 from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, show_by_center_manifold, split_at
 from nonsmooth.proofs.many_states.weak_functions import find_kept_function

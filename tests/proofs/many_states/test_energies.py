@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.inequalities.linear_program import least_sum, some_contradict
 from nonsmooth.proofs.kernel.homogeneity import homogeneity_of
 from nonsmooth.proofs.many_states import lyapunov_search

@@ -17,7 +17,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.findings.verdicts import Certainty
+from nonsmooth.proofs.findings import Certainty
 from nonsmooth.proofs.robust import nearest, rings
 from nonsmooth.proofs.robust.box import BoxRingProof, box_wheels
 from nonsmooth.proofs.robust.decide import Robust, binding_entry, decide_robust, largest_factor

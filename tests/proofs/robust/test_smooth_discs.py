@@ -16,17 +16,16 @@ from scipy.optimize import root
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.answers.robust import robust_facts
+from nonsmooth.proofs.answers.answers import robust_facts
 from nonsmooth.proofs.boxes.balanced_forces import load_box
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
-from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.proofs.robust.array_forces import PieceForces, ellipse_force, roller_force
+from nonsmooth.proofs.findings import Certainty
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof, decide_robust
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima
 from nonsmooth.proofs.robust.rings import RingProof, TouchingRings
-from nonsmooth.proofs.robust.smooth_rules import SmoothDisc, equilibrium_box
+from nonsmooth.proofs.robust.smooth_rules import PieceForces, SmoothDisc, ellipse_force, equilibrium_box, roller_force
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.load_model import UnknownLoads

@@ -66,8 +66,7 @@ from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
 )
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene
-from nonsmooth.symbolic.mechanics.constraints import RowKind, roll_row, side_row
-from nonsmooth.symbolic.mechanics.contact_states import solve_rows
+from nonsmooth.symbolic.mechanics.contact_states import RowKind, roll_row, side_row, solve_rows
 from nonsmooth.symbolic.mechanics.scene import Wheel
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
