@@ -23,6 +23,7 @@ from functools import cached_property, reduce
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from flint import fmpq
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
@@ -64,6 +65,7 @@ beyond_floats = np.errstate(over="ignore", invalid="ignore")  # nothing is sure 
 
 FLOAT_ERROR = 2.0**-39  # of a sum of absolute terms: what a sum of up to ten thousand products may err by
 EXACT_FLOATS = 2.0**52  # sums of whole numbers below this are floats
+FEW = 16  # pairs of rows that are looked at one by one
 SHORT = 2**20  # products of two whole numbers below this are 64-bit numbers, and so are their sums
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]  # the other coordinates, in turn
 
@@ -168,8 +170,6 @@ class Arrangement:
         weights: ``beta_k``, affine forms.
         whole: see above.
         is_exact: whether no number stands for others close by.
-        is_rational: whether all normals are rational.
-        lines: normals, which are then python-flint's rational numbers: these are much quicker.
         error: of the affine forms in floats, in units of the sums of absolute terms.
         corners: of the load region, as rows ``(1, x, y)``.
         corner_sizes: the sizes of these.
@@ -204,9 +204,6 @@ class Arrangement:
         self.crossing_sizes[:, NEXT, AFTER] = self.crossing_sizes[:, AFTER, NEXT] = self.sizes
         self.moment_sizes = self.sizes.T @ self.weight_sizes
         self.is_exact = all(type(x) is Number for part in numbers for x in part)
-        rationals = [_rational_normal(row) for row in self.rows]
-        self.is_rational = None not in rationals
-        self.lines: Sequence[Triple] = rationals if self.is_rational else [row.normal for row in self.rows]
         self.error = 0 if self.whole else FLOAT_ERROR if self.is_exact else ROUNDED
         self.corners = float_corners(region.polygon.vertices)
         coordinates = [x for vertex in region.polygon.vertices for x in (scene.field.one, *vertex)]
@@ -216,6 +213,13 @@ class Arrangement:
         self._edges: dict[tuple[int, int], Triple] = {}
         self._rates: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
+
+    @cached_property
+    def lines(self) -> Sequence[Any]:
+        """All normals: of python-flint's rationals, which are much quicker, where all are rational and all is exact."""
+        normals = [row.normal for row in self.rows]
+        rationals = [tuple(entry.as_rational() for entry in normal) for normal in normals] if self.is_exact else []
+        return normals if not rationals or any(None in normal for normal in rationals) else rationals
 
     @cached_property
     def whole_normals(self) -> Indices | None:
@@ -288,7 +292,10 @@ class Arrangement:
         """
         if self.whole_normals is None:
             return None
-        (a, b, c), (x, y, z) = self.whole_normals.take(pairs, 0).transpose(1, 2, 0)
+        normals = self.whole_normals.take(pairs, 0)
+        if len(pairs) <= FEW:
+            return [_way(*pair) for pair in normals.tolist()]
+        (a, b, c), (x, y, z) = normals.transpose(1, 2, 0)
         along = np.stack((b * z - c * y, c * x - a * z, a * y - b * x))
         leading = np.where(along[0] != 0, along[0], np.where(along[1] != 0, along[1], along[2]))
         factors = np.gcd.reduce(along) * np.sign(leading)
@@ -320,7 +327,7 @@ class Arrangement:
 
     def _weighted(self, factors: Sequence[Any], forms: Sequence[Affine]) -> Affine:
         """``sum_k f_k form_k``."""
-        if self.is_rational:
+        if isinstance(self.lines[0][0], fmpq):
             constant, x, y = (self.scene.field.combination(factors, [form[k] for form in forms]) for k in range(3))
             return constant, x, y
         total = _zero_form(self.scene)
@@ -479,10 +486,14 @@ def _is_always_zero(number: Number) -> bool:
     return type(number) is Number and not number
 
 
-def _rational_normal(row: Row) -> Any:
-    """The normal of a row in rational numbers; None where it has others."""
-    entries = [entry.as_rational() if type(entry) is Number else None for entry in row.normal]
-    return None if None in entries else tuple(entries)
+def _way(first: Sequence[int], second: Sequence[int]) -> Three:
+    """The cross product without a common factor, its first entry that is not zero positive."""
+    (a, b, c), (x, y, z) = first, second
+    along = b * z - c * y, c * x - a * z, a * y - b * x
+    factor = math.gcd(*along) or 1
+    if along < (0, 0, 0):
+        factor = -factor
+    return along[0] // factor, along[1] // factor, along[2] // factor
 
 
 def _sizes(numbers: Sequence[Any], values: Floats) -> Floats:

@@ -204,6 +204,8 @@ class _PairTable:
 
     def distinct(self, numbers: Indices) -> Indices:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
+        if self.tight == 3 and self._is_basis:
+            return numbers
         ways = self.arrangement.ways(self.pairs.take(numbers, 0))
         if ways is not None:
             firsts: dict[Three, int] = {}
@@ -218,6 +220,13 @@ class _PairTable:
         ends = [0, *(np.flatnonzero(np.diff(keys[order])) + 1).tolist(), len(order)]
         others = [k for ends in pairwise(ends) for k in self._distinct_in(numbers[order[slice(*ends)]])]
         return np.array(sorted(others), dtype=int)
+
+    @property
+    def _is_basis(self) -> bool:
+        """Whether floats show that three tight rows are independent; then their pairs have three directions."""
+        third = int(self.pairs[2, 1])
+        size = float(self.sizes[0] @ self.arrangement.sizes[third])
+        return bool(abs(self.directions[0] @ self.arrangement.normals[third]) > size * FLOAT_DOUBT + SMALLEST_NORMAL)
 
     def _has_direction(self, pair: int) -> bool:
         """Whether the rows of a pair are not parallel."""
