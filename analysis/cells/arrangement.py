@@ -155,6 +155,61 @@ class FilteredPlace(NamedTuple):
         return order(form.exact, self.exactly()) if here is None or along is None else (here, along)
 
 
+class RowLines:
+    """The rows of an array, exactly, whatever the loads.
+
+    Attributes:
+        rows: all of them.
+        shares: ``mu_k / |A_k|``: a row's weight over the load of its wheel, for rows scaled by ``|A_k|``.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.rows = scene_rows(scene)
+        self.shares = [row.friction / row.wheel.grip_length for row in self.rows]
+        self._edges: dict[tuple[int, int], Triple] = {}
+
+    @cached_property
+    def normals(self) -> Sequence[Any]:
+        """Of all rows: of python-flint's rationals, which are much quicker, where all are rational."""
+        normals = [row.normal for row in self.rows]
+        if any(type(entry) is not Number for normal in normals for entry in normal):
+            return normals
+        rationals = [tuple(entry.as_rational() for entry in normal) for normal in normals]
+        return normals if any(None in normal for normal in rationals) else rationals
+
+    @cached_property
+    def whole_normals(self) -> Indices | None:
+        """Whole multiples of all normals, where there are any, shape (2n, 3)."""
+        lines = [whole_numbers(row.normal) for row in self.rows]
+        if any(line is None for line in lines):
+            return None
+        most = max(abs(entry) for line in lines for entry in line or ())
+        return np.array(lines, dtype=int if most < SHORT else object)
+
+    def edge(self, pair: tuple[int, int]) -> Triple:
+        """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
+        if pair not in self._edges:
+            self._edges[pair] = cross_product(self.normals[pair[0]], self.normals[pair[1]])
+        return self._edges[pair]
+
+    def ways(self, pairs: Indices) -> list[Three] | None:
+        """Whole multiples of the edges of pairs of rows (m, 2), the same for all edges along a line.
+
+        None where normals have no whole multiples; zeros for parallel rows.
+        """
+        if self.whole_normals is None:
+            return None
+        normals = self.whole_normals.take(pairs, 0)
+        if len(pairs) <= FEW:
+            return [_way(*pair) for pair in normals.tolist()]
+        (a, b, c), (x, y, z) = normals.transpose(1, 2, 0)
+        along = np.stack((b * z - c * y, c * x - a * z, a * y - b * x))
+        leading = np.where(along[0] != 0, along[0], np.where(along[1] != 0, along[1], along[2]))
+        factors = np.gcd.reduce(along) * np.sign(leading)
+        p, q, r = (along // np.where(factors == 0, 1, factors)).tolist()
+        return list(zip(p, q, r, strict=True))
+
+
 class Arrangement:
     """Rows and weights of an array in one load region.
 
@@ -164,9 +219,11 @@ class Arrangement:
     Args:
         scene: the array.
         region: where the loads are affine.
+        lines: the rows, where they are there already.
 
     Attributes:
         rows: all of them.
+        lines: the same whatever the loads.
         weights: ``beta_k``, affine forms.
         whole: see above.
         is_exact: whether no number stands for others close by.
@@ -176,11 +233,13 @@ class Arrangement:
         reach: the largest of these.
     """
 
-    def __init__(self, scene: Scene, region: LoadRegion) -> None:
+    def __init__(self, scene: Scene, region: LoadRegion, lines: RowLines | None = None) -> None:
         self.scene = scene
         self.region = region
-        self.rows = scene_rows(scene)
-        self.weights = [_weight(row, region.forces[scene.places[row.wheel.index]]) for row in self.rows]
+        self.lines = lines or RowLines(scene)
+        self.rows = self.lines.rows
+        forces = (region.forces[scene.places[row.wheel.index]] for row in self.rows)
+        self.weights = [scaled(force, share) for force, share in zip(forces, self.lines.shares, strict=True)]
         numbers = (
             [x for row in self.rows for x in row.normal],
             [row.rhs for row in self.rows],
@@ -210,34 +269,15 @@ class Arrangement:
         self.corner_sizes = _sizes(coordinates, self.corners.ravel()).reshape(-1, 3)
         self.reach = self.corner_sizes.max(axis=0)
         self._vertices: dict[bytes, Vertex] = {}
-        self._edges: dict[tuple[int, int], Triple] = {}
         self._rates: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self._last_pull = np.zeros(len(self.rows), dtype=int), [_zero_form(scene) for _ in range(3)]
-
-    @cached_property
-    def lines(self) -> Sequence[Any]:
-        """All normals: of python-flint's rationals, which are much quicker, where all are rational and all is exact."""
-        normals = [row.normal for row in self.rows]
-        rationals = [tuple(entry.as_rational() for entry in normal) for normal in normals] if self.is_exact else []
-        return normals if not rationals or any(None in normal for normal in rationals) else rationals
-
-    @cached_property
-    def whole_normals(self) -> Indices | None:
-        """Whole multiples of all normals, where there are any, shape (2n, 3)."""
-        if self.whole:
-            return self.normals.astype(int)
-        lines = [whole_numbers(row.normal) for row in self.rows]
-        if any(line is None for line in lines):
-            return None
-        most = max(abs(entry) for line in lines for entry in line or ())
-        return np.array(lines, dtype=int if most < SHORT else object)
 
     @cached_property
     def moments(self) -> list[list[Affine]]:
         """``beta_k a_k``: of each row three affine forms."""
         return [
-            [(b * entry, b_x * entry, b_y * entry) for entry in row.normal]
-            for row, (b, b_x, b_y) in zip(self.rows, self.weights, strict=True)
+            [(b * entry, b_x * entry, b_y * entry) for entry in normal]
+            for normal, (b, b_x, b_y) in zip(self.lines.normals, self.weights, strict=True)
         ]
 
     def vertex_at(self, twist: Twist) -> Vertex | None:
@@ -279,29 +319,6 @@ class Arrangement:
         """Their sums of absolute terms, which bound the errors."""
         return np.asarray((self.crossing_sizes.take(first, 0) @ self.sizes.take(second, 0)[:, :, None])[:, :, 0])
 
-    def edge(self, pair: tuple[int, int]) -> Triple:
-        """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
-        if pair not in self._edges:
-            self._edges[pair] = cross_product(self.lines[pair[0]], self.lines[pair[1]])
-        return self._edges[pair]
-
-    def ways(self, pairs: Indices) -> list[Three] | None:
-        """Whole multiples of the edges of pairs of rows (m, 2), the same for all edges along a line.
-
-        None where normals have no whole multiples; zeros for parallel rows.
-        """
-        if self.whole_normals is None:
-            return None
-        normals = self.whole_normals.take(pairs, 0)
-        if len(pairs) <= FEW:
-            return [_way(*pair) for pair in normals.tolist()]
-        (a, b, c), (x, y, z) = normals.transpose(1, 2, 0)
-        along = np.stack((b * z - c * y, c * x - a * z, a * y - b * x))
-        leading = np.where(along[0] != 0, along[0], np.where(along[1] != 0, along[1], along[2]))
-        factors = np.gcd.reduce(along) * np.sign(leading)
-        p, q, r = (along // np.where(factors == 0, 1, factors)).tolist()
-        return list(zip(p, q, r, strict=True))
-
     def rates(self, pair: tuple[int, int]) -> tuple[Floats, Floats]:
         """How fast residuals change along an edge, in floats with the sums of absolute terms (cached)."""
         if pair not in self._rates:
@@ -314,20 +331,20 @@ class Arrangement:
         """Whether a row is independent of two others that are."""
         rates, sizes = self.rates(pair)
         is_clear = abs(rates[k]) > sizes[k] * FLOAT_DOUBT + SMALLEST_NORMAL
-        return bool(is_clear) or bool(inner(self.lines[k], self.edge(pair)))
+        return bool(is_clear) or bool(inner(self.lines.normals[k], self.lines.edge(pair)))
 
     def slopes_along(self, pair: tuple[int, int], signs: Indices) -> tuple[Affine, Affine]:
         """The slopes along the edge of a pair and back, exactly, where the residuals of the rows have these signs."""
-        direction = self.edge(pair)
+        direction = self.lines.edge(pair)
         tight = [k for k in tight_rows(signs) if k not in pair]
-        reaches = [abs(inner(self.lines[k], direction)) for k in tight]
+        reaches = [abs(inner(self.lines.normals[k], direction)) for k in tight]
         kept = self._weighted(reaches, [self.weights[k] for k in tight])
         along = self._weighted(direction, self._pull(signs))
         return added(kept, along), subtracted(kept, along)
 
     def _weighted(self, factors: Sequence[Any], forms: Sequence[Affine]) -> Affine:
         """``sum_k f_k form_k``."""
-        if isinstance(self.lines[0][0], fmpq):
+        if self.is_exact and isinstance(self.lines.normals[0][0], fmpq):
             constant, x, y = (self.scene.field.combination(factors, [form[k] for form in forms]) for k in range(3))
             return constant, x, y
         total = _zero_form(self.scene)
@@ -377,9 +394,9 @@ class Arrangement:
         gained = Filtered.bounded(self.numbers(values), self.numbers(sizes), self.error)
 
         def build() -> Affine:
-            edge = self.edge(slope.pair)
+            edge = self.lines.edge(slope.pair)
             base, rows = (form, crossed) if "exact" in vars(form) else (slope, passed)  # no recursion over many rows
-            turns = [scaled(self.weights[k], 2 * abs(inner(self.lines[k], edge))) for k in rows]
+            turns = [scaled(self.weights[k], 2 * abs(inner(self.lines.normals[k], edge))) for k in rows]
             return reduce(added, turns, base.exact)
 
         return Form(form.filtered.plus(gained), build)
@@ -409,16 +426,13 @@ class Arrangement:
 
     def _first_of(self, vertex: Vertex, slope: SlopeOfD, near: Sequence[int]) -> list[int]:
         """Of rows to which the steps are about the same those that are reached first."""
-        steps: list[tuple[Any, int]]  # and by what to divide them
         if self.whole:
             rates = self.rates(slope.pair)[0]
-            steps = [(abs(int(vertex.residuals[k])), abs(int(rates[k]))) for k in near]
+            steps: list[Any] = [fmpq(abs(int(vertex.residuals[k])), abs(int(rates[k]))) for k in near]
         else:
-            steps = [(self._step(vertex, slope, k), 1) for k in near]
-        least, share = steps[0]
-        for step, rate in steps:
-            least, share = (step, rate) if step * share < least * rate else (least, share)
-        return [k for k, (step, rate) in zip(near, steps, strict=True) if step * share == least * rate]
+            steps = [self._step(vertex, slope, k) for k in near]
+        least = min(steps)
+        return [k for k, step in zip(near, steps, strict=True) if step == least]
 
     def _float_steps(self, vertex: Vertex, slope: SlopeOfD) -> list[float]:
         """The steps to all rows, rounded, and minus one to those that are not reached; clear ones by floats."""
@@ -437,7 +451,7 @@ class Arrangement:
 
     def _step(self, vertex: Vertex, slope: SlopeOfD, k: int) -> Number | None:
         """Exact positive step to row k, or None where the direction leads away from it."""
-        rate = inner(self.lines[k], self.edge(slope.pair))
+        rate = inner(self.lines.normals[k], self.lines.edge(slope.pair))
         if not rate:
             return None
         step = -slope.sense * self.rows[k].residual(vertex.twist) / rate
@@ -509,11 +523,6 @@ def float_corners(points: Sequence[Point]) -> Floats:
 def tight_rows(signs: Indices) -> tuple[int, ...]:
     """Numbers of the rows without residual."""
     return tuple((signs == 0).nonzero()[0].tolist())
-
-
-def _weight(row: Row, force: Affine) -> Affine:
-    """``mu_k N_i / |A_i|`` for a row scaled by ``|A_i|``."""
-    return scaled(force, row.friction / row.wheel.grip_length)
 
 
 def minus(vector: Triple) -> Triple:

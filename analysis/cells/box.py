@@ -25,6 +25,7 @@ from nonsmooth.analysis.cells.arrangement import (
     Arrangement,
     Beside,
     FilteredPlace,
+    RowLines,
     SlopeOfD,
     Vertex,
     beyond_floats,
@@ -82,8 +83,9 @@ def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partitio
     cells: list[Cell] = []
     before: Vertex | None = None
     with affordable(scene, PARTITION_UNITS, STEP):
+        lines = RowLines(scene)
         for region in load_regions(scene, domain=domain):
-            walk = _Walk(scene, region)
+            walk = _Walk(scene, region, lines)
             before = walk.first(before)
             for found in walk.cells(before):
                 cells.append(WalkedCell(len(cells) + 1, walk, found))
@@ -100,8 +102,9 @@ def build_rest_partition(scene: Scene) -> Partition | None:
     zero = scene.field.zero
     cells: list[Cell] = []
     with affordable(scene, PARTITION_UNITS, STEP):
+        lines = RowLines(scene)
         for region in load_regions(scene):
-            walk = _Walk(scene, region)
+            walk = _Walk(scene, region, lines)
             found = walk.cell_of(Twist(zero, zero, zero)) if region.polygon.contains((zero, zero)) else None
             if found is not None:
                 cells.append(WalkedCell(len(cells) + 1, walk, found))
@@ -123,12 +126,13 @@ class _Walk:
     Args:
         scene: the array.
         region: where the loads are affine.
+        lines: the rows of the array.
     """
 
-    def __init__(self, scene: Scene, region: LoadRegion) -> None:
+    def __init__(self, scene: Scene, region: LoadRegion, lines: RowLines) -> None:
         self.scene = scene
         self.region = region
-        self.arrangement = Arrangement(scene, region)
+        self.arrangement = Arrangement(scene, region, lines)
         loaded = (row for row in self.arrangement.rows if any(region.forces[scene.places[row.wheel.index]]))
         require_rank((row for row in loaded if row.friction), "contact.loads: required loaded rows")
         self._slopes: dict[Vertex, Slopes] = {}

@@ -206,7 +206,7 @@ class _PairTable:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
         if self.tight == 3 and self._is_basis:
             return numbers
-        ways = self.arrangement.ways(self.pairs.take(numbers, 0))
+        ways = self.arrangement.lines.ways(self.pairs.take(numbers, 0))
         if ways is not None:
             firsts: dict[Three, int] = {}
             for way, k in zip(ways, numbers.tolist(), strict=True):
@@ -257,12 +257,12 @@ class _PairTable:
                     return
                 direction, rows = self._direction(first), self.pairs[bucket]
                 for k in np.flatnonzero(np.bincount(rows.ravel())).tolist():
-                    orthogonal[k] = not inner(self.arrangement.lines[k], direction)
+                    orthogonal[k] = not inner(self.arrangement.lines.normals[k], direction)
                 bucket = bucket[~orthogonal[rows].all(axis=1)]
 
     def _direction(self, pair: int) -> Triple:
         first, second = self.pairs[pair].tolist()
-        return self.arrangement.edge((first, second))
+        return self.arrangement.lines.edge((first, second))
 
 
 def _clipped(outline: Sequence[Corner], values: Sequence[float], number: int) -> list[Corner]:

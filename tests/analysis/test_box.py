@@ -233,10 +233,10 @@ def test_edges_along_one_line_have_one_way(arrays: Arrays, scale: int) -> None:
     scene = arrays.scene([WheelData(place, (1 - place[0], 2 - place[1])) for place in places], (1, 1), scale)
     arrangement = Arrangement(scene, load_regions(scene)[0])
     pairs = np.array(list(combinations(range(len(arrangement.rows)), 2)))
-    ways = arrangement.ways(pairs)
+    ways = arrangement.lines.ways(pairs)
     assert ways is not None
-    assert arrangement.ways(pairs[:9]) == ways[:9]
-    edges = [arrangement.edge(tuple(pair)) for pair in pairs.tolist()]
+    assert arrangement.lines.ways(pairs[:9]) == ways[:9]
+    edges = [arrangement.lines.edge(tuple(pair)) for pair in pairs.tolist()]
     for way, edge in zip(ways, edges, strict=True):
         assert any(way) == any(edge)
         assert not any(cross_product(way, edge))

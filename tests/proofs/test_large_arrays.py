@@ -122,7 +122,7 @@ def test_slopes_against_all_pairs(name: str) -> None:
     signs = np.array([0 if row.kind == "S" else -1 for row in arrangement.rows])  # rest: all side rows hold
     found = Slopes(arrangement, signs)
     listed = [found[k] for k in range(len(found))]
-    table = [scaled(arrangement.edge(slope.pair), slope.sense) for slope in listed]
+    table = [scaled(arrangement.lines.edge(slope.pair), slope.sense) for slope in listed]
     sides = [k for k, row in enumerate(arrangement.rows) if row.kind == "S"]
     for a in sides:
         for b in sides:
