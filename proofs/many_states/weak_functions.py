@@ -76,14 +76,14 @@ from nonsmooth.symbolic.formulas.enclosed_functions import TURNING, Wave, in_pla
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import MAX_DEGREE, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fraction, fmpq_to_float
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
-MOST = 64.0  # of a coefficient
+MOST = 64.0  # of a coefficient, over what a power of one state has that is one at the border of the cube
 SLACK = 2.0**-30  # by which floats may miss an equality
 DIRECTIONS = 200
 THIN = 2.0**-20  # a distance from planes, in units of half the side of the cube
@@ -146,7 +146,8 @@ class FunctionFamily:
         """The program of their sums."""
         costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in self.basis])
         beside = cache(partial(rates, self._conditions, near_planes))
-        return LinearProgram(rates(self._conditions), *values(self._conditions), costs, beside)
+        radius = fmpq_to_float(self.stated.cells.radius)
+        return LinearProgram(rates(self._conditions), *values(self._conditions), costs, beside, radius)
 
     @cached_property
     def kept(self) -> fmpq_mat:
@@ -218,6 +219,7 @@ class LinearProgram:
         values: of the functions there, of shape (n, k).
         costs: of the functions.
         beside: further rates, of which those that refute a proposal are added.
+        radius: half the side of the cube: what the functions are of, over the coordinates of points.
     """
 
     rates: Floats
@@ -225,16 +227,19 @@ class LinearProgram:
     values: Floats
     costs: Floats
     beside: Callable[[], Floats]
+    radius: float
 
     def combined(self, columns: fmpq_mat) -> LinearProgram:
         """The same about sums of the functions; many rows need such sums to meet equalities that rounding breaks."""
         sums = np.array(columns.tolist(), dtype=float)
         beside = cache(lambda: self.beside() @ sums)
-        return LinearProgram(self.rates @ sums, self.points, self.values @ sums, self.costs @ np.abs(sums), beside)
+        costs = self.costs @ np.abs(sums)
+        return replace(self, rates=self.rates @ sums, values=self.values @ sums, costs=costs, beside=beside)
 
     def solutions(self, power: int | Floats, *, positive: bool) -> Iterator[list[Fraction]]:
         """In short fractions, of a V that is positive like these powers of the states, or negative somewhere."""
         sizes = np.sum(np.abs(self.points) ** power, axis=1)
+        most = MOST * max(1.0, self.radius ** -float(np.max(power)))
         if positive:
             asked = [(-self.values, -sizes)]
         else:
@@ -245,7 +250,7 @@ class LinearProgram:
             rows = self.rates
             for _ in range(MOST_ROUNDS):
                 bounds = np.r_[np.zeros(len(rows)), limits]
-                stated = np.vstack([rows, matrix]), bounds, self.costs, MOST
+                stated = np.vstack([rows, matrix]), bounds, self.costs, most
                 solved = None if some_contradict(*stated) else least_sum(*stated)
                 if solved is None:
                     break

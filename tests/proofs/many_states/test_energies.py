@@ -121,3 +121,19 @@ def test_few_rows_contradict_each_other_only_where_all_do() -> None:
         assert found is None or not contradict
         seen.add((found is None, contradict))
     assert {(True, True), (False, False)} <= seen
+
+
+@pytest.mark.parametrize("radius", keep(1, ["1/8", "1/100", "1/2"]))
+def test_an_energy_of_unlike_powers_is_found_whatever_the_size_of_the_cube(radius: str) -> None:
+    """With ``V = x^2 + y^4/2`` and ``V' = -2 x^4`` the coefficients over those of the cube are unlike by its square."""
+    rhs = ("-x**3 + y**4", "-x*y")
+    result = decided(rhs, radius=radius)
+    assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert refused(certificate_of(result)) == ""
+    starts = 0.1 * np.array([[np.cos(a), np.sin(a)] for a in np.arange(8)]).T
+    z, energy = starts, [starts[0] ** 2 + starts[1] ** 4 / 2]
+    for _ in range(400):
+        z = runge_kutta(lambda places: velocity(rhs, places), z, 0.5)
+        energy.append(z[0] ** 2 + z[1] ** 4 / 2)
+    assert (np.diff(energy, axis=0) <= 0).all()
+    assert (np.linalg.norm(z, axis=0) < np.linalg.norm(starts, axis=0)).all()
