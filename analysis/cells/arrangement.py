@@ -43,6 +43,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
     Twist,
     added,
     cross_product,
+    in_rationals,
     independent,
     inner,
     scaled,
@@ -171,11 +172,8 @@ class RowLines:
     @cached_property
     def normals(self) -> Sequence[Any]:
         """Of all rows: of python-flint's rationals, which are much quicker, where all are rational."""
-        normals = [row.normal for row in self.rows]
-        if any(type(entry) is not Number for normal in normals for entry in normal):
-            return normals
-        rationals = [tuple(entry.as_rational() for entry in normal) for normal in normals]
-        return normals if any(None in normal for normal in rationals) else rationals
+        normals = [in_rationals(row.normal) for row in self.rows]
+        return normals if all(isinstance(a, fmpq) for a, _, _ in normals) else [row.normal for row in self.rows]
 
     @cached_property
     def whole_normals(self) -> Indices | None:

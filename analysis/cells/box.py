@@ -36,13 +36,12 @@ from nonsmooth.analysis.cells.nearest import preferred_rows
 from nonsmooth.analysis.cells.outline import ROUNDING, Filtered, Outline, OutlineSide, between
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.analysis.cells.slopes import Slopes
+from nonsmooth.analysis.cells.slopes import FEW, Slopes
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist, rows_with_friction, wheel_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
 
 STEP = "cells of rule box"
-FEW = 16  # slopes that are looked at one by one
 
 Found: TypeAlias = tuple[list[Vertex], Outline]
 

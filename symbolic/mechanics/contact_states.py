@@ -354,7 +354,7 @@ def triples_with_friction(scene: Scene) -> int:
 def regular_states(scene: Scene) -> list[ContactState]:
     """Every regular triple of rows with friction, in lexicographic order."""
     rows = list(rows_with_friction(scene))
-    normals = [_rational(row.normal) for row in rows]
+    normals = [in_rationals(row.normal) for row in rows]
     crosses = {(i, j): cross_product(normals[i], normals[j]) for i, j in combinations(range(len(rows)), 2)}
     crosses |= {(j, i): (-x, -y, -z) for (i, j), (x, y, z) in crosses.items()}
     states: list[ContactState] = []
@@ -368,7 +368,7 @@ def regular_states(scene: Scene) -> list[ContactState]:
     return states
 
 
-def _rational(vector: Triple) -> Any:
+def in_rationals(vector: Triple) -> Any:
     """The same vector in plain rationals, with which one computes fast, where it has no other entry."""
     entries = [entry.as_rational() if type(entry) is Number else None for entry in vector]
     return vector if None in entries else tuple(entries)
