@@ -25,11 +25,11 @@ from nonsmooth.reports.output.processes import Process
 from nonsmooth.reports.output.progress import ProgressCall, silent
 from nonsmooth.reports.sweeps import store as store_module
 from nonsmooth.reports.sweeps import workers as workers_module
-from nonsmooth.reports.sweeps.base import base_of
+from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.outcome import Outcome
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep import Means, Runner, run_sweep
-from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError, read_plan
+from nonsmooth.reports.sweeps.sweep_plan import Entry, SweepError, SweepPlan, read_plan
 from nonsmooth.reports.sweeps.sweep_study import SweepResult
 from nonsmooth.reports.sweeps.workers import DEATHS, DIED, InProcess, ProcessPool, Task, Work
 from nonsmooth.symbolic.files.documents import read_document
@@ -67,12 +67,22 @@ def table() -> bytes:
 # ---- killed --------------------------------------------------------------------------------------
 
 
+SHORT_LEASE = 0.5  # seconds: what a killed sweep had claimed is free again so soon
+
+
+def sweep_with_a_short_lease(base: Base, plan: SweepPlan, means: Means) -> None:
+    """In a process of its own, which knows nothing of what this one has replaced."""
+    store_module.LEASE = SHORT_LEASE
+    run_sweep(base, plan, means)
+
+
 def begun(means: Means) -> BaseProcess:
     """A sweep in a process of its own."""
     base = base_of(*read_document("four-wheel"))
     context = get_context("forkserver")
     context.set_forkserver_preload(["nonsmooth.reports.sweeps.sweep"])
-    process = context.Process(target=run_sweep, args=(base, read_plan(VARY, base.document, base.file), means))
+    plan = read_plan(VARY, base.document, base.file)
+    process = context.Process(target=sweep_with_a_short_lease, args=(base, plan, means))
     process.start()
     return process
 
@@ -85,7 +95,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(
 
     Where this process waits for its turn, a sweep may end before it is killed.
     """
-    monkeypatch.setattr(store_module, "LEASE", 0.5)  # what the killed ones had claimed is free after so many seconds
+    monkeypatch.setattr(store_module, "LEASE", SHORT_LEASE)
     moments, store, done, killed = random.Random(5), tmp_path / "r.sqlite", 0, 0
     for _ in range(times):
         process = begun(Means(store=store))

@@ -322,7 +322,7 @@ def test_scenes_that_are_checked_together_have_the_outcomes_of_each(name: str) -
     """Friction that is decided, refused and beyond floats in one job: the paths of all are followed at once."""
     base, plan = based(name, {"mu_side": "1/2", "wheel.1.position.x": "1"})
     paths = tuple(axis.path for axis in plan.axes)
-    scenes = [(side, x) for side in ("1/2", "-1", "3/7", "0", "1e200", "2") for x in ("3/4", "7", "1e-180")]
+    scenes = [(side, x) for side in ("1/2", "-1", "0", "1e200") for x in ("3/4", "7", "1e-180")]
     assert outcomes_of(base, paths, scenes) == [outcome_of(base, paths, scene) for scene in scenes]
 
 
@@ -372,7 +372,7 @@ mu_side = "1/5"
 
 @pytest.mark.parametrize(
     ("tables", "rule", "rolls", "checks"),
-    [("", "nearest", (1, "0.6", "0.2"), 6), ("", "ellipse", (1,), 4), (TOLERANCES, "nearest", (1,), 4)],
+    [("", "nearest", (1, "0.6", "0.2"), 6), ("", "ellipse", (1,), 3), (TOLERANCES, "nearest", (1,), 3)],
     ids=["nearest", "ellipse", "tolerances"],
 )
 def test_of_friction_counts_what_the_rule_sees(
@@ -384,7 +384,7 @@ def test_of_friction_counts_what_the_rule_sees(
     text = toml_text({**read_document("four-wheel", rule=rule)[0]}) + tables
     base = with_wheels(base_of(tomllib.loads(text), "four.toml", Path("four.toml")), ["wheel.2.mu_side"])
     paths = (("friction", "mu_roll"), ("wheel", 1, "mu_side"))
-    sides: tuple[Entry, ...] = ("0.1", "1/2", "0.8", 0)
+    sides: tuple[Entry, ...] = ("0.1", "0.8", 0)
     scenes = list(product(rolls, sides))
     failures = rule == "nearest"
     alone = [outcome_of(base, paths, scene, failures=failures) for scene in scenes]
