@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 
 from .cells import Face, Inclusion, System, read_system
 from .formulas import Formula, SignOf, WaveAt, parts_without_calls
-from .polynomials import Polynomial, solve
+from .polynomials import Coefficient, Polynomial, solve
 from .positivity import Claim, Inequality
 from .work import BUDGET, RejectedError, items, require, take, whole
 
@@ -64,7 +64,7 @@ class RootedSystem(System):
         return [f"root_{name} = sign({name})*{sizes[name]}" for name in self.states if name in sizes]
 
     @property
-    def origin(self) -> tuple[Fraction, ...]:
+    def origin(self) -> tuple[Coefficient, ...]:
         """The point in these."""
         pairs = zip(self.states, self.at, strict=True)
         return tuple(signed_root(value, self.roots[name]) if name in self.roots else value for name, value in pairs)
@@ -99,21 +99,23 @@ def read_subject(data: Any) -> System:
     """The system that a certificate is about, with roots or without."""
     if type(data) is not dict or "roots" not in data:
         return read_system(data)
-    states, rhs, at, listed, given = take(data, "states rhs at roots", "orders")
-    own = read_system({"states": states, "rhs": rhs, "at": at})
+    states, rhs, at, listed, given, numbers = take(data, "states rhs at roots", "orders numbers")
+    own = read_system({"states": states, "rhs": rhs, "at": at, "numbers": [] if numbers is None else numbers})
     roots = tuple(items(listed, most=len(own.states)))
     known = all(type(name) is str and name in own.states for name in roots)
     require(roots and known and len(set(roots)) == len(roots), "roots of different states")
     squares = [2] * len(roots)
     orders = [whole(order, MAX_ORDER) for order in items(squares if given is None else given, len(roots))]
     require(min(orders) >= 2, "roots of an order of two at least")
-    system = RootedSystem(own.states, own.rhs, own.at, roots=dict(zip(roots, orders, strict=True)))
+    system = RootedSystem(own.states, own.rhs, own.at, own.numbers, roots=dict(zip(roots, orders, strict=True)))
     require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
+    require(not set(system.coordinates) & set(own.numbers), "names of numbers that are no roots")
     return system
 
 
-def signed_root(value: Fraction, order: int) -> Fraction:
+def signed_root(value: Coefficient, order: int) -> Fraction:
     """``sign(x) Abs(x)**(1/q)``, which must be rational."""
+    require(isinstance(value, Fraction), "a point whose roots are rational")
     root = Fraction(whole_root(abs(value.numerator), order), whole_root(value.denominator, order))
     require(root**order == abs(value), "a point whose roots are rational")
     return root if value > 0 else -root

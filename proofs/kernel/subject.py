@@ -28,6 +28,7 @@ from nonsmooth.symbolic.systems.switched_system import (
     MOST_PLACES,
     PLANE,
     NoEnclosureError,
+    SeenByRoots,
     SwitchedSystem,
     bounds_of,
     enclose_numbers,
@@ -52,11 +53,7 @@ def about(system: SwitchedSystem) -> Record:
     """
     at = system.stated_point
     if system.by_roots is not None:
-        roots = system.by_roots.roots
-        rhs = [[one_line(formula) for formula in member] for member in _without_fractions(system) or system.written]
-        orders = {"orders": list(roots.orders)} if set(roots.orders) != {2} else {}
-        known = {"states": list(roots.states), "rhs": rhs, "at": list(map(exact_text, at))}
-        return {**known, "roots": list(roots.rooted), **orders}
+        return _with_roots(system, system.by_roots)
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
     own: Record = {"states": list(system.states), "rhs": rhs}
@@ -64,16 +61,25 @@ def about(system: SwitchedSystem) -> Record:
     irrational = [] if with_waves else list(_irrational_numbers(system))
     if not irrational:
         return {**own, "at": list(map(exact_text, at))}
+    generators, named = _named_numbers(irrational, system)
+    return {**own, "at": [generators.encoded(value) for value in at], **named}
+
+
+def _named_numbers(irrational: Sequence[Number], system: SwitchedSystem) -> tuple[Generators, Record]:
+    """The generators of irrational numbers, and their list as a subject has it.
+
+    Raises:
+        NoCertificateError: for a state that has the name of a generator.
+    """
     generators = Generators([irrational])
     names = [_base_name(system.field)] if generators.base else []
     names += [_root_name(system.field.radicands[i]) for i in generators.numbering]
-    if not set(names).isdisjoint(system.states):
+    if not set(names).isdisjoint(system.stated_states):
         raise NoCertificateError(
             f"a certificate of a plain system names numbers {names}, received states of these names"
         )
     entries = generators.of_field(system.field)
-    numbers = [{"name": name, **entry} for name, entry in zip(names, entries, strict=True)]
-    return {**own, "at": [generators.encoded(value) for value in at], "numbers": numbers}
+    return generators, {"numbers": [{"name": name, **entry} for name, entry in zip(names, entries, strict=True)]}
 
 
 def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
@@ -92,12 +98,23 @@ def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
         yield enclosure
 
 
-def _without_fractions(system: SwitchedSystem) -> list[list[str]]:
-    """The right-hand sides with roots of states times the denominators; none without either."""
-    if system.by_roots is None or not system.denominators or system.waves:
-        return []
-    roots, extended = system.by_roots.roots, system.by_roots.extended
-    return [[roots.restored(side.text) for side in member.rhs[: len(roots.states)]] for member in extended.members]
+def _with_roots(system: SwitchedSystem, by_roots: SeenByRoots) -> Record:
+    """What was stated of a system in roots of states, and of which states these are.
+
+    What was stated with fractions, or with functions of numbers, is written without them.
+    """
+    roots, extended = by_roots.roots, by_roots.extended
+    sides = [member.rhs[: len(roots.states)] for member in extended.members]
+    with_functions = any(NUMBERS.search(side.text) for member in sides for side in member)
+    if not system.waves and (system.denominators or with_functions):
+        rhs = [[roots.restored(formula_in_names(side, extended)) for side in member] for member in sides]
+    else:
+        rhs = [[one_line(formula) for formula in member] for member in system.written]
+    known = {"states": list(roots.states), "rhs": rhs, "at": list(map(exact_text, system.stated_point))}
+    orders = {"orders": list(roots.orders)} if set(roots.orders) != {2} else {}
+    irrational = list(_irrational_numbers(system))
+    _, named = _named_numbers(irrational, system) if irrational else (None, {})
+    return {**known, "roots": list(roots.rooted), **orders, **named}
 
 
 def _irrational_numbers(system: SwitchedSystem) -> Iterator[Number]:

@@ -417,6 +417,9 @@ def systems_with_roots() -> Iterator[Case]:
         own = {**subject([side]), "roots": ["x"]}
         hypotheses = lyapunov("root_x**2", cells("root_x", within="1/2"))
         yield Case(f"root-{name}", own, "lyapunov", hypotheses)
+    two = {"numbers": [{"name": "sqrt_2", "polynomial": ["-2", "0", "1"], "above": "0"}]}
+    irrational = {**subject([f"-sqrt_2*{root} + x"]), "roots": ["x"], **two}
+    yield Case("root-irrational", irrational, "lyapunov", lyapunov("root_x**2", cells("root_x", within="1/2")))
     grows = {**subject([root]), "roots": ["x"]}
     yield Case("root-grows", grows, "instability", instability("-root_x**2", cells("root_x"), ["1"]))
     third = {**subject(["-sign(x)*Abs(x)**(2/3) + 2*x"]), "roots": ["x"], "orders": [3]}

@@ -819,6 +819,10 @@ def of_names_of_roots() -> Iterator[Forgery]:
     ahead = {"cells": cube(None), "direction": ["1", "0"]}
     subject: Record = {"states": ["x", "root_x"], "rhs": [["1", "1"]], "at": ["0", "0"], "roots": ["x"]}
     yield of_subject("names of roots that are no states", subject, [UNSTABLE], "departure", ahead, {})
+    number = {"name": "root_x", "polynomial": ["-2", "0", "1"], "above": "0"}
+    named = {"states": ["x"], "rhs": [["1"]], "at": ["0"], "roots": ["x"], "numbers": [number]}
+    along = {"cells": cube(None), "direction": ["1"]}
+    yield of_subject("names of numbers that are no roots", named, [UNSTABLE], "departure", along, {})
     first = Forgery("one condition", "root-third", ((["statement", "subject", "orders"], [1]),))
     yield replace(first, because="roots of an order of two at least")
     other = (["statement", "subject", "rhs", 0, 0], "-sign(x)*Abs(x)**(1/2) + 2*x")

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import copy
 import random
+from collections.abc import Mapping
 from fractions import Fraction
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import require_stated
+from tests.certificates.inclusion import numbers_of
 from tests.oracles.floats import value
 from tests.oracles.mutants import Record, is_one_line
 from tests.plain import built, refused
@@ -442,6 +445,57 @@ def test_the_reason_is_that_nothing_crosses(bad: list[str]) -> None:
         by_roots(bad, "root_x**2 + y**2", "stable")
 
 
+IRRATIONAL = [f"-3/2*sqrt(2)*{ROOT} + y", "-11/5*sgn(x)"]
+
+
+def test_irrational_gains_are_certified() -> None:
+    """Super-twisting with ``3/2 sqrt(L)`` and ``11/10 L``, L = 2: the number has a name, and its polynomial."""
+    record = certified(IRRATIONAL)
+    subject = record["statement"]["subject"]
+    assert subject["rhs"] == [[f"(-3/2*sqrt_2)*{ROOT} + y", "-11/5*sgn(x)"]]
+    assert subject["numbers"] == [{"name": "sqrt_2", "polynomial": ["-2", "0", "1"], "above": "0"}]
+    assert {"arrives": "in finite time"} in record["statement"]["claims"]
+    assert not refused(record)
+    assert_true(record, random.Random(2))
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        {"above": "-2"},  # two roots above it
+        {"polynomial": ["-1", "0", "4"]},  # not monic
+        {"name": "root_x"},  # what stands for the root of the state
+        {"name": "x"},
+    ],
+    ids=["above", "polynomial", "root", "state"],
+)
+def test_numbers_beside_roots_are_roots_of_polynomials_with_names_of_their_own(number: Record) -> None:
+    record = certified(IRRATIONAL)
+    subject = record["statement"]["subject"]
+    subject["numbers"] = [{**subject["numbers"][0], **number}]
+    assert is_one_line(refused(record))
+
+
+def test_what_is_shown_with_one_number_is_not_with_its_negative() -> None:
+    record = certified(IRRATIONAL)
+    subject = record["statement"]["subject"]
+    subject["rhs"] = [[own.replace("sqrt_2", "(-sqrt_2)") for own in side] for side in subject["rhs"]]
+    assert is_one_line(refused(record))
+
+
+def test_a_point_beside_roots_is_rational() -> None:
+    record = certified(IRRATIONAL)
+    record["statement"]["subject"]["at"][0] = [["1", 0]]
+    assert "roots are rational" in refused(record)
+
+
+def test_functions_of_numbers_beside_roots_are_written_as_numbers() -> None:
+    record = certified([f"-sqrt(4)*{ROOT} + y", "-2*sin(pi/6)*sgn(x)"])
+    assert record["statement"]["subject"]["rhs"] == [[f"(-2)*{ROOT} + y", "(-1)*sgn(x)"]]
+    assert "numbers" not in record["statement"]["subject"]
+    assert not refused(record)
+
+
 def test_crossing_must_be_shown() -> None:
     record = certified(TWISTING)
     entry, *others = record["evidence"]
@@ -483,27 +537,30 @@ def _number(text: str) -> float:
     return int(top) / int(bottom or 1)
 
 
-def followed(rhs: list[str], x: Any, y: Any, until: float, step: float = 2e-4) -> tuple[Any, Any]:
+def followed(
+    rhs: list[str], x: Any, y: Any, until: float, step: float = 2e-4, numbers: Mapping[str, Any] = MappingProxyType({})
+) -> tuple[Any, Any]:
     """Where Euler polygons of the stated fields end."""
     for _ in range(int(until / step)):
-        f, g = (value(text, x=x, y=y) for text in rhs)
+        f, g = (value(text, x=x, y=y, **numbers) for text in rhs)
         x, y = np.clip(x + step * f, -9, 9), np.clip(y + step * g, -9, 9)
     return x, y
 
 
 def assert_true(record: Record, source: random.Random) -> None:
     """Polygons from small starts end nearer; for instability farther."""
-    (rhs,) = record["statement"]["subject"]["rhs"]
+    subject = record["statement"]["subject"]
     angles, size = np.array([source.uniform(0, 2 * np.pi) for _ in range(6)]), 0.05
-    x, y = np.sign(np.cos(angles)) * (size * np.cos(angles)) ** 2, size * np.sin(angles)
-    x, y = followed(rhs, x, y, until=1.2)
-    last = float(np.maximum(np.sqrt(np.abs(x)), np.abs(y)).max() / size)
+    starts = np.sign(np.cos(angles)) * (size * np.cos(angles)) ** 2, size * np.sin(angles)
     unstable = {"stability": "unstable"} in record["statement"]["claims"]
-    assert last > 1 if unstable else last < 2, record
+    for rhs in subject["rhs"]:  # each of them is one of the velocities that are possible
+        x, y = followed(rhs, *starts, until=1.2, numbers=numbers_of(subject))
+        last = float(np.maximum(np.sqrt(np.abs(x)), np.abs(y)).max() / size)
+        assert last > 1 if unstable else last < 2, record
 
 
 @cache
-def originals(count: int = 2) -> list[Record]:
+def originals(count: int = 3) -> list[Record]:
     """Valid certificates: of a V in the root of x, and so many of systems that are decided."""
-    listed = (WITH_REGION, [f"-3/2*{ROOT} + y - x", "-11/10*sgn(x) - x"])
+    listed = (WITH_REGION, [f"-3/2*{ROOT} + y - x", "-11/10*sgn(x) - x"], IRRATIONAL)
     return [by_roots(TWISTING, "root_x**2 - root_x*y/2 + y**2"), *map(certified, listed[:count])]
