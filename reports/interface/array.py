@@ -133,9 +133,10 @@ class Array(PythonScene):
         **more: Any,
     ) -> None:
         given = dict(mu_roll=mu_roll, mu_side=mu_side, rule=rule, at=at, radius=radius, **more)
-        listed = list(wheels)
-        stranger = next((wheel for wheel in listed if not isinstance(wheel, Wheel)), None)
-        if stranger is not None:
+        listed = list(wheels) if isinstance(wheels, Iterable) else []
+        strangers = [wheel for wheel in listed if not isinstance(wheel, Wheel)]
+        if strangers or not isinstance(wheels, Iterable):
+            stranger = strangers[0] if strangers else wheels
             raise SceneError(str(more.get("name") or self._nameless), "wheels", "ns.Wheel(position) for each", stranger)
         document = placed({"wheel": [wheel.table() for wheel in listed]}, given)
         self._set(document, Path())

@@ -61,7 +61,8 @@ class System(PythonScene):
         name: str | None = None,
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
-        document: dict[str, Any] = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
+        names = list(states) if isinstance(states, str) else states  # "xy" are the states x and y
+        document: dict[str, Any] = {"system": {"states": entry(names), "rhs": entry(rhs)}}
         if parameters is not None:
             document["system"]["parameters"] = table(parameters)
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))

@@ -328,6 +328,27 @@ def test_paths_name_the_files_of_a_check(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.json", "law.c"]
 
 
+@pytest.mark.parametrize(
+    ("states", "rhs", "line"),
+    [
+        (None, None, 'system.states: required 1 to 8 different names such as ["x", "y"], received None'),
+        (["x"], None, "system.rhs: required a list of formulas, one for each state, received None"),
+        (3, ["-x"], 'system.states: required 1 to 8 different names such as ["x", "y"], received 3'),
+        ("x", "-x", "system.rhs: required a list of formulas, one for each state, received '-x'"),
+    ],
+)
+def test_what_is_no_system_is_refused_as_in_a_file(states: Any, rhs: Any, line: str) -> None:
+    with pytest.raises(ns.SceneError) as refusal:
+        ns.System(states, rhs)
+    assert str(refusal.value) == f"system: {line}"
+
+
+@pytest.mark.parametrize("wheels", [None, 3, [None]])
+def test_what_are_no_wheels_is_refused(wheels: Any) -> None:
+    with pytest.raises(ns.SceneError, match=r"required ns\.Wheel\(position\) for each, received (None|3)$"):
+        ns.Array(wheels)
+
+
 def test_unknown_keywords_are_refused() -> None:
     with pytest.raises(TypeError, match=r"required a keyword among name, mu_roll, .* received 'mu'"):
         ring(mu=1)
