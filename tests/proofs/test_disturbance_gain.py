@@ -298,10 +298,22 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     assert any(own.get("rate", {}).get("kind") == "algebraic" for own in claims)
 
 
-def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
-    """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``."""
+FOUND = (
+    "11*Abs(z)/96 + 21*Abs(y)/128 + 11*x**2/96 + 359*x*y/2304 - 11*x*z/192 + 27*y**2/32 - 13*y*z/256 + 3*z**2/64"
+    " + x*Abs(z)/32 - 203*y*Abs(z)/768 - z*Abs(z)/64 - 11*x*Abs(y)/64 + 5*y*Abs(y)/64 + 7*z*Abs(y)/64 - 11*x*Abs(x)/192"
+    " - 117*y*Abs(x)/256 - 5*z*Abs(x)/64 + 5*Abs(z)*Abs(y)/8 + 51*Abs(y)*Abs(x)/64"
+)
+
+
+def test_no_algebraic_rate_along_faces_of_higher_degree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``.
+
+    Of a V that was searched once; what is said of all starts is not asked.
+    """
+    monkeypatch.setattr("nonsmooth.proofs.kernel.whole_space.find_global_attraction", lambda *_: None)
     rhs = ["-x + 3/2*y - sign(z)", "-3*sign(y) + 3*x", "-2*z - Abs(x) + 2*sign(y)"]
-    decided = decide_system(built(rhs))
+    decided = decide_system(built(rhs, lyapunov=FOUND))
+    assert decided.function is decided.given is not None
     assert decided.reach.rate is None or decided.reach.rate.decay is not DecayKind.ALGEBRAIC
 
 

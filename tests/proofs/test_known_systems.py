@@ -230,7 +230,7 @@ def largest_end(
     ends = []
     for angle in np.linspace(0, 2 * np.pi, 12, endpoint=False):
         start = size * np.array([np.cos(angle), np.sin(angle)])
-        found = solve_ivp(field, (0, until), start, rtol=1e-9, atol=1e-13, events=stop)
+        found = solve_ivp(field, (0, until), start, "DOP853", rtol=1e-9, atol=1e-13, events=stop)
         ends.append(np.hypot(*found.y[:, -1]) / size)
     return max(ends)
 

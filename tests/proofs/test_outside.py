@@ -269,7 +269,7 @@ def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
 def spring() -> Any:
     """The check of a spring that weakens."""
     document = {"system": {"states": ["x", "y"], "rhs": SPRING}}
-    return with_coarse_region("spring", document, Pace(0.06, 0.02, 0.04))
+    return with_coarse_region("spring", document, Pace(0.1, 0.03, 0.04))
 
 
 def test_lines_beside_saddles_bound_the_basin_of_a_spring() -> None:
