@@ -220,7 +220,7 @@ class Number:
     def __sub__(self, value: Real) -> Number:
         return self.__add__(value, -1)
 
-    def __rsub__(self, other: Fraction | int) -> Number:
+    def __rsub__(self, other: Real) -> Number:
         return -self + other
 
     def __mul__(self, value: Real) -> Number:
@@ -264,7 +264,7 @@ class Number:
     def __truediv__(self, value: Real) -> Number:
         return self * (value.inverse() if isinstance(value, Number) else 1 / Fraction(value))
 
-    def __rtruediv__(self, value: Fraction | int) -> Number:
+    def __rtruediv__(self, value: Real) -> Number:
         return self.inverse() * value
 
     def __float__(self) -> float:
