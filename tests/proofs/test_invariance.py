@@ -429,6 +429,7 @@ def test_the_check_asks_the_named_v_after_its_searches() -> None:
     assert result.check()
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.usefixtures("strict_search")
 def test_the_check_decides_by_the_principle() -> None:
     result = decide_system(built(["y", "-x - z", "y - z**5"]))

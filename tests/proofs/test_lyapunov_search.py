@@ -331,6 +331,7 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(2)
 @pytest.mark.parametrize("rhs", [["Abs(y)", "-y"], ["Abs(y)", "-y - y**3"], ["Abs(x + 2*y) - x", "-y"]])
 def test_energies_whose_numbers_must_agree(load: Load, rhs: list[str]) -> None:
