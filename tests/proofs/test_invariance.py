@@ -296,6 +296,7 @@ def test_each_attracts_where_both_do_not(steps: int) -> None:
     assert np.allclose(np.mean(velocities, axis=0), 0.0)
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize("lyapunov", keep(1, ["y**2/2 + Abs(x)", None]), ids=["named", "searched"])
 def test_the_check_takes_the_principle(lyapunov: str | None) -> None:

@@ -506,6 +506,7 @@ def test_cones_against_exponents(seed: int) -> None:
         assert result.verdict in (LEAVES, Translation.UNDECIDED)
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.parametrize("seed", range(24))
 def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
@@ -528,6 +529,7 @@ def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
             assert max(gains) > 0
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.parametrize("seed", range(2, 26))
 def test_mutated_functions_are_refused_or_still_true(seed: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -205,10 +206,16 @@ def test_three_states(rhs: list[str], at: list[str], truth: Translation, has_cer
 # ---- certificates --------------------------------------------------------------------------------
 
 
+@cache
+def certificate(*rhs: str) -> Any:
+    """Of a system; it is not to be changed."""
+    return certificate_of(decide_system(built(rhs)))
+
+
 @few(2)
 @pytest.mark.parametrize("rhs", [KNOWN[0][0], KNOWN[7][0], KNOWN[8][0], KNOWN[11][0]])
 def test_verdicts_are_certified(rhs: list[str]) -> None:
-    record = certificate_of(decide_system(built(rhs)))
+    record = certificate(*rhs)
     subject = record["statement"]["subject"]
     assert refused(record) == ""
     assert record["statement"]["claims"][0] == {"stability": str(ATTRACTS)}
@@ -219,7 +226,7 @@ def test_verdicts_are_certified(rhs: list[str]) -> None:
 
 
 def test_no_certificate_says_the_opposite() -> None:
-    record = certificate_of(decide_system(built(KNOWN[0][0])))
+    record = certificate(*KNOWN[0][0])
     turned = [[own.replace("- sqrt", "+ sqrt") for own in side] for side in record["statement"]["subject"]["rhs"]]
     assert turned != record["statement"]["subject"]["rhs"]
     subject = {**record["statement"]["subject"], "rhs": turned}

@@ -20,7 +20,7 @@ from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
-from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.systems.switched_system import require_stated
@@ -150,10 +150,16 @@ def test_no_equilibrium_is_said_of_the_stated_field() -> None:
     assert result.check()
 
 
+@cache
+def two_tanks() -> StabilityResult:
+    """Torricelli's, of which the first one is filled."""
+    rhs = ["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))"]
+    return decide_system(built(rhs, equilibrium=["1/4", "1/4"]))
+
+
 def test_an_equilibrium_off_the_zero_of_the_root_is_that_of_its_jacobian() -> None:
     """Torricelli's two tanks: x' = q - sqrt(x), y' = sqrt(x) - sqrt(y) rests at (q^2, q^2), a node."""
-    rhs = ["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))"]
-    result = decide_system(built(rhs, equilibrium=["1/4", "1/4"]))
+    result = two_tanks()
     assert result.verdict is ATTRACTS
     assert not result.reach.everywhere
     assert not result.reach.in_finite_time
@@ -398,8 +404,7 @@ def test_one_solution_that_leaves() -> None:
 
 
 def test_roots_away_from_zero_in_two_states_and_three() -> None:
-    system = built(["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))"], equilibrium=["1/4", "1/4"])
-    record = certificate_of(decide_system(system))
+    record = certificate_of(two_tanks())
     subject = record["statement"]["subject"]
     assert (subject["at"], subject["roots"]) == (["1/4", "1/4"], ["x", "y"])
     elsewhere = {**record["statement"], "subject": {**subject, "at": ["1/2", "1/4"]}}
