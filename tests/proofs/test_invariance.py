@@ -279,16 +279,20 @@ def test_what_stays_under_switching(fields: Fields, lyapunov: str, found: Stayin
     assert staying_under(fields, lyapunov) is found
 
 
-@pytest.mark.parametrize("steps", keep(1, [SIGNAL_STEPS // 2, SIGNAL_STEPS]))
-def test_each_attracts_where_both_do_not(steps: int) -> None:
-    """The counterexamples: each field alone is decided, and a signal that takes the better one loses nothing."""
+@pytest.mark.parametrize(("steps", "alone"), keep(1, [(SIGNAL_STEPS // 2, 1), (SIGNAL_STEPS, 2)]))
+def test_each_attracts_where_both_do_not(steps: int, alone: int) -> None:
+    """The counterexamples: each field alone is decided, and a signal that takes the better one loses nothing.
+
+    The second field of a pair is a mirror image of the first, so that the first ones are enough.
+    """
     pairs: list[Fields] = [
         [["y", "-x - relu(x)*y"], ["y", "-x - relu(-x)*y"]],
         [["y", "-x - y"], ["-y", "x - y"]],
     ]
     for fields in pairs:
-        for field in fields:
+        for field in fields[:alone]:
             assert staying_under([field], DISC) is Staying.NONE
+        for field in fields:
             assert lost([field], DISC, steps) > 0.05
     assert lost(pairs[0], DISC, steps) < 1e-6
     starts = np.array([[0.3], [0.0]])  # on y = 0, halves of both rest

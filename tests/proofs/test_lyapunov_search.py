@@ -303,6 +303,7 @@ def test_families_too_large_for_a_formula_are_left_out(load: Load, monkeypatch: 
     assert find_weak_function(PlanePoint(system)) is None
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_a_rate_over_square_roots_is_certified(load: Load) -> None:
     """Roots of polynomials over sqrt(2) along the edges: once that ended the check, then it was too much work."""
     rhs = [
