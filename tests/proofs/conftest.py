@@ -29,6 +29,13 @@ def load(tmp_path: Path) -> Load:
 
 
 @pytest.fixture
+def reach_at_large(request: pytest.FixtureRequest) -> None:
+    """Verdicts without their reach; further cases of a check, which ``make bench`` runs, have it and verify it."""
+    if request.node.get_closest_marker("thorough") is None:
+        request.getfixturevalue("without_reach")
+
+
+@pytest.fixture
 def without_far_starts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Reach of verdicts without a search of whether every start comes to the point: for regions, rates and gains."""
     monkeypatch.setattr("nonsmooth.proofs.kernel.whole_space.find_global_attraction", lambda *_: None)

@@ -235,7 +235,7 @@ def largest_end(
     return max(ends)
 
 
-@pytest.mark.usefixtures("without_reach")
+@pytest.mark.usefixtures("reach_at_large")
 @pytest.mark.parametrize("units", keep(1, [4, 16, 8]))
 @pytest.mark.parametrize("seed", range(6))
 def test_verdicts_agree_with_paths(seed: int, units: int) -> None:
@@ -443,7 +443,7 @@ def _follow_inside(rhs: list[str], result: StabilityResult, rng: np.random.Gener
     assert (values <= bound + 1e-6 * values[0]).all()
 
 
-@pytest.mark.usefixtures("without_reach")
+@pytest.mark.usefixtures("reach_at_large")
 @few(2)
 @pytest.mark.parametrize("seed", range(20))
 def test_crossed_relays_against_small_steps(seed: int) -> None:
@@ -506,7 +506,7 @@ def test_cones_against_exponents(seed: int) -> None:
         assert result.verdict in (LEAVES, Translation.UNDECIDED)
 
 
-@pytest.mark.usefixtures("without_reach")
+@pytest.mark.usefixtures("reach_at_large")
 @few(1)
 @pytest.mark.parametrize("seed", range(24))
 def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:

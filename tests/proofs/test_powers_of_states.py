@@ -83,7 +83,7 @@ def test_known_systems_are_decided_and_agree_with_small_steps(rhs: list[str], tr
     assert last > 1.5 if truth is LEAVES else last < (0.5 if truth is ATTRACTS and len(rhs) > 1 else 1.2)
 
 
-@pytest.mark.usefixtures("without_reach")
+@pytest.mark.usefixtures("reach_at_large")
 @few(2)
 @pytest.mark.parametrize("seed", range(1, 25))
 def test_random_systems_are_not_contradicted(seed: int) -> None:
