@@ -109,7 +109,7 @@ class ArrayVerdict:
         self.worst: RelativeRate | None = None
         self.drift: tuple[Number, ...] = ()
         try:
-            result = check_theorem4(scene)
+            result = check_theorem4(scene, beside=False)
         except RefusalError as refusal:
             self.text = f"refused: {' '.join(str(refusal).split())[:60]}"
             return

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from .plane import around, turns_once
-from .tower import Vector, cross, dot, has_rank_three, is_zero, normal_to, signs
+from .tower import Vector, charge, cross, dot, has_rank_three, is_zero, normal_to, signs
 from .wheels import NEAREST, Array, Row, edge_slopes, friction_limits
 from .work import items, require, take, whole
 
@@ -147,14 +148,16 @@ class _Nearest:
     """
 
     def __init__(self, array: Array) -> None:
-        two, self.array = array.field.rational(2), array
+        self.array = array
         self.orders = {k: self._orders(k) for k in array.wheels}
-        self.normals: dict[tuple[Row, ...], Vector] = {}  # of two rows, to both
+        # of two rows, to both; and what cells ask again and again
+        self.normal = cache(lambda a, b: normal_to(array.rows[a], array.rows[b]))
+        self.is_independent = cache(self._is_independent)
         # |c - p|^2 - |c|^2 as a form in (c, 1)
         self.distances: dict[int, Vector] = {}
         for k, wheel in array.wheels.items():
             p, q, _ = wheel.place
-            self.distances[k] = (-(two * p), -(two * q), p * p + q * q)
+            self.distances[k] = (p * -2, q * -2, p * p + q * q)
 
     def _orders(self, k: int) -> list[list[Row]]:
         """The rows of a wheel that have friction, in each order in which they may be taken."""
@@ -198,19 +201,17 @@ class _Nearest:
 
     def _extended(self, taken: tuple[Row, ...], order: Sequence[Row]) -> tuple[Row, ...]:
         """Rows with those of one wheel, as long as they are independent, until three."""
+        charge(8)  # the answers are remembered
         for row in order:
-            if len(taken) < 3 and self._is_independent(taken, row):
+            if len(taken) < 3 and self.is_independent(taken, row):
                 taken = (*taken, row)
         return taken
 
     def _is_independent(self, taken: tuple[Row, ...], row: Row) -> bool:
         """Whether a row is independent of independent ones; no row is zero, since directions are unit vectors."""
-        rows = self.array.rows
         if len(taken) < 2:
-            return not taken or not is_zero(normal_to(rows[taken[0]], rows[row]))
-        if taken not in self.normals:
-            self.normals[taken] = normal_to(rows[taken[0]], rows[taken[1]])
-        return bool(dot(self.normals[taken], rows[row]).sign())
+            return not taken or not is_zero(self.normal(*taken, row))
+        return bool(dot(self.normal(*taken), self.array.rows[row]).sign())
 
     def _require_nearest(self, name: str, steps: Sequence[tuple[int, set[int]]], corners: Sequence[Vector]) -> None:
         """Each wheel taken is at least as near as every other one that might be taken in its place.

@@ -23,7 +23,7 @@ from itertools import combinations, product
 from typing import Any, TypeAlias
 
 from .polynomials import clear_column
-from .work import BUDGET, RejectedError, items, limit, rational, require, take, whole
+from .work import BUDGET, RejectedError, items, limit, longest, rational, require, take, whole
 
 MAX_GENERATORS = 400
 MAX_DEGREE = 400
@@ -35,6 +35,7 @@ STEPS, WORD_PRODUCTS = 4, 256  # steps of the interpreter, and products of two w
 
 Monomial: TypeAlias = tuple[int, ...]  # a product of generators, by their numbers in ascending order
 Vector: TypeAlias = tuple["Number", ...]
+Real: TypeAlias = "Number | Fraction | int"
 
 
 def charge(steps: int, word_products: int = 0) -> None:
@@ -158,20 +159,24 @@ class Field:
 
     def _bisect(self, generator: Generator, bits: int) -> tuple[int, int]:
         low, step = math.floor(generator.above * 2**bits), 1 << bits
-        while self._is_below_root(generator, low + step, bits):
+        # whole coefficients, as numbers of Python where they are rational
+        lower = [c if c.terms.keys() - {()} else c.terms.get((), 0) for c in generator.lower]
+        while is_below_root(lower, low + step, bits):
             step *= 2
         while step:
-            if self._is_below_root(generator, low + step, bits):
+            if is_below_root(lower, low + step, bits):
                 low += step
             step //= 2
         return low, low + 1
 
-    def _is_below_root(self, generator: Generator, place: int, bits: int) -> bool:
-        """Whether the polynomial is at most zero at ``place 2^-bits``; by Horner's scheme, scaled to whole numbers."""
-        value = self.rational(1)
-        for j, coefficient in enumerate(reversed(generator.lower), 1):
-            value = value * place + coefficient * (1 << bits * j)
-        return value <= 0
+
+def is_below_root(lower: Sequence[Number | int], place: int, bits: int) -> bool:
+    """Whether the polynomial is at most zero at ``place 2^-bits``; by Horner's scheme, scaled to whole numbers."""
+    value: Number | int = 1
+    for j, coefficient in enumerate(reversed(lower), 1):
+        charge(64, ((longest((value, coefficient)) + place.bit_length() + bits * j) // WORD) ** 2)
+        value = value * place + coefficient * (1 << bits * j)
+    return value <= 0
 
 
 class Number:
@@ -195,16 +200,16 @@ class Number:
         """About how long it is."""
         return self.words * WORD
 
-    def _operand(self, value: Number | Fraction | int) -> Number:
+    def _operand(self, value: Real) -> Number:
         return value if isinstance(value, Number) else self.field.rational(value)
 
-    def __add__(self, value: Number | Fraction | int) -> Number:
+    def __add__(self, value: Real, sign: int = 1) -> Number:
         other = self._operand(value)
         charge(len(self.terms) + len(other.terms), self.words + other.words)
         if not other.terms:
             return self
         terms: dict[Monomial, int] = {}
-        for number, factor in ((self, other.bottom), (other, self.bottom)):
+        for number, factor in ((self, other.bottom), (other, sign * self.bottom)):
             for monomial, c in number.terms.items():
                 terms[monomial] = terms.get(monomial, 0) + c * factor
         return Number(self.field, terms, self.bottom * other.bottom)
@@ -212,13 +217,13 @@ class Number:
     def __neg__(self) -> Number:
         return Number(self.field, {monomial: -c for monomial, c in self.terms.items()}, self.bottom)
 
-    def __sub__(self, other: Number | Fraction | int) -> Number:
-        return self + -other
+    def __sub__(self, value: Real) -> Number:
+        return self.__add__(value, -1)
 
-    def __rsub__(self, other: Fraction | int) -> Number:
+    def __rsub__(self, other: Real) -> Number:
         return -self + other
 
-    def __mul__(self, value: Number | Fraction | int) -> Number:
+    def __mul__(self, value: Real) -> Number:
         other = self._operand(value)
         charge(len(self.terms) * len(other.terms), self.words * other.words)
         for number, factor in ((self, other), (other, self)):
@@ -256,10 +261,10 @@ class Number:
         bottom = math.lcm(*(row[-1].denominator for row in rows))
         return Number(self.field, {own: int(row[-1] * bottom) for own, row in zip(basis, rows, strict=True)}, bottom)
 
-    def __truediv__(self, value: Number | Fraction | int) -> Number:
+    def __truediv__(self, value: Real) -> Number:
         return self * (value.inverse() if isinstance(value, Number) else 1 / Fraction(value))
 
-    def __rtruediv__(self, value: Fraction | int) -> Number:
+    def __rtruediv__(self, value: Real) -> Number:
         return self.inverse() * value
 
     def __float__(self) -> float:
@@ -283,16 +288,16 @@ class Number:
             return hash(Fraction(self.terms.get((), 0), self.bottom))
         return hash((frozenset(self.terms.items()), self.bottom))
 
-    def __lt__(self, other: Number | Fraction | int) -> bool:
+    def __lt__(self, other: Real) -> bool:
         return (self - other).sign() < 0
 
-    def __le__(self, other: Number | Fraction | int) -> bool:
+    def __le__(self, other: Real) -> bool:
         return (self - other).sign() <= 0
 
-    def __gt__(self, other: Number | Fraction | int) -> bool:
+    def __gt__(self, other: Real) -> bool:
         return (self - other).sign() > 0
 
-    def __ge__(self, other: Number | Fraction | int) -> bool:
+    def __ge__(self, other: Real) -> bool:
         return (self - other).sign() >= 0
 
     def sign(self) -> int:

@@ -28,6 +28,19 @@ def load(tmp_path: Path) -> Load:
     return load_system_text
 
 
+@pytest.fixture
+def reach_at_large(request: pytest.FixtureRequest) -> None:
+    """Verdicts without their reach; further cases of a check, which ``make bench`` runs, have it and verify it."""
+    if request.node.get_closest_marker("thorough") is None:
+        request.getfixturevalue("without_reach")
+
+
+@pytest.fixture
+def without_far_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reach of verdicts without a search of whether every start comes to the point: for regions, rates and gains."""
+    monkeypatch.setattr("nonsmooth.proofs.kernel.whole_space.find_global_attraction", lambda *_: None)
+
+
 STRICT_SEARCHES = (
     "nonsmooth.proofs.systems.search.search_lyapunov",
     "nonsmooth.proofs.many_states.decision.find_lyapunov",

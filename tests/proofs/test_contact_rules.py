@@ -229,7 +229,7 @@ def test_random_points_are_never_misjudged(arrays: Arrays, seed: int) -> None:
 
 @few(1)
 @pytest.mark.parametrize("ratio", [Fraction(1, 50), Fraction(1, 4), Fraction(9, 10)])
-@pytest.mark.parametrize("name", ["four-wheel", "ring-3", "elliptic", "saddle", "conveyor-3", "off-center"])
+@pytest.mark.parametrize("name", ["elliptic", "ring-3", "four-wheel", "saddle", "conveyor-3", "off-center"])
 def test_speeds_impose_their_twists(name: str, ratio: Fraction) -> None:
     """At the equilibrium by forces, beside it by boxes inside the sets, in each cone of directions."""
     scene = scene_of(name, ratio)

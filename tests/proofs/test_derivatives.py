@@ -440,6 +440,7 @@ def test_what_follows_from_a_guard_holds_at_points(load: Load) -> None:
     assert refuted >= 5
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_a_v_that_bends_along_a_curve_has_a_rate(load: Load) -> None:
     """``x' = -x`` and V = x**2 on the curve, where x stays: V' <= -2 V at best."""
     result = decide_system(load("-x", "-y - sign(y + x**2)", lyapunov='"Abs(y + x**2) + x**2 + y**2"'))

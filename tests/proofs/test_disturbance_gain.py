@@ -65,6 +65,7 @@ def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: fl
     return np.array(found)
 
 
+@pytest.mark.usefixtures("without_far_starts")
 @few(1)
 @pytest.mark.parametrize(("rhs", "lyapunov"), keep(2, SYSTEMS[::-1]))
 @pytest.mark.parametrize(("share", "until"), keep(1, [(0.95, 1.5), (0.95, 3.0), (0.3, 3.0)]))
@@ -96,6 +97,7 @@ def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: fl
     assert values.max() < level + slack
 
 
+@pytest.mark.usefixtures("without_far_starts")
 @pytest.mark.parametrize(("rhs", "lyapunov"), keep(2, SYSTEMS[3:] + SYSTEMS[:3]))
 def test_gamma_is_above_every_gradient_and_close_to_the_largest(rhs: tuple[str, str], lyapunov: str) -> None:
     gain = checked(rhs, lyapunov).reach.gain
@@ -111,6 +113,7 @@ def test_gamma_is_above_every_gradient_and_close_to_the_largest(rhs: tuple[str, 
     assert float(gain.gamma) <= 1.1 * largest + 0.05
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_a_larger_disturbance_drives_solutions_out() -> None:
     """``x' = -2 sgn x + d``: beyond 2 nothing holds; V = Abs(x) + Abs(y) has kappa 1 at best, and gamma = sqrt(2)."""
     gain = checked(("-2*sgn(x) - x**3", "-sgn(y)"), "Abs(x) + Abs(y)").reach.gain
@@ -122,6 +125,7 @@ def test_a_larger_disturbance_drives_solutions_out() -> None:
     assert values[-1, 0] > values[0, 0]
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_a_smaller_gamma_is_rejected() -> None:
     result = checked(SYSTEMS[1][0], SYSTEMS[1][1])
     gain = result.reach.gain
@@ -129,6 +133,7 @@ def test_a_smaller_gamma_is_rejected() -> None:
     assert not with_reach(result, gain=replace(gain, gamma=gain.gamma * Fraction(3, 4))).check()
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_a_corner_at_which_a_disturbance_may_hold_a_solution_counts() -> None:
     """Two relays meet at (1/4, 1/4), where F is a square: d holds a solution there at once."""
     rhs = ("-1 * sgn(x) - sgn(x - 1/4)/2", "-1 * sgn(y) - sgn(y - 1/4)/2")
@@ -298,10 +303,22 @@ def test_rates_of_higher_order(rhs: tuple[str, ...]) -> None:
     assert any(own.get("rate", {}).get("kind") == "algebraic" for own in claims)
 
 
+FOUND = (
+    "11*Abs(z)/96 + 21*Abs(y)/128 + 11*x**2/96 + 359*x*y/2304 - 11*x*z/192 + 27*y**2/32 - 13*y*z/256 + 3*z**2/64"
+    " + x*Abs(z)/32 - 203*y*Abs(z)/768 - z*Abs(z)/64 - 11*x*Abs(y)/64 + 5*y*Abs(y)/64 + 7*z*Abs(y)/64 - 11*x*Abs(x)/192"
+    " - 117*y*Abs(x)/256 - 5*z*Abs(x)/64 + 5*Abs(z)*Abs(y)/8 + 51*Abs(y)*Abs(x)/64"
+)
+
+
+@pytest.mark.usefixtures("without_far_starts")
 def test_no_algebraic_rate_along_faces_of_higher_degree() -> None:
-    """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``."""
+    """The functions mu that show that V falls along a face have fewer terms than those of ``V' + kappa V**2``.
+
+    Of a V that was searched once.
+    """
     rhs = ["-x + 3/2*y - sign(z)", "-3*sign(y) + 3*x", "-2*z - Abs(x) + 2*sign(y)"]
-    decided = decide_system(built(rhs))
+    decided = decide_system(built(rhs, lyapunov=FOUND))
+    assert decided.function is decided.given is not None
     assert decided.reach.rate is None or decided.reach.rate.decay is not DecayKind.ALGEBRAIC
 
 
@@ -313,6 +330,7 @@ def gain_of(record: Record) -> Any:
     return own
 
 
+@pytest.mark.usefixtures("without_far_starts")
 @pytest.mark.parametrize(("rhs", "function"), keep(2, SYSTEMS[3:] + SYSTEMS[:3]))
 def test_the_gain_that_is_printed_is_stated_and_no_smaller_one(rhs: tuple[str, str], function: str) -> None:
     result = checked(rhs, function)

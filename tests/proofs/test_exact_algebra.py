@@ -391,8 +391,8 @@ def test_the_optimum_is_the_best_basic_solution_exactly(seed: int) -> None:
 
 
 def test_all_outcomes_occur_among_the_random_programs() -> None:
-    bounded = {highs(random_problem(seed))[0] for seed in range(120)}
-    free = {highs(random_problem(seed + 5000, bounded=False))[0] for seed in range(120)}
+    bounded = {highs(random_problem(seed))[0] for seed in range(40)}
+    free = {highs(random_problem(seed + 5000, bounded=False))[0] for seed in range(40)}
     assert bounded == {0, INFEASIBLE}
     assert free == {0, INFEASIBLE, UNBOUNDED}
 

@@ -26,7 +26,8 @@ from tests.certificates import inclusion
 from tests.oracles.mutants import Attack, Hand, Record, is_number, leaves, other_numbers, run
 from tests.proofs import test_second_function as further
 from tests.proofs import test_square_roots as roots
-from tests.proofs.attacks import ATTACKS, in_one_state, of_ties
+from tests.proofs.attacks import ATTACKS, escaping, in_one_state, of_ties
+from tests.proofs.test_escape_theorem import LONG
 from tests.thorough import but, few, thorough
 
 # ---- Forged certificates of arrays that ask for as much work as they can: each is refused within some seconds.
@@ -244,6 +245,7 @@ FEWER = {
     **{"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)},
     "one state": partial(in_one_state, 6),
     "roots": partial(roots.originals, 1),
+    "escape": partial(escaping, LONG),
 }
 
 

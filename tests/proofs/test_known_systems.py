@@ -230,11 +230,12 @@ def largest_end(
     ends = []
     for angle in np.linspace(0, 2 * np.pi, 12, endpoint=False):
         start = size * np.array([np.cos(angle), np.sin(angle)])
-        found = solve_ivp(field, (0, until), start, rtol=1e-9, atol=1e-13, events=stop)
+        found = solve_ivp(field, (0, until), start, "DOP853", rtol=1e-9, atol=1e-13, events=stop)
         ends.append(np.hypot(*found.y[:, -1]) / size)
     return max(ends)
 
 
+@pytest.mark.usefixtures("reach_at_large")
 @pytest.mark.parametrize("units", keep(1, [4, 16, 8]))
 @pytest.mark.parametrize("seed", range(6))
 def test_verdicts_agree_with_paths(seed: int, units: int) -> None:
@@ -442,6 +443,7 @@ def _follow_inside(rhs: list[str], result: StabilityResult, rng: np.random.Gener
     assert (values <= bound + 1e-6 * values[0]).all()
 
 
+@pytest.mark.usefixtures("reach_at_large")
 @few(2)
 @pytest.mark.parametrize("seed", range(20))
 def test_crossed_relays_against_small_steps(seed: int) -> None:
@@ -504,6 +506,7 @@ def test_cones_against_exponents(seed: int) -> None:
         assert result.verdict in (LEAVES, Translation.UNDECIDED)
 
 
+@pytest.mark.usefixtures("reach_at_large")
 @few(1)
 @pytest.mark.parametrize("seed", range(24))
 def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
@@ -526,6 +529,7 @@ def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
             assert max(gains) > 0
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(1)
 @pytest.mark.parametrize("seed", range(2, 26))
 def test_mutated_functions_are_refused_or_still_true(seed: int) -> None:

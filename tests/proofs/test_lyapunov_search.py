@@ -303,6 +303,7 @@ def test_families_too_large_for_a_formula_are_left_out(load: Load, monkeypatch: 
     assert find_weak_function(PlanePoint(system)) is None
 
 
+@pytest.mark.usefixtures("without_far_starts")
 def test_a_rate_over_square_roots_is_certified(load: Load) -> None:
     """Roots of polynomials over sqrt(2) along the edges: once that ended the check, then it was too much work."""
     rhs = [
@@ -331,6 +332,7 @@ def test_a_linear_field_with_one_eigenvalue_zero_is_stable(load: Load, rhs: list
     assert decide_system(load(*(f"-({own})" for own in rhs))).verdict is Translation.UNSTABLE
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(2)
 @pytest.mark.parametrize("rhs", [["Abs(y)", "-y"], ["Abs(y)", "-y - y**3"], ["Abs(x + 2*y) - x", "-y"]])
 def test_energies_whose_numbers_must_agree(load: Load, rhs: list[str]) -> None:

@@ -30,7 +30,7 @@ from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from tests.oracles.floats import midpoint
 from tests.plain import refused
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 COARSE = Pace(0.12, 0.05, 0.04)
 CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts inside the unit circle, exactly
@@ -81,7 +81,7 @@ def test_what_is_said_of_it() -> None:
     assert not refused(own)
 
 
-@pytest.mark.parametrize("scale", [Fraction(1, 2), Fraction(9, 10)])
+@pytest.mark.parametrize("scale", keep(1, [Fraction(9, 10), Fraction(1, 2)]))
 def test_a_smaller_polygon_is_refused(scale: Fraction) -> None:
     """From between it and the circle all starts come home."""
     forged = certificate(circle)
@@ -269,7 +269,7 @@ def comes(field: Callable[[Any, Any], Any], starts: Any) -> Any:
 def spring() -> Any:
     """The check of a spring that weakens."""
     document = {"system": {"states": ["x", "y"], "rhs": SPRING}}
-    return with_coarse_region("spring", document, Pace(0.06, 0.02, 0.04))
+    return with_coarse_region("spring", document, Pace(0.1, 0.03, 0.04))
 
 
 def test_lines_beside_saddles_bound_the_basin_of_a_spring() -> None:

@@ -30,7 +30,7 @@ from tests.thorough import but, few, keep
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 
 
-@few(9)
+@few(7)
 @pytest.mark.parametrize(
     ("formula", "truth", "left", "right"),
     [

@@ -104,7 +104,7 @@ BENDING = {
 }
 
 
-@few(3)
+@few(2)
 @pytest.mark.parametrize("name", keep(8, [*ATTRACTING, *BENDING]))
 def test_what_attracts_is_certified(name: str) -> None:
     rhs, function, states = {**ATTRACTING, **BENDING}[name]

@@ -375,6 +375,7 @@ def test_known_systems(rhs: tuple[str, str], truth: Translation) -> None:
     assert last < 0.7 if truth is ATTRACTS else last > 3
 
 
+@pytest.mark.usefixtures("without_reach")
 @pytest.mark.parametrize("steps", keep(1, [40_000, 400_000]))
 def test_a_weak_spiral_of_a_fraction_agrees_with_its_polygon(steps: int) -> None:
     result = decide_system(built(["y", "1 - x/(y + 1) - y"], equilibrium=[1, 0]))

@@ -309,8 +309,10 @@ def test_a_built_in_scene_holds(name: str) -> None:
     assert_all_hold(load_any(name))
 
 
-def test_a_plain_system_holds(load: Load) -> None:
+@pytest.mark.parametrize("every", keep(1, [3, 1]))
+def test_a_plain_system_holds(load: Load, monkeypatch: pytest.MonkeyPatch, every: int) -> None:
     """Bodies do not cross its line, so that no path is long."""
+    monkeypatch.setattr(measurements, "POWERS", POWERS[::every])
     assert_all_hold(load("-x - Abs(x)/2", "-y"))
 
 

@@ -398,6 +398,7 @@ TRAPS = [
 ]  # fmt: skip
 
 
+@pytest.mark.usefixtures("without_reach")
 @few(2)
 @pytest.mark.parametrize(("first", "second"), keep(6, TRAPS))
 def test_negative_in_open_cells_only_is_not_asymptotic(load: Load, first: str, second: str) -> None:
