@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
@@ -112,9 +112,8 @@ class SignCells:
         return all(s.degree == 1 and s.is_homogeneous for s in self.surfaces)
 
 
-@lru_cache(maxsize=256)  # searches ask one after the other
 def build_cells(
-    system: SwitchedSystem, radius: Number | None, more: tuple[Polynomial, ...] = (), *, irrational: bool = False
+    system: SwitchedSystem, radius: Number | None, more: Iterable[Polynomial] = (), *, irrational: bool = False
 ) -> SignCells:
     """The cells of a cube, or of the whole space.
 
@@ -338,8 +337,9 @@ def stated_cells(
         BeyondReachError: for other irrational numbers, and for too many surfaces or cells.
     """
     own = build_cells(system, radius, irrational=irrational)
-    listed = {monic(surface): surface for surface in (*own.surfaces, *more, *even_factors(own.asked))}
-    further = tuple(listed.values())[len(own.surfaces) :]  # the system's own are all different
+    known = {monic(surface) for surface in own.surfaces}
+    new = {monic(surface): surface for surface in (*more, *even_factors(own.asked))}
+    further = [surface for form, surface in new.items() if form not in known]
     cells = build_cells(system, radius, further, irrational=irrational)
     within = None if radius is None else str(radius)
     return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells, radius)), cells)
