@@ -322,7 +322,7 @@ def test_rates_of_unlike_units_are_not_compared() -> None:
     """Under rollers the spiral brings bodies near by a certain time; better headings bring them home exponentially."""
     spiral = ns.load("spiral-30")
     assert isinstance(spiral, ns.Array)
-    found = spiral.with_(rule="roller").design(maximize="rate", checks=8)
+    found = spiral.with_(rule="roller").design(maximize="rate", checks=3)
     record = found.to_dict()
     near, home = (record[name]["answers"]["position"] for name in ("given", "best"))
     assert (near["verdict"], home["verdict"]) == ("comes near", "comes home")
