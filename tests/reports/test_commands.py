@@ -424,8 +424,7 @@ def engine_path(text: str) -> tuple[Floats, Floats, Floats]:
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     start = pose(data)
-    for _ in range(round(seconds / model.opt.timestep)):
-        mujoco.mj_step(model, data)
+    mujoco.mj_step(model, data, nstep=round(seconds / model.opt.timestep))
     return start, pose(data), np.array(end)
 
 
@@ -513,7 +512,7 @@ wheel = [
     ("start", "message"),
     [
         ("5,5", "received one where it tips"),
-        ("0,0.4929", "received a minimum without proof"),
+        ("-0.94,-0.278", "received a minimum without proof"),
     ],
 )
 def test_a_path_that_cannot_be_predicted_is_refused_in_one_line(

@@ -55,7 +55,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 
 
 PATH = "simulate four-wheel --from 0.1,0.2,0.3 --until 0.5 --kinematics leading"
-HEAVY = "simulate four-wheel --from 0.2,0.3,0 --until 0.01 --method dynamics --mass 0.02"
+HEAVY = "simulate four-wheel --from 0.2,0.3,0 --until 0.001 --method dynamics --mass 1"
 # Of every kind of result: the command, and what a script calls; of both the record is the same.
 SAME: dict[str, Callable[[], Any]] = {
     "partition four-wheel": lambda: array().cells(),
@@ -69,8 +69,8 @@ SAME: dict[str, Callable[[], Any]] = {
     f"{PATH} --method smoothed --width 0.01": lambda: array().simulate(
         (0.1, 0.2, 0.3), 0.5, kinematics="leading", method="smoothed", width=0.01
     ),
-    f"{HEAVY} --inertia 0.01": lambda: array().dynamics((0.2, 0.3, 0), until=0.01, mass=0.02, inertia=0.01),
-    f"{HEAVY} --compare-masses": lambda: array().compare_masses((0.2, 0.3, 0), until=0.01, mass=0.02),
+    f"{HEAVY} --inertia 0.01": lambda: array().dynamics((0.2, 0.3, 0), until=0.001, mass=1, inertia=0.01),
+    f"{HEAVY} --compare-masses": lambda: array().compare_masses((0.2, 0.3, 0), until=0.001, mass=1),
     "vehicle jackal --spin 3": lambda: ns.Vehicle.load("jackal").motion(spin=3),
 }
 
