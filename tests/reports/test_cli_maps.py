@@ -257,7 +257,7 @@ def test_maps_of_built_in_systems_contradict_nothing(name: str) -> None:
 
 
 def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
-    grid = ("simulate", "eq-4", "--grid", "2", "--until", "1")
+    grid = ("simulate", "eq-4", "--grid", "2", "--until", "0.2")
     record = invoke(*grid, "--json", "-o", str(tmp_path / "map.csv")).record
     assert record["schema"] == "nonsmooth-system-map/1"
     assert sum(record["shares"].values()) == pytest.approx(1)

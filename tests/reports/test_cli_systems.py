@@ -248,18 +248,21 @@ def test_a_phase_portrait_is_drawn(tmp_path: Path, invoke: Invoke) -> None:
 # ---- certificates --------------------------------------------------------------------------------
 
 
+DAMPED = "relay-oscillator-damped"
+
+
 def test_a_certificate_is_written_verified_and_compared(invoke: Invoke, tmp_path: Path) -> None:
     file = tmp_path / "c.json"
-    assert invoke("check", "flower", "--certificate", str(file)).status == 0
-    accepted = invoke("verify", str(file), "flower")
+    assert invoke("check", DAMPED, "--certificate", str(file)).status == 0
+    accepted = invoke("verify", str(file), DAMPED)
     assert accepted.status == 0
     assert accepted.out.startswith("valid\nsystem in x, y at (0, 0): asymptotically stable")
-    assert "about flower: the same states, formulas and point" in accepted.out
+    assert f"about {DAMPED}: the same states, formulas and point" in accepted.out
     other = invoke("verify", str(file), "eq-4")
     assert (other.status, other.out.splitlines()[0]) == (
         1, "rejected: required a certificate about eq-4, received one with other rhs"
     )  # fmt: skip
-    elsewhere = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
+    elsewhere = invoke("verify", str(file), DAMPED, "--at", "sqrt(2),0")
     assert (elsewhere.status, "received one with other" in elsewhere.out) == (1, True)
     file.write_text(file.read_text(encoding="utf-8").replace("asymptotically stable", "unstable"), encoding="utf-8")
     assert invoke("verify", str(file)).out.startswith("rejected: required a verdict")

@@ -398,6 +398,7 @@ def test_repelling_surfaces_are_not_unique(follow: Follow) -> None:
     assert "nonunique" in [event["kind"] for event in record["events"]]
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_no_solution_leaves_a_point_that_is_proved_stable(follow: Follow) -> None:
     """Surfaces touch at the point, which floats alone leave in doubt."""
     record = follow((["x", "v"], ["v", "-sgn(2*x + v*Abs(v))"]), "1,0", "--until", "5")
