@@ -283,7 +283,7 @@ def least_sum(along: float, across: float, r: float, s: float) -> float:
 LOSSES: dict[str, Callable[[float, float, float, float], float]] = {
     "sqrt(mu_R^2 r_i^2 + mu_S^2 s_i^2)": lambda along, across, r, s: np.hypot(along * r, across * s),
     "mu_R sqrt(r_i^2 + s_i^2)": lambda along, across, r, s: along * np.hypot(r, s),
-    "min_t (mu_R |(r_i, s_i - t)| + mu_S |t|)": lambda along, across, r, s: least_sum(along, across, r, s),
+    "min_t (mu_R |(r_i, s_i - t)| + mu_S |t|)": least_sum,
 }
 
 
