@@ -413,7 +413,6 @@ def test_a_count_stays_while_parts_tell_more() -> None:
 
 BUILT = """
 name = "built table"
-units = { length = "mm" }
 friction = { mu_roll = 0.6, mu_side = 0.3 }
 contact = { rule = "ellipse" }
 grid = { rows = 2, columns = 2, pitch = 200 }
