@@ -266,7 +266,7 @@ def test_paths_sweeps_and_reports_take_it(invoke: Invoke, tmp_path: Path) -> Non
     file = scene_file(tmp_path, ROLLERS_AND_RUBBER)
     path = invoke("simulate", file, "--from", "0.2,0.1,0", "--until", "0.05", "--json").record
     assert path["end"]["t"] == pytest.approx(0.05)
-    rows = invoke("sweep", file, "--vary", "mu_side=0.2:0.4:2", "--json").record
+    rows = invoke("sweep", file, "--vary", "mu_side=0.2:0.4:2", "--workers", "1", "--json").record
     assert rows["rule"] == "mixed"
     assert [row["position"] for row in rows["rows"]] == ["comes home"] * 2
     assert invoke("derive", file, "--only", "answers,verdict", "-o", str(tmp_path / "a.json")).status in {0, 1}
