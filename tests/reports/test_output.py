@@ -227,8 +227,8 @@ def test_new_files_follow_the_umask_and_old_ones_keep_their_mode(tmp_path: Path)
 DRAWN = [
     ("partition ring-5", ".svg"),
     ("simulate ring-3 --from 0.05,0.02,0.1 --until 0.2", ".gif"),
-    ("simulate conveyor-3 --grid 7 --until 0.3", ".png"),
     ("partition ring-5", ".png"),
+    ("simulate conveyor-3 --grid 7 --until 0.3", ".png"),
     ("partition ring-5", ".pdf"),
     ("vehicle husky-a200", ".svg"),
     ("vehicle mecanum-base", ".svg"),

@@ -412,7 +412,7 @@ DECIDED = ("nearest", "box", "ellipse")
 SOON = [  # of every kind one, under every rule
     (OF_HIGH_DEGREE[0], "nearest"),
     ((Kind.SCATTERED, 4), "ellipse"),
-    ((Kind.MIRRORED, 1), "box"),
+    ((Kind.MIRRORED, 7), "box"),
     ((Kind.COCIRCULAR, 1), "nearest"),
 ]
 

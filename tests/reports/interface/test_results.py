@@ -360,7 +360,7 @@ def test_rows_and_films_of_a_closed_loop_are_those_of_the_command(tmp_path: Path
     assert [float(cell or "nan") for cell in table[-1].split(",")] == pytest.approx(
         [float("nan") if value is None else value for value in rows[-1].values()], abs=0, nan_ok=True
     )
-    driven = array.with_(rule="ellipse").simulate((0.05, 0.02, 0.1), until=0.2, feedback=True)
+    driven = array.with_(rule="ellipse").simulate((0.05, 0.02, 0.1), until=0.02, feedback=True)
     with pytest.raises(ValueError, match="film"):  # which would show the speeds of the open loop
         driven.animate(tmp_path / "path.html")
     assert not (tmp_path / "path.html").exists()
