@@ -36,9 +36,11 @@ LONG_COMMANDS = re.compile(
     r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--(grid|tables)|simulate \S+\.toml .*--until 3"
     r"|simulate table\.toml .*--fail|sweep .*\.svg|sweep .*--borders|check twist\.toml"
     r"|check table\.toml$|check table\.toml .*--law"
-    r"|check relay-chain|check \S+\.toml --(at auto|require (pose|tolerances))|check \S+\.toml .*--rule ellipse)(\b|$)"
+    r"|check relay-chain|check \S+\.toml .*--json > \S+"
+    r"|check \S+\.toml --(at auto|require (pose|tolerances))|check \S+\.toml .*--rule ellipse)(\b|$)"
 )  # and these, of which tests/reports has smaller ones
-WRITTEN = re.compile(r" (?:-o|--law) (\S+)")
+WRITTEN = re.compile(r" (?:-o|--law|>) (\S+)")
+NAMED = re.compile(r"[\w./-]+")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]
 DOCUMENTS = [*WITH_COMMANDS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 
@@ -201,11 +203,11 @@ def shorter(found: list[Command]) -> list[Command]:
             continue
         shows_nothing = command.shown is None and command.text.startswith("nonsmooth ") and ">" not in command.text
         is_left_out = shows_nothing or LONG_COMMANDS.match(command.text) is not None
-        if is_left_out:
-            absent.update(WRITTEN.findall(command.text))
-        last_is_kept = not is_left_out and not absent.intersection(command.text.split())
+        last_is_kept = not is_left_out and not absent.intersection(NAMED.findall(command.text + command.body))
         if last_is_kept:
             kept.append(command)
+        else:
+            absent.update(WRITTEN.findall(command.text))
     return kept
 
 

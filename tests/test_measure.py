@@ -20,7 +20,8 @@ from tests.measure import (
     read_table,
     size_of,
 )
-from tests.sources import PACKAGES, product_files, text_of
+from tests.sources import PACKAGES, product_files, sources, text_of
+from tests.thorough import thorough
 
 
 def test_the_product_has_no_more_tokens_than_the_last_row_says() -> None:
@@ -44,11 +45,28 @@ def test_the_table_begins_before_the_redesign() -> None:
         ('x = f"{a + b} of {c!r:>{width}}"\n', 2),
         ("x = f'{f\"{a}\"}' + rf'{b}' + d\n", 5),
         ('x = f"""{\n    a}\n""".strip()\n', 6),  # x, =, ., strip, ( and )
+        ("x = 'a\\'b' + \"#\" \\\n  + rb'''c\\\n'd''' b'#'\n", 4),  # x, = and two +
+        ("x = 0x1F if y>=1_0.e-3 else.5j-1e5-bar\n", 13),
+        ("x: int = a.b[...] ** -c // 2\nx **= d<<1>>e\ng = lambda: (h := ~x)\ny @= h!=i\n", 37),
         ("", 0),
     ],
 )
 def test_tokens(text: str, tokens: int) -> None:
-    assert count_tokens(text) == tokens
+    assert count_tokens(text) == size_of(text).tokens == tokens
+
+
+@pytest.mark.parametrize("signs", ['"', "'", "\\", "**", "->", "e-", '"""'])
+def test_tokens_of_a_file_are_those_of_python(signs: str) -> None:
+    """Of the one with most of some signs for its length."""
+    text = max(map(text_of, product_files().values()), key=lambda text: text.count(signs) / (1 + len(text)))
+    assert signs in text
+    assert count_tokens(text) == size_of(text).tokens
+
+
+@thorough  # the small one: the test above
+def test_tokens_of_all_files_are_those_of_python() -> None:
+    for path in (*product_files().values(), *sources("tests")):
+        assert count_tokens(text_of(path)) == size_of(text_of(path)).tokens, path
 
 
 @pytest.mark.parametrize("letter", ["F", "T"])

@@ -7,7 +7,7 @@ from functools import cache
 from nonsmooth.reports.checks.subject import Invocation
 from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.derivations.parts import names_of
-from nonsmooth.reports.papers.murphey_burdick_2001.audit import audit_section
+from nonsmooth.reports.papers.murphey_burdick_2001.audit import audit_paper
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 
@@ -23,7 +23,7 @@ def derived(name: str, rule: str | None = None) -> ReportResult:
 
 def derived_afresh(name: str, rule: str | None = None) -> ReportResult:
     """The same, nothing of it computed before."""
-    audit_section.cache_clear()
+    audit_paper.cache_clear()
     return derived.__wrapped__(name, rule)
 
 

@@ -238,7 +238,7 @@ KEYS = [
     "schema", "scene", "rule", "status", "grid", "theta_0", "until",
     "destinations", "starts", "ends", "destination", "accuracy", "home", "parts",
 ]  # fmt: skip
-GRID = ("simulate", "carton.toml", "--grid", "4", "--heading", "0.3")
+GRID = ("simulate", "carton.toml", "--grid", "3", "--heading", "0.3")
 
 
 @pytest.fixture
@@ -255,7 +255,7 @@ def test_json_and_table_are_the_same_numbers(large_carton: Path, invoke: Invoke)
     assert record["starts"][0] == [-3.0, -3.0]  # the file's radius: the square of the whole array
     assert sum(one["share"] for one in record["destinations"]) == pytest.approx(1)
     rows = list(csv.DictReader(io.StringIO((large_carton.parent / "map.csv").read_text())))
-    assert len(rows) == 16
+    assert len(rows) == 9
     for row, end, number in zip(rows, record["ends"], record["destination"], strict=True):
         assert [float(row[key]) for key in ("x_end", "y_end", "theta_end")] == [end[key] for key in ("x", "y", "theta")]
         assert (row["reason"], int(row["destination"])) == (end["reason"], number + 1)
@@ -355,13 +355,13 @@ def test_the_parts_add_up_to_all_starts(large_carton: Path, invoke: Invoke) -> N
     for part in record["parts"]:
         (reason,) = [reason for reason in counted if part["end"].startswith(reason)]
         assert part["starts"] == counted[reason]
-    assert sum(part["starts"] for part in record["parts"]) == 16
+    assert sum(part["starts"] for part in record["parts"]) == 9
     line = invoke(*GRID, *until, "-o", "map.json").out
-    assert "16 starts: " in line
+    assert "9 starts: " in line
     assert f"still moving at the last time ({moving})" in line
     array = nonsmooth.load(large_carton)
     assert isinstance(array, nonsmooth.Array)
-    shown = array.map(4, heading=0.3, until=0.5)
+    shown = array.map(3, heading=0.3, until=0.5)
     assert isinstance(shown, BodyMapResult)
     figure = shown.figure()
     assert f"still moving at the last time ({moving})" in figure.get_suptitle()

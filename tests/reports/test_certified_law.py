@@ -159,7 +159,7 @@ def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: st
     place, heading = SLOW.get(name, (0.4 * record["region"]["level"] ** 0.5,) * 2)
     for side in small_starts(1.0)[:number]:
         start = side * (place, place, heading)
-        path = followed(rate, start, until, until / 4000)
+        path = followed(rate, start, until, until / 2000)
         sizes = np.linalg.norm(path, axis=1)
         assert sizes[-1] < 0.45 * sizes[0], (start, sizes[-1])
         assert np.abs(np.array(path)[:, :2]).max() < Array(name, "nearest").radius
@@ -431,7 +431,7 @@ def test_small_starts_come_home_under_the_other_rules(invoke: Invoke, name: str,
     reach = record["rate_reach"] or 0.02
     for start in small_starts(0.2 * reach)[:count]:
         until = min(4 / record["rate"], 30.0)
-        path = followed(rate, start, until, until / 150)
+        path = followed(rate, start, until, until / 60)
         assert np.linalg.norm(path[-1]) < 0.3 * np.linalg.norm(start), (start, path[-1])
 
 

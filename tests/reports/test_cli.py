@@ -123,6 +123,7 @@ def test_wheels_on_one_line_have_no_support_polygon(
 # ---- the rules box and ellipse -------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("without_paths")
 def test_all_rules_at_once(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     outcome = invoke("check", "four-wheel-side", "--rule", "all", "--json")
     record = outcome.record
@@ -445,6 +446,7 @@ def test_every_scene_has_its_line_and_the_worst_status_counts(invoke: Invoke, sc
     assert [name for name in lines[1:] if name] == scenes
 
 
+@pytest.mark.usefixtures("few_paths")
 def test_records_are_those_of_the_single_checks(invoke: Invoke) -> None:
     scenes = ["four-wheel", "eq-4", "differential-drive"]
     status, out, _ = invoke("check", *scenes, "--json")

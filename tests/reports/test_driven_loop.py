@@ -25,7 +25,7 @@ from nonsmooth.analysis.trajectories import imposed_twists
 from nonsmooth.analysis.trajectories.imposed_twists import Motion, PoseErrors, follow_held
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.proofs.answers.answer import Pose
-from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.answers import QUESTIONS
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.loop_bounds import ultimate_bound
@@ -432,7 +432,7 @@ def dissipation(scene: Scene, speeds: Mapping[int, float], twists: Floats) -> Fl
 
 def said(check: Check) -> Mapping[str, Any]:
     """The numbers of the answer about the pose."""
-    (answer,) = [answer for answer in answers_of(check) if answer.name == "pose"]
+    answer = QUESTIONS["pose"](check.scene, check.results)
     return {fact.key: getattr(fact.value, "value", fact.value) for fact in answer.facts} | {"verdict": answer.verdict}
 
 
@@ -482,7 +482,7 @@ def region_of(program: Mapping[str, Any], x: float, y: float) -> Mapping[str, An
 @pytest.mark.parametrize("number", keep(2, range(24)))
 def test_where_a_pose_is_held_there_is_a_law(arrays: Arrays, rule: str, number: int, tmp_path: Path) -> None:
     scene = ruled(random_array(arrays, number), rule)
-    check = check_theorem4(scene)
+    check = check_theorem4(scene, beside=False)
     assert isinstance(check.feedback, DrivenFeedback)
     numbers = said(check)
     if numbers["verdict"] is not Pose.CAN_BE_HELD:

@@ -200,6 +200,7 @@ def test_python_offers_the_list(result: CheckResult) -> None:
 HEADING = 1e-12
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("units", ["", 'units = { length = "mm" }'])
 def test_its_headings_are_said_in_the_unit_of_the_scene(
     units: str, invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -232,6 +233,7 @@ def test_every_rule_has_its_row(invoke: Invoke) -> None:
     assert "not in the verdict" in out
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_an_object_of_the_scene(tmp_path: Path, invoke: Invoke) -> None:
     file = tmp_path / "my.toml"
     wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n'

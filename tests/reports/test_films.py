@@ -73,7 +73,7 @@ def test_frames_are_at_a_constant_pace_and_few(duration: float) -> None:
         assert seconds == pytest.approx(duration, abs=0.5 / RATE)  # real time
 
 
-@pytest.mark.parametrize("until", keep(1, [0.4, 1, 3, 4]))
+@pytest.mark.parametrize("until", keep(1, [0.2, 1, 3, 4]))
 def test_a_gif_has_its_frames_and_is_small(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, until: float
 ) -> None:

@@ -137,10 +137,10 @@ def test_maps_count_the_starts_that_come_home(invoke: Invoke) -> None:
 def test_maps_of_rules_without_cells_need_no_outline(invoke: Invoke, tmp_path: Path) -> None:
     """Each end is that of the path that the engine follows from the same start, however the body turns there."""
     (tmp_path / "table.toml").write_text(TABLE, encoding="utf-8")
-    found = invoke("simulate", "table.toml", "--grid", "3", "--json").record
+    found = invoke("simulate", "table.toml", "--grid", "2", "--json").record
     ends = [(end["x"], end["y"]) for end in found["ends"]]
-    assert found["home"] == len(ends) == 9
-    for (x, y), end in list(zip(found["starts"], ends, strict=True))[::4]:
+    assert found["home"] == len(ends) == 4
+    for (x, y), end in list(zip(found["starts"], ends, strict=True))[::3]:
         path = invoke("simulate", "table.toml", "--from", f"{x},{y},0", "--until", "10", "--json").record
         assert path["end"]["state"][:2] == pytest.approx(end, abs=0.5)
 
@@ -398,6 +398,7 @@ def test_repelling_surfaces_are_not_unique(follow: Follow) -> None:
     assert "nonunique" in [event["kind"] for event in record["events"]]
 
 
+@pytest.mark.usefixtures("without_reach")
 def test_no_solution_leaves_a_point_that_is_proved_stable(follow: Follow) -> None:
     """Surfaces touch at the point, which floats alone leave in doubt."""
     record = follow((["x", "v"], ["v", "-sgn(2*x + v*Abs(v))"]), "1,0", "--until", "5")

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -165,6 +166,7 @@ def drawn(view: Precision) -> Figure:
     return view.figure()
 
 
+@cache
 def figure() -> Figure:
     works: dict[str, Any] = {
         "converges": proportional,

@@ -141,7 +141,7 @@ def test_it_says_what_binds_and_names_the_law_and_what_is_open(four_wheel: Array
 
 @pytest.mark.usefixtures("without_other_rules")
 def test_it_says_where_and_when_bodies_end(four_wheel: ArraySubject, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(destinations, "FEW_STARTS", 3)
+    monkeypatch.setattr(destinations, "FEW_STARTS", 2)
     ends = "Where and when bodies end"
     assert "at the point, after at most 0.5 s, from anywhere within 0.5 of it (proved)" in words(
         brief_document(four_wheel), ends

@@ -7,6 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -406,15 +407,25 @@ RING_OF_FOUR = (
 )
 
 
+MEASURED = [*OF_HIGH_DEGREE, *((kind, seed) for kind in Kind for seed in (4, 1))]
+DECIDED = ("nearest", "box", "ellipse")
+SOON = [  # of every kind one, under every rule
+    (OF_HIGH_DEGREE[0], "nearest"),
+    ((Kind.SCATTERED, 4), "ellipse"),
+    ((Kind.MIRRORED, 7), "box"),
+    ((Kind.COCIRCULAR, 1), "nearest"),
+]
+
+
 def text_of(array: tuple[Kind, int] | str) -> str:
     """A measured table of a kind, by its seed; or a ring with a field."""
     return f"{RING_OF_FOUR}{array}\n" if isinstance(array, str) else measured_array(*array)
 
 
 @pytest.mark.usefixtures("without_paths", "without_other_rules")
-@few(5)
-@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
-@pytest.mark.parametrize("array", [*OF_HIGH_DEGREE, *((kind, seed) for kind in Kind for seed in (4, 1))], ids=str)
+@pytest.mark.parametrize(
+    ("array", "rule"), keep(len(SOON), dict.fromkeys((*SOON, *product(MEASURED, DECIDED)))), ids=str
+)
 def test_a_check_of_a_measured_array_and_of_angles_of_high_degree_ends_soon(
     array: tuple[Kind, int] | str, rule: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -104,8 +104,9 @@ class AuditedClaim:
         return Section(f"{self.title}: {self.outcome}", (claim, *self.computed, conclusion))
 
 
+@cache
 def audit_paper() -> tuple[AuditedClaim, ...]:
-    """All findings."""
+    """All findings: the same in every report, so computed once."""
     roll, side = (check_cells(load_scene(name)) for name in ("four-wheel", "four-wheel-side"))
     return (
         audit_equations_3_and_4(roll, side),
@@ -120,9 +121,8 @@ def audit_paper() -> tuple[AuditedClaim, ...]:
     )
 
 
-@cache
 def audit_section() -> Section:
-    """The findings as a part of a report: the same in every report, so computed once."""
+    """The findings as a part of a report."""
     findings = audit_paper()
     summary: tuple[Text, ...] = tuple((f"{finding.title}: {finding.outcome}.",) for finding in findings)
     intro = paragraph("This is the array of {}. What the paper prints about it, against the computation:", PAPER)

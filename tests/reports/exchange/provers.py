@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 
 SECONDS = 20
@@ -27,6 +28,18 @@ def z3_answers(file: Path) -> list[str]:
 TOKEN = re.compile(r"\s*(>=|->|[()&|!*+^=>]|\(-|[0-9]+|[a-z][0-9]+|true|-|/)")
 
 
+@cache
+def tokens_of(text: str) -> tuple[str, ...]:
+    """The tokens of a formula, which is read at many points."""
+    found, place, end = [], 0, len(text.rstrip())
+    while place < end:
+        match = TOKEN.match(text, place)
+        assert match is not None, text[place : place + 40]
+        found.append(match.group(1))
+        place = match.end()
+    return tuple(found)
+
+
 class Kyx:
     """The value of a formula of real arithmetic at a point, by the grammar of KeYmaera X.
 
@@ -34,13 +47,7 @@ class Kyx:
     """
 
     def __init__(self, text: str, at: dict[str, Fraction]) -> None:
-        self.tokens, place = [], 0
-        while text[place:].strip():
-            match = TOKEN.match(text, place)
-            assert match is not None, text[place : place + 40]
-            self.tokens.append(match.group(1))
-            place = match.end()
-        self.at, self.next = at, 0
+        self.tokens, self.at, self.next = tokens_of(text), at, 0
 
     def peek(self) -> str:
         return self.tokens[self.next] if self.next < len(self.tokens) else ""

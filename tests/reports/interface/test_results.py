@@ -55,7 +55,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 
 
 PATH = "simulate four-wheel --from 0.1,0.2,0.3 --until 0.5 --kinematics leading"
-HEAVY = "simulate four-wheel --from 0.2,0.3,0 --until 0.01 --method dynamics --mass 0.02"
+HEAVY = "simulate four-wheel --from 0.2,0.3,0 --until 0.001 --method dynamics --mass 1"
 # Of every kind of result: the command, and what a script calls; of both the record is the same.
 SAME: dict[str, Callable[[], Any]] = {
     "partition four-wheel": lambda: array().cells(),
@@ -69,8 +69,8 @@ SAME: dict[str, Callable[[], Any]] = {
     f"{PATH} --method smoothed --width 0.01": lambda: array().simulate(
         (0.1, 0.2, 0.3), 0.5, kinematics="leading", method="smoothed", width=0.01
     ),
-    f"{HEAVY} --inertia 0.01": lambda: array().dynamics((0.2, 0.3, 0), until=0.01, mass=0.02, inertia=0.01),
-    f"{HEAVY} --compare-masses": lambda: array().compare_masses((0.2, 0.3, 0), until=0.01, mass=0.02),
+    f"{HEAVY} --inertia 0.01": lambda: array().dynamics((0.2, 0.3, 0), until=0.001, mass=1, inertia=0.01),
+    f"{HEAVY} --compare-masses": lambda: array().compare_masses((0.2, 0.3, 0), until=0.001, mass=1),
     "vehicle jackal --spin 3": lambda: ns.Vehicle.load("jackal").motion(spin=3),
 }
 
@@ -381,7 +381,7 @@ def test_rows_and_films_of_a_closed_loop_are_those_of_the_command(tmp_path: Path
     assert [float(cell or "nan") for cell in table[-1].split(",")] == pytest.approx(
         [float("nan") if value is None else value for value in rows[-1].values()], abs=0, nan_ok=True
     )
-    driven = array.with_(rule="ellipse").simulate((0.05, 0.02, 0.1), until=0.2, feedback=True)
+    driven = array.with_(rule="ellipse").simulate((0.05, 0.02, 0.1), until=0.02, feedback=True)
     with pytest.raises(ValueError, match="film"):  # which would show the speeds of the open loop
         driven.animate(tmp_path / "path.html")
     assert not (tmp_path / "path.html").exists()
