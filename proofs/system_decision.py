@@ -500,7 +500,7 @@ STRATEGIES = [
     Strategy("function that shows instability", MORE, KERNEL, "decide_by_growth", SILENT),
     Strategy("invariance principle", TWO, KERNEL, "search_attraction", OPEN),
     Strategy("invariance principle", MORE, IN_SPACE, "decide_by_invariance", OPEN),
-    Strategy("integral of motion", TWO, KERNEL, "decide_by_integral", SILENT),
+    Strategy("integral of motion", TWO, KERNEL, "decide_by_integral", OPEN),
     Strategy("centre manifold", SEVERAL, KERNEL, "decide_by_center_manifold", OPEN),
     Strategy("cascade", SEVERAL, __name__, "decide_by_cascade", SILENT),
     Strategy("right-hand sides without sines", SEVERAL, __name__, "decide_by_exact_sides", SILENT),
@@ -512,7 +512,7 @@ STRATEGIES = [
     Strategy("terms of higher weight", TWO, KERNEL, "decide_by_weights", OPEN),
     Strategy("energy with its sign turned", SEVERAL, KERNEL, "decide_by_turned_energy", SILENT),
     Strategy("energy on circles", range(1, 9), KERNEL, "decide_by_circles", SILENT),
-    Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry", SILENT),
+    Strategy("reversing symmetry", TWO, KERNEL, "decide_by_symmetry", OPEN),
     Strategy("searched V, in large programs", MORE, IN_SPACE, "search_large_function"),
     Strategy("function that shows instability, in large programs", MORE, KERNEL, "decide_by_large_growth", SILENT),
 ]
