@@ -58,17 +58,21 @@ class HeavyTable:
 
     @cached_property
     def moments(self) -> tuple[Floats, float, Floats]:
-        """Rows ``(1, x, y)`` of the wheels in a unit of length (n, 3), the unit, and loads of all by (1, x, y)."""
+        """Rows ``(1, x, y)`` of the wheels in a unit of length (n, 3), the unit, and loads of all by (1, x, y).
+
+        The loads are not numbers where all wheels are on one line.
+        """
         size = float(np.abs(self.places).max())
         rows = np.column_stack([np.ones(len(self.places)), self.places / size])
-        return rows, size, np.linalg.pinv(rows.T)
+        fails = np.abs(np.linalg.det(rows.T @ rows)) < 1e-9
+        return rows, size, np.full(rows.shape, np.nan) if fails else np.linalg.pinv(rows.T)
 
     def loads(self, centres: Floats) -> Floats:
         """Shares of the weight (m, n) at centres of mass (m, 2); nan where fewer than three wheels would carry."""
         rows, size, of_all = self.moments
         goal = np.column_stack([np.ones(len(centres)), centres / size])
         loads = goal @ of_all.T
-        if (loads >= 0).all() and np.abs(np.linalg.det(rows.T @ rows)) >= 1e-9:
+        if (loads >= 0).all():
             return np.asarray(loads)
         carries = np.ones((len(centres), len(rows)), bool)
         for _ in range(len(rows)):
