@@ -158,7 +158,7 @@ def checked(table: MeasuredTable, *, at_best: bool) -> SmoothCheck:
         file.write_text(table.toml, encoding="utf-8")
         scene = load_scene(str(file))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("nonsmooth.proofs.answers.destinations.FEW_STARTS", 5)
+        patch.setattr("nonsmooth.proofs.answers.destinations.FEW_STARTS", 3)
         return check_smooth(best_point(scene).scene if at_best else scene)
 
 
