@@ -192,15 +192,20 @@ def test_a_path_that_slides_along_an_edge_is_no_limit(
 START, UNTIL = (0.2, 0.4, 0.0), 2.0
 
 
-# The largest mass, how many there are, each a tenth of the one before, and until when they are followed.
-STUDIES = {"two bodies": (0.001, 2, 0.3), "three bodies": (0.01, 3, 0.7), "three bodies for longer": (0.01, 3, 2.0)}
+# The largest mass, how many there are, each a tenth of the one before, where they start and until when they go on; the
+# first start is one from which no wheel with rollers is near to sticking, which takes small steps.
+STUDIES = {
+    "two bodies": (0.001, 2, (0.1, 0.4, 0.0), 0.3),
+    "three bodies": (0.01, 3, START, 0.7),
+    "three bodies for longer": (0.01, 3, START, 2.0),
+}
 
 
 @pytest.fixture(scope="module", params=keep(1, STUDIES))
 def study(request: pytest.FixtureRequest) -> MassStudy:
-    mass, count, until = STUDIES[request.param]
+    mass, count, start, until = STUDIES[request.param]
     scene = load_scene("four-wheel")
-    return mass_study(scene, mass_ladder(disc(contact_model(scene), mass), count), START, until)
+    return mass_study(scene, mass_ladder(disc(contact_model(scene), mass), count), start, until)
 
 
 def test_study_is_a_table_in_a_notebook(study: MassStudy) -> None:

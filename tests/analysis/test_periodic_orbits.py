@@ -414,8 +414,9 @@ def test_relaxation_oscillations_that_drive_other_states_are_found(strength: str
     upward.direction = 1  # type: ignore[attr-defined]
     path = solve_ivp(
         lambda _, s: [s[1], -s[0] + (mu - s[0] ** 2) * s[1]],
-        (0, 100),
+        (0, 60),
         [2.6, 0.0],
+        method="DOP853",
         events=upward,
         rtol=1e-11,
         atol=1e-11,

@@ -237,9 +237,8 @@ def test_twists_beside_strips_are_those_of_the_method_of_multipliers(rollers: in
         model = DraggedMinimizer(replace(plain, friction=friction, cuts=cuts)).dragged
         newton, ends = CutNewton(model), rng.dirichlet(np.ones(7), 2)
         newton.start_from(EllipseMinimizer().minimize(model, with_drag(ends[0])[None]).twists[0])
-        for share in np.linspace(0, 1, 21):
-            loads = with_drag((1 - share) * ends[0] + share * ends[1])
-            (expected,) = EllipseMinimizer().minimize(model, loads[None]).twists
+        between = np.array([with_drag((1 - share) * ends[0] + share * ends[1]) for share in np.linspace(0, 1, 21)])
+        for loads, expected in zip(between, EllipseMinimizer().minimize(model, between).twists, strict=True):
             twist = newton.minimize(loads)
             if twist is None:
                 newton.start_from(expected)

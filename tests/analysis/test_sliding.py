@@ -190,14 +190,14 @@ def assert_is_a_solution(field: CellwiseField, path: Trajectory) -> None:
             assert distance_from_inclusion(field, path, time) < OFF, time
 
 
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(8))
 @pytest.mark.parametrize(("seed", "start"), TWO_FOLDS)
 def test_rounding_does_not_decide_how_a_two_fold_is_passed(
     arrays: Arrays, seed: int, start: tuple[float, float, float], block: int
 ) -> None:
     """Wherever among speeds that count as zero a slide is found to end: where one is, and where both are."""
     field = closed_loop(arrays.cocircular(seed, ROLL))
-    for nearby in range(block, 60, 4):
+    for nearby in range(block, 60, 8):
         path = simulate(field, tuple(value * (1 + nearby * 1e-9) for value in start), 1.6)
         assert path.end.reason is EndReason.TIME
         assert path.unique is False

@@ -10,6 +10,8 @@ import ast
 import re
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from functools import cache
+from operator import itemgetter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -19,6 +21,7 @@ from scipy.optimize import nnls
 Array: TypeAlias = NDArray[np.float64]
 Record: TypeAlias = dict[str, Any]
 Values: TypeAlias = Mapping[str, Array]
+Formula: TypeAlias = Callable[[Values], Any]
 
 NEAR = 3  # places near a point at which the right-hand sides are taken
 FINENESS = 0.03  # of a step, in distances from the point
@@ -51,21 +54,31 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-def value(node: ast.AST, at: Values) -> Any:
-    """A formula's value, node by node."""
+@cache
+def formula_of(text: str) -> Formula:
+    """What a formula says, read once."""
+    return formula_at(ast.parse(text.strip(), mode="eval"))
+
+
+def formula_at(node: ast.AST) -> Formula:
+    """Its value by those of its parts, node by node."""
     match node:
         case ast.Expression(body=body):
-            return value(body, at)
+            return formula_at(body)
         case ast.Constant(value=number):
-            return float(str(number))
+            found = float(str(number))
+            return lambda at: found
         case ast.Name(id=name):
-            return at[name]
+            return itemgetter(name)
         case ast.UnaryOp(op=op, operand=operand):
-            return value(operand, at) * (-1.0 if isinstance(op, ast.USub) else 1.0)
+            own, sign = formula_at(operand), -1.0 if isinstance(op, ast.USub) else 1.0
+            return lambda at: sign * own(at)
         case ast.BinOp(left=left, op=op, right=right):
-            return OPERATIONS[type(op)](value(left, at), value(right, at))
+            operation, first, second = OPERATIONS[type(op)], formula_at(left), formula_at(right)
+            return lambda at: operation(first(at), second(at))
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            return FUNCTIONS[name](*(value(own, at) for own in arguments))
+            function, parts = FUNCTIONS[name], [formula_at(own) for own in arguments]
+            return lambda at: function(*(part(at) for part in parts))
     raise ValueError(ast.dump(node))
 
 
@@ -99,13 +112,13 @@ class FloatInclusion:
         self.numbers = numbers_of(subject)
         self.leaves_slowly = bool(SLOWLY_OUT.search(str(subject["rhs"])))
         self.at = np.array([number(own, list(self.numbers.values())) for own in subject["at"]])
-        self.fields = [[ast.parse(own.strip(), mode="eval") for own in side] for side in subject["rhs"]]
+        self.fields = [[formula_of(own) for own in side] for side in subject["rhs"]]
         self.random = np.random.default_rng(seed)
 
     def function(self, formula: str, z: Array) -> Array:
         """A formula in the displacements, at some of them (one per row)."""
         at = {**dict(zip(self.states, z.T, strict=True)), **self.numbers}
-        found = value(ast.parse(formula.strip(), mode="eval"), at)
+        found = formula_of(formula)(at)
         return np.broadcast_to(np.asarray(found, dtype=float), len(z)).copy()
 
     def corners(self, z: Array, radius: Array) -> Array:
@@ -115,7 +128,7 @@ class FloatInclusion:
         found = np.empty((NEAR, len(self.fields), *z.shape))
         for side, field in enumerate(self.fields):
             for k, own in enumerate(field):
-                found[:, side, :, k] = value(own, at)
+                found[:, side, :, k] = own(at)
         return found.reshape(-1, *z.shape)
 
     def members(self, z: Array, radius: Array, *, outward: bool = False) -> Array:

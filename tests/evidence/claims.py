@@ -110,15 +110,15 @@ def stable_headings(part: Points, constant: float) -> list[float]:
     place, moments = np.zeros(2), []
     thetas = (np.arange(HEADINGS + 1) + SHIFT) * 2 * math.pi / HEADINGS
     for theta in thetas:
-        place = _settled(body, float(theta), place, constant * area)
-        moments.append(body.wrench(float(theta), place).moment)
+        place, moment = _settled(body, float(theta), place, constant * area)
+        moments.append(moment)
     signs = np.sign(moments)
     falls = (signs[:-1] > 0) & (signs[1:] < 0)
     return [float(theta) % (2 * math.pi) for theta in (thetas[:-1] + thetas[1:])[falls] / 2]
 
 
-def _settled(body: PolygonOnField, theta: float, place: Floats, force: float) -> Floats:
-    """The place without force, by Newton's method from a place nearby.
+def _settled(body: PolygonOnField, theta: float, place: Floats, force: float) -> tuple[Floats, float]:
+    """The place without force, by Newton's method from a place nearby, and the moment there.
 
     Raises:
         RuntimeError: where it is not found.
@@ -127,7 +127,7 @@ def _settled(body: PolygonOnField, theta: float, place: Floats, force: float) ->
         wrench = body.wrench(theta, place)
         rest = wrench.force + np.array([force, 0.0])
         if np.abs(rest).max() <= SETTLED * body.area:
-            return place
+            return place, wrench.moment
         step = np.linalg.solve(wrench.stiffness, rest)
         place = place - step * min(1.0, body.size / (2 * float(np.hypot(*step))))
     raise RuntimeError(f"required a place of rest at heading {theta}, found none")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,12 +50,30 @@ class HeavyTable:
         """Without rounding: for derivatives where every wheel slips."""
         return replace(self, rounded=0.0)
 
+    @cached_property
+    def sides(self) -> tuple[Floats, Floats]:
+        """Unit vectors along each rim and across it, (n, 2)."""
+        along = np.column_stack([np.cos(self.headings), np.sin(self.headings)])
+        return along, np.column_stack([-along[:, 1], along[:, 0]])
+
+    @cached_property
+    def moments(self) -> tuple[Floats, float, Floats]:
+        """Rows ``(1, x, y)`` of the wheels in a unit of length (n, 3), the unit, and loads of all by (1, x, y).
+
+        The loads are not numbers where all wheels are on one line.
+        """
+        size = float(np.abs(self.places).max())
+        rows = np.column_stack([np.ones(len(self.places)), self.places / size])
+        fails = np.abs(np.linalg.det(rows.T @ rows)) < 1e-9
+        return rows, size, np.full(rows.shape, np.nan) if fails else np.linalg.pinv(rows.T)
+
     def loads(self, centres: Floats) -> Floats:
         """Shares of the weight (m, n) at centres of mass (m, 2); nan where fewer than three wheels would carry."""
-        rows = np.column_stack([np.ones(len(self.places)), self.places])
-        size = np.abs(self.places).max()
-        rows[:, 1:] /= size
+        rows, size, of_all = self.moments
         goal = np.column_stack([np.ones(len(centres)), centres / size])
+        loads = goal @ of_all.T
+        if (loads >= 0).all():
+            return np.asarray(loads)
         carries = np.ones((len(centres), len(rows)), bool)
         for _ in range(len(rows)):
             normal = np.einsum("mn,ni,nj->mij", carries.astype(float), rows, rows)
@@ -70,8 +89,7 @@ class HeavyTable:
 
     def rate(self, states: Floats) -> Floats:
         """Time derivatives of states ``(x, y, theta, w_x, w_y, omega)``, (m, 6)."""
-        along = np.column_stack([np.cos(self.headings), np.sin(self.headings)])
-        across = np.column_stack([-along[:, 1], along[:, 0]])
+        along, across = self.sides
         arms = self.places - states[:, None, :2]
         points = states[:, None, 3:5] + states[:, None, 5:] * np.stack([-arms[..., 1], arms[..., 0]], axis=2)
         r = (points * along).sum(axis=2) - self.speeds

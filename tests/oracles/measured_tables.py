@@ -191,22 +191,23 @@ class SmallSteps:
     def _newton(self, twists: Floats, loads: Floats, rounding: float) -> Floats:
         """Newton's method with a line search on D itself, for all bodies whose twists have not settled."""
         twists, left = twists.copy(), np.arange(len(twists))
+        value, gradient, slope = self._dissipation(twists, loads, rounding)
         for _ in range(NEWTON):
             now, load = twists[left], loads[left]
-            value, gradient, slope = self._dissipation(now, load, rounding)
             trace = np.trace(slope, axis1=1, axis2=2)[:, None, None]
             step = -np.linalg.solve(slope + 1e-12 * trace * np.eye(3), gradient[:, :, None])[:, :, 0]
             falls, part = (gradient * step).sum(axis=1), np.ones(len(left))
             for _ in range(34):
-                ahead, *_ = self._dissipation(now + part[:, None] * step, load, rounding)
-                shorter = ahead > value + 1e-4 * part * falls
+                ahead = self._dissipation(now + part[:, None] * step, load, rounding)
+                shorter = ahead[0] > value + 1e-4 * part * falls
                 if not shorter.any():
                     break
                 part = np.where(shorter, part / 2, part)
             twists[left] = now + part[:, None] * step
-            left = left[np.abs(part[:, None] * step).max(axis=1) >= SETTLED * self.speeds.max()]
-            if not len(left):
+            goes_on = np.abs(part[:, None] * step).max(axis=1) >= SETTLED * self.speeds.max()
+            if not goes_on.any():
                 break
+            left, (value, gradient, slope) = left[goes_on], (own[goes_on] for own in ahead)
         return twists
 
     def _dissipation(self, twists: Floats, loads: Floats, rounding: float) -> tuple[Floats, Floats, Floats]:

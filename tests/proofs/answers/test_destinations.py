@@ -76,7 +76,7 @@ def destinations(name: str, rule: str = "nearest") -> Destinations:
 
 @pytest.fixture(params=keep(1, ["few starts", "all starts"]))
 def starts(request: pytest.FixtureRequest) -> None:
-    """How many bodies are followed to count shares: a quarter of them, or as many as the answers follow."""
+    """How many bodies are followed to count shares: a quarter or a tenth of them, or as many as the answers follow."""
     if request.param == "few starts":
         request.getfixturevalue("few_paths")
 
@@ -236,10 +236,10 @@ SHIFTED = [(1.3, 1.1, -1, -1), (-0.7, 1.1, 1, -1), (-0.7, -0.9, 1, 1), (1.3, -0.
 def test_bodies_stand_still_where_the_field_is_stiff(name: str) -> None:
     """Explicit steps alone go on to and fro beside the point, faster than what counts as standing still."""
     scene = load_scene(name, rule="ellipse")
-    side = np.linspace(-0.9, 0.9, 5) * float(scene.check.radius)
+    side = np.linspace(-0.9, 0.9, 3) * float(scene.check.radius)
     ends = smooth_ends(scene, np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2))
     assert ends.places.tolist() == [[0.0, 0.0]]
-    assert ends.reached.tolist() == [0] * 25
+    assert ends.reached.tolist() == [0] * 9
 
 
 def test_bodies_over_rollers_that_all_stand_stay_where_they_start() -> None:
@@ -384,7 +384,8 @@ def test_a_body_that_is_carried_out_from_as_near_as_one_likes_leaves(rule: str, 
     assert "some starts as near as one likes" in answer.sentence
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     starts = 1e-3 * accuracy * np.column_stack([np.cos(angles), np.sin(angles)])
-    assert max(SmallSteps(table).end(start, 5.0, accuracy)[1] for start in starts) >= accuracy
+    _, farthest = SmallSteps(table).paths(starts, [5.0], accuracy)
+    assert farthest.max() >= accuracy
 
 
 @pytest.mark.usefixtures("without_law")
@@ -571,14 +572,6 @@ def test_auto_takes_the_largest_disc_and_names_the_others(tmp_path: Path, capsys
 # proofs.
 
 
-def answers_for(table: MeasuredTable, folder: Path) -> dict[str, Any]:
-    """What a check says of a table."""
-    file = folder / "table.toml"
-    file.write_text(table.toml, encoding="utf-8")
-    answers: dict[str, Any] = ns.load(str(file)).check().to_dict()["answers"]
-    return answers
-
-
 def rate_at_rest(table: MeasuredTable, about: Floats) -> float:
     """The rotation rate where a body rests that starts at a place, by Newton's method on its velocity."""
     steps = SmallSteps(table)
@@ -592,11 +585,11 @@ def rate_at_rest(table: MeasuredTable, about: Floats) -> float:
 def test_a_body_that_ends_beside_the_point_turns_at_the_rate_that_is_said(seed: int, rule: str, tmp_path: Path) -> None:
     """The point itself is no place of rest; on one of these tables bodies end farther away than the accuracy."""
     table = MeasuredTable.random(seed, rule, off=3.0)
-    said = answers_for(table, tmp_path)
-    assert said["position"]["verdict"] in {"comes near", "leaves"}
-    assert said["heading"]["verdict"] == "drifts"
-    rate = rate_at_rest(table, np.array(said["position"]["at"], dtype=float))
-    assert abs(rate) <= said["heading"]["largest_rate"] == pytest.approx(abs(rate), rel=1e-3)
+    position, heading, *_ = answers_of(check_theorem4(scene_of(tmp_path, table.toml)))
+    assert position.verdict in {"comes near", "leaves"}
+    assert heading.verdict == "drifts"
+    rate = rate_at_rest(table, np.array(position["at"], dtype=float))
+    assert abs(rate) <= float(heading["largest_rate"]) == pytest.approx(abs(rate), rel=1e-3)
 
 
 # ---- bodies that turn about a place beside the point, of which rims that do not slip fix the twist ----------------

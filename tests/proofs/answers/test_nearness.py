@@ -36,6 +36,7 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.plane_arrays import field_beside
+from tests.oracles.floats import Floats
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.thorough import keep, thorough
 
@@ -50,9 +51,10 @@ def measured(folder: Path, table: MeasuredTable, more: str = "") -> Scene:
     return load_scene(str(file))
 
 
-def borders(seed: int, radius: float) -> list[np.ndarray]:
-    rng = np.random.default_rng(seed)
-    return [radius * np.array([math.cos(a), math.sin(a)]) for a in rng.uniform(0, 2 * math.pi, 2)]
+def borders(seed: int, radius: float) -> Floats:
+    """Two places on a circle, (2, 2)."""
+    angles = np.random.default_rng(seed).uniform(0, 2 * math.pi, 2)
+    return np.asarray(radius * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
 def confirm(seed: int, table: MeasuredTable, scene: Scene, found: Ends) -> None:
@@ -62,10 +64,10 @@ def confirm(seed: int, table: MeasuredTable, scene: Scene, found: Ends) -> None:
         assert found.ends_within is not None
         assert found.ends_within <= scene.accuracy
         assert found.within >= 2 * max(found.ends_within, scene.accuracy)
-        for start in borders(seed, float(found.within)):
-            end, farthest = body.end(start, until, float(found.ends_within))
-            assert np.hypot(*end) <= STEPS * float(found.ends_within)
-            assert float(found.within) <= farthest * (1 + 1e-12) <= STEPS * float(found.swings_out_to)
+        (ends,), farthest = body.paths(borders(seed, float(found.within)), [until], float(found.ends_within))
+        assert np.hypot(*ends.T).max() <= STEPS * float(found.ends_within)
+        assert float(found.within) <= farthest.min() * (1 + 1e-12)
+        assert farthest.max() * (1 + 1e-12) <= STEPS * float(found.swings_out_to)
     else:
         end, _ = body.end(np.zeros(2), until, float(found.about))
         assert np.hypot(*(end - [float(entry) for entry in found.at])) <= STEPS * float(found.about) + accuracy / 50
@@ -99,8 +101,8 @@ def undecided_though_near(seeds: range, folder: Path) -> tuple[int, int]:
                 near += found.is_near
                 continue
             body, accuracy = SmallSteps(table), float(scene.accuracy)
-            starts = borders(seed, 2 * accuracy)
-            if all(np.hypot(*body.end(start, 12.0, accuracy)[0]) <= accuracy for start in starts):
+            (ends,), _ = body.paths(borders(seed, 2 * accuracy), [12.0], accuracy)
+            if np.hypot(*ends.T).max() <= accuracy:
                 near, open_ones = near + 1, open_ones + 1
     return near, open_ones
 
@@ -220,7 +222,8 @@ def test_bodies_beside_a_saddle_on_an_edge_of_dissipation_are_carried_away(tmp_p
     assert rest.stability is Translation.UNSTABLE
     _, modes = np.linalg.eig(np.array([float(entry) for entry in rest.slope.entries()]).reshape(2, 2))
     body, starts = SmallSteps(table), accuracy / 10 * modes.T
-    assert max(body.end(start, 12.0, accuracy)[1] for start in starts) > accuracy
+    _, farthest = body.paths(starts, [12.0], accuracy)
+    assert farthest.max() > accuracy
 
 
 @pytest.mark.parametrize(("seed", "rule"), keep(0, [(16, "roller"), (8, "roller"), (8, "ellipse"), (14, "ellipse")]))

@@ -29,6 +29,7 @@ from nonsmooth.proofs.checker.theorem4 import CLAUSES
 from nonsmooth.proofs.checker.tolerances import outer_ends
 from nonsmooth.proofs.checker.tower import Field
 from nonsmooth.proofs.checker.work import RejectedError
+from tests.certificates import inclusion
 from tests.certificates.array_conditions import array_conditions
 from tests.certificates.cases import GROUPS, cases
 from tests.certificates.conditions import conditions
@@ -50,7 +51,7 @@ from tests.thorough import keep, thorough
 # ---- The corpus of certificates: good ones are accepted and true as far as floats see, forged ones are rejected.
 
 SECONDS = 10.0  # of processor time, for a forged array; an idle machine takes three at most
-PARTS, GOOD_PARTS = 16, 3  # of the corpus, of which `make test` takes the first
+PARTS, GOOD_PARTS = 32, 6  # of the corpus, of which `make test` takes the first
 STATUS = {0: "valid", 1: "rejected", 2: "unreadable"}
 
 
@@ -81,7 +82,7 @@ def test_there_are_good_ones_of_every_kind() -> None:
 
 
 def share(forgeries: Sequence[Forgery], part: int) -> list[Forgery]:
-    """Of each kind of forgery those in every sixteenth place, from the one at place ``part``."""
+    """Of each kind of forgery those in every :data:`PARTS`-th place, from the one at place ``part``."""
     of_a_kind: defaultdict[str, list[Forgery]] = defaultdict(list)
     for own in forgeries:
         of_a_kind[own.kind].append(own)
@@ -167,8 +168,12 @@ def test_what_good_ones_claim_is_true(part: int) -> None:
         assert not contradiction(own["statement"], half_width(own["evidence"][0]["hypotheses"])), name
 
 
-def test_floats_see_what_is_false() -> None:
-    """The oracle contradicts claims about systems that grow, rest elsewhere, or fall more slowly."""
+def test_floats_see_what_is_false(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The oracle contradicts claims about systems that grow, rest elsewhere, or fall more slowly.
+
+    No slide leads outward here: it need not be as patient as where one may.
+    """
+    monkeypatch.setattr(inclusion, "PATIENT", 2)
     grows = {"states": ["x", "y"], "rhs": [["x", "-sign(y)"]], "at": ["0", "0"]}
     falls = {"states": ["x", "y"], "rhs": [["-x", "-y"]], "at": ["0", "0"]}
     beside = {"states": ["x", "y"], "rhs": [["1/2 - x", "-y"]], "at": ["0", "0"]}

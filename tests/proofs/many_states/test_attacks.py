@@ -469,14 +469,21 @@ def test_a_family_that_holds_another_has_the_larger_program(rhs: list[str]) -> N
         assert size <= other or not set(small) <= set(large)
 
 
-def test_six_relays_are_decided_though_their_mixtures_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A face on which five of them slide has 32 fields and a million sets of them: the check did not end."""
-    states, looked_at = list("abcdef"), second_function.extreme_velocities
+@pytest.mark.parametrize(("count", "most"), keep(1, [(4, 1000), (6, second_function.MOST_MIXTURES)]))
+def test_relays_are_decided_though_their_mixtures_are_not_looked_at(
+    monkeypatch: pytest.MonkeyPatch, count: int, most: int
+) -> None:
+    """A face on which five of six slide has 32 fields and a million sets of them: the check did not end.
+
+    One on which three of four slide has 16 fields and 2516 sets of them, more than are allowed here.
+    """
+    states, looked_at = list("abcdef"[:count]), second_function.extreme_velocities
 
     def few_looked_at(fields: Any, normals: Any) -> Any:
         assert sum(comb(len(fields), size) for size in range(1, len(normals) + 2)) <= second_function.MOST_MIXTURES
         return looked_at(fields, normals)
 
+    monkeypatch.setattr(second_function, "MOST_MIXTURES", most)
     monkeypatch.setattr(second_function, "extreme_velocities", few_looked_at)
     rhs = ["-2*sgn(a) - a", *(f"-2*sgn({own}) + sgn({before})/2" for before, own in itertools.pairwise(states))]
     assert decide_system(system(states, rhs)).verdict is ATTRACTS

@@ -139,7 +139,8 @@ def test_nothing_sticks_out_from_a_phone_to_a_wall(page: Page, system: str) -> N
     beyond = STICKING_OUT.replace("'main *, nav *'", "'header *, main > *, .details *'")
     for scene in ("four-wheel", "carton-on-6x6", system):
         page.select_option("#scene", scene)
-        page.wait_for_timeout(300)
+        page.wait_for_function("(scene) => workbench.store.document.name === scene", arg=scene)
+        proved(page)
         page.evaluate("() => workbench.store.select([0])")
         for width in (400, 1400, 3840):
             page.set_viewport_size({"width": width, "height": 900})

@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from nonsmooth.reports.interface.array import load
-from nonsmooth.reports.workbench.documents import document_of, opened
+from nonsmooth.reports.workbench.documents import document_of, opened, written
 from nonsmooth.reports.workbench.worker import answers
 from tests.browser import needs_chromium
 from tests.reports.workbench.workbench_page import Opened, document, edited, settled
@@ -207,30 +207,20 @@ def test_everything_built_in_is_listed(server: Workbench) -> None:
     found = server.ask("/api/scenes").json
     assert {"four-wheel", "flower"} <= {scene["name"] for scene in found["scenes"]}
     assert {rule["name"] for rule in found["rules"]} == {"nearest", "box", "ellipse", "roller"}
-    assert found["opened"] is None
-
-
-def test_a_file_in_another_folder_is_opened(tmp_path: Path) -> None:
-    """Its address has slashes, which are those of a route, too: the usual scene was shown in its place."""
-    file = tmp_path / "table.toml"
-    file.write_text(
-        "grid = { rows = 2, columns = 2, pitch = 1 }\nfriction = { mu_roll = 1, mu_side = 1 }\n", encoding="utf-8"
-    )
-    running = Workbench(tmp_path, str(file))
-    try:
-        assert running.ask("/api/scenes").json["opened"] == str(file)
-        reply = running.ask(f"/api/scenes/{quote(str(file), safe='')}")
-        assert (reply.status, len(reply.json["document"]["wheel"])) == (200, 4)
-    finally:
-        running.stop()
+    assert found["opened"] == server.scene  # of which the command line named none, or the one below
 
 
 # ---- A server that is killed and started again: pages and tokens outlive it, its workers do not.
 
 
 @needs_chromium
-def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: Workbench) -> None:
-    """With the token that it has, which outlives the server, too; the workers do not."""
+def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: Workbench, tmp_path: Path) -> None:
+    """With the token that it has, which outlives the server, too; the workers do not.
+
+    It is started again with a file in another folder, which does not take the place of what the page holds.
+    """
+    file = tmp_path / "table.toml"
+    file.write_text(written({**document_of("four-wheel"), "friction": {"mu_roll": 1, "mu_side": 1}}), encoding="utf-8")
     opened = Opened(browser, server.address)
     page = opened.page
     token, began, pids = server.token, server.ask("/api/health").json["started"], server.workers()
@@ -241,6 +231,7 @@ def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: 
     assert "does not answer" in page.locator("#banner").inner_text()
     page.keyboard.press("ArrowUp")  # nothing stops the hand
     assert document(page)["wheel"][0]["position"] != [1, 1]
+    server.scene = str(file)
     server.start()
     assert server.token == token
     assert server.ask("/api/health").json["started"] != began
@@ -250,6 +241,14 @@ def test_a_killed_server_is_told_and_the_page_goes_on(browser: Browser, server: 
     assert shown == pytest.approx(document(page)["wheel"][0]["position"][0])
     opened.context.close()
     assert not any(map(_lives, pids))
+    assert_opened(server, file)
+
+
+def assert_opened(server: Workbench, file: Path) -> None:
+    """Its address has slashes, which are those of a route, too: the usual scene was shown in its place."""
+    assert server.ask("/api/scenes").json["opened"] == str(file)
+    reply = server.ask(f"/api/scenes/{quote(str(file), safe='')}")
+    assert (reply.status, reply.json["document"]["friction"]) == (200, {"mu_roll": 1, "mu_side": 1})
 
 
 def _lives(pid: int) -> bool:
