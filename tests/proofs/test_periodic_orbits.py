@@ -278,7 +278,7 @@ def test_integrating_factors_are_found(name: str) -> None:
 
 
 SHORT = [("irrational", "INTEGRAL"), ("a pendulum on a spring", "SYMMETRY")]
-ENERGIES = {"conservative", "sides of two degrees"}  # integrals that are polynomials on cells: a V that is kept
+ENERGIES = {"conservative"}  # integrals that are polynomials: a V that is kept
 CENTRES = [(own, "LYAPUNOV" if own in ENERGIES else "INTEGRAL") for own in KEPT]
 CENTRES += [(own, "SYMMETRY") for own in REVERSED]
 
