@@ -324,6 +324,17 @@ def judge_rate(own: FloatInclusion, said: Record, half: float) -> str:
     return f"V falls to {after[late][0]:.3g} and not to {bound[late][0]:.3g}" if late.any() else ""
 
 
+def judge_arrival(own: FloatInclusion, said: str, half: float) -> str:
+    """Of polygons that come nearer by two tenths the second tenth takes less time than the first."""
+    starts = own.sphere(half / 10)
+    places, times = own.follow(starts, 4 * STEPS)
+    sizes = np.linalg.norm(places, axis=2) / np.linalg.norm(starts, axis=1)
+    arrived = sizes.min(axis=0) <= 0.01
+    first, second = (times[np.argmax(sizes <= share, axis=0), np.arange(len(starts))] for share in (0.1, 0.01))
+    slow = arrived & (second - first > 0.9 * first)
+    return f"a polygon takes {first[slow][0]:.3g}, then {(second - first)[slow][0]:.3g}" if slow.any() else ""
+
+
 def judge_gain(own: FloatInclusion, said: Record, half: float) -> str:
     """At places off all surfaces the derivative of V along ``v + d`` is that of the rate and ``gamma |d|`` at most."""
     half = half if said["within"] is None else float(Fraction(said["within"]))
@@ -359,5 +370,6 @@ JUDGES: dict[str, Callable[[FloatInclusion, Any, float], str]] = {
     "attracts": judge_region,
     "outside": judge_outside,
     "rate": judge_rate,
+    "arrives": judge_arrival,
     "gain": judge_gain,
 }
