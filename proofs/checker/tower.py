@@ -203,7 +203,11 @@ class Number:
     def _operand(self, value: Real) -> Number:
         return value if isinstance(value, Number) else self.field.rational(value)
 
-    def __add__(self, value: Real, sign: int = 1) -> Number:
+    def __add__(self, value: Real) -> Number:
+        return self._plus(value, 1)
+
+    def _plus(self, value: Real, sign: int) -> Number:
+        """The sum, or with the sign -1 the difference."""
         other = self._operand(value)
         charge(len(self.terms) + len(other.terms), self.words + other.words)
         if not other.terms:
@@ -218,7 +222,7 @@ class Number:
         return Number(self.field, {monomial: -c for monomial, c in self.terms.items()}, self.bottom)
 
     def __sub__(self, value: Real) -> Number:
-        return self.__add__(value, -1)
+        return self._plus(value, -1)
 
     def __rsub__(self, other: Real) -> Number:
         return -self + other
