@@ -568,7 +568,6 @@ def test_known_degrees(rhs: list[str], degree: int) -> None:
     "rhs",
     [
         ["y", "z", "-sgn(x)"],
-        ["y", "z", "sgn(x) - x - y - z"],
         ["y", "z + x**2", "-2*sgn(x) - sgn(y) - z"],
         ["y", "z", "u", "v", "-sgn(x)"],
         ["y", "z", "-sgn(x) + u", "-u + x"],
@@ -580,6 +579,14 @@ def test_the_function_of_a_relay_is_certified(rhs: list[str]) -> None:
     (entry,) = certificate["evidence"]
     assert entry["theorem"] == "instability"
     assert entry["hypotheses"]["second"]["functions"]
+    assert not contradiction(certificate["statement"], 1 / 16)
+
+
+@thorough  # the small ones: test_solutions_that_leave_are_certified_and_followed
+def test_one_solution_is_certified_where_a_relay_pushes_out() -> None:
+    certificate = certificate_of(decided(["y", "z", "sgn(x) - x - y - z"]))
+    (entry,) = certificate["evidence"]
+    assert entry["theorem"] == "escape"
     assert not contradiction(certificate["statement"], 1 / 16)
 
 
