@@ -37,6 +37,7 @@ WINDOW = 20  # steps over which a pose is averaged
 SLOW = 0.04  # speed of the mean, of the fastest wheel's, below which steps are halved; above thrice it, doubled
 RESTS = 5e-3  # the same with the shortest steps, over a few windows: the body rests
 WINDOWS = 4  # in a row for rest
+DRIFTS = 2.0  # of how far its mean moves: a body that goes no farther within a window moves smoothly
 CHATTER = 6.0  # shortest steps of the fastest wheel: how far a pose at rest may go to and fro; farther, it circles
 CROSSINGS = 8.0  # of the array at the fastest wheel's speed: the last time unless one is given
 
@@ -96,6 +97,7 @@ class _State:
         self.extents = np.zeros((count, 3))  # of the poses in the last window
         self.turning = np.full(count, np.nan)  # mean rates of theta
         self.quiet = np.zeros(count, int)  # windows in a row with the shortest steps
+        self.drifts = np.zeros(count, bool)  # slowly and smoothly, so that long steps do
 
     @property
     def going(self) -> Indices:
@@ -207,15 +209,19 @@ class ManyPaths:
         short = state.steps[paths] <= shortest * 1.001
         waits = short & (drift < SLOW)
         full = waits & (state.quiet[paths] >= WINDOWS)
-        chatters = self._distance(state.extents[paths]) < CHATTER * shortest * (self._fastest or 1.0)
-        rests = full & (drift < RESTS) & chatters
+        extents, fastest = self._distance(state.extents[paths]), self._fastest or 1.0
+        rests = full & (drift < RESTS) & (extents < CHATTER * shortest * fastest)
+        ways = DRIFTS * drift * fastest * WINDOW * state.steps[paths]
+        state.drifts[paths[full & (drift >= RESTS) & (extents <= ways)]] = True
+        state.drifts[paths[(drift < RESTS) | (extents > ways)]] = False
+        drifts = state.drifts[paths]
         state.poses[paths[rests]] = state.means[paths[rests]]
         state.end(paths[rests], BodyEnd.REST)
         state.quiet[paths] = np.where(waits & ~full, state.quiet[paths] + 1, 0)
         again = ~waits | full
         state.anchors[paths[again]] = state.means[paths[again]]
         state.quiet[paths[again & short]] = 1
-        slower, faster = paths[(drift < SLOW) & ~short], paths[(drift > 3 * SLOW)]
+        slower, faster = paths[(drift < SLOW) & ~short & ~drifts], paths[(drift > 3 * SLOW) | drifts]
         state.steps[slower] /= 2
         state.anchors[slower] = np.nan
         state.steps[faster] = np.minimum(2 * state.steps[faster], longest)

@@ -302,6 +302,24 @@ def test_rates_by_cells_are_those_of_the_words_of_the_rule(rule: str, count: int
         np.testing.assert_allclose(rate, [v_x - omega * pose[1], v_y + omega * pose[0], omega], atol=1e-9)
 
 
+def test_a_body_that_drifts_slowly_takes_long_steps(tmp_path: Path) -> None:
+    """It turns by a degree in a second until other wheels carry it; the shortest steps would take 200 windows."""
+    file = tmp_path / "carton.toml"
+    file.write_text(
+        '[grid]\nrows = 3\ncolumns = 4\n[field]\nkind = "spiral"\nangle = "pi/200"\nspeed = "unit"\n'
+        '[body]\nshape = "rectangle"\nwidth = 3\nheight = "2.2"\n[friction]\nmu_roll = 1\nmu_side = 1\n'
+        '[contact]\nrule = "ellipse"\n'
+    )
+    scene, start, until = load_scene(file), (0.1, 0.05, 0.0), 20.0
+    windows: list[str] = []
+    paths = ManyPaths(scene, smooth_rule_of(scene))
+    found = paths.follow(np.array([start]), until, lambda done, total, up_to: windows.append(up_to))
+    assert found.by(BodyEnd.TIME)[0]
+    assert len(windows) < 60
+    end = BodyPath(contacts_under(smooth_rule_of(scene), scene), scene).follow(start, until).end
+    assert found.poses[0] == pytest.approx(end.state, abs=1e-4)
+
+
 @thorough  # the small one: test_ends_agree_with_paths_by_events
 def test_bodies_end_by_cells_where_their_paths_by_events_do(tmp_path: Path) -> None:
     scene = carton_file(tmp_path, "nearest", "1/2")
