@@ -211,6 +211,7 @@ class ManyPaths:
         full = waits & (state.quiet[paths] >= WINDOWS)
         extents, fastest = self._distance(state.extents[paths]), self._fastest or 1.0
         rests = full & (drift < RESTS) & (extents < CHATTER * shortest * fastest)
+        # who goes to and fro goes farther within a window than its mean does, and needs the shortest steps
         ways = DRIFTS * drift * fastest * WINDOW * state.steps[paths]
         state.drifts[paths[full & (drift >= RESTS) & (extents <= ways)]] = True
         state.drifts[paths[(drift < RESTS) | (extents > ways)]] = False
