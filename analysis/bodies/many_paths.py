@@ -38,6 +38,7 @@ SLOW = 0.04  # speed of the mean, of the fastest wheel's, below which steps are 
 RESTS = 5e-3  # the same with the shortest steps, over a few windows: the body rests
 WINDOWS = 4  # in a row for rest
 DRIFTS = 2.0  # of how far its mean moves: a body that goes no farther within a window moves smoothly
+DRIFT_STEPS = 4  # of the longest steps: what slow and smooth bodies take
 CHATTER = 6.0  # shortest steps of the fastest wheel: how far a pose at rest may go to and fro; farther, it circles
 CROSSINGS = 8.0  # of the array at the fastest wheel's speed: the last time unless one is given
 
@@ -87,10 +88,10 @@ class BodyEnds:
 class _State:
     """All paths."""
 
-    def __init__(self, starts: Floats, step: float) -> None:
+    def __init__(self, starts: Floats, longest: float) -> None:
         count = len(starts)
         self.poses, self.times = starts.copy(), np.zeros(count)
-        self.steps = np.full(count, step)
+        self.longest, self.steps = longest, np.full(count, longest)
         self.reasons: Indices = np.full(count, -1)
         self.over = np.full((count, 2), NOBODY)
         self.means, self.anchors = starts.copy(), np.full((count, 3), np.nan)
@@ -151,7 +152,7 @@ class ManyPaths:
         state, field = _State(starts, longest), ManyRates(self._motions(len(starts)), self._outline, starts)
         while len(state.going):
             self._window(state, field, last)
-            self._judge(state, longest)
+            self._judge(state)
             if report is not None:
                 going = state.going
                 reached = float(state.times[going].min()) if len(going) else last
@@ -189,7 +190,9 @@ class ManyPaths:
         paths, poses, rates = paths[stands], poses[stands], here.rates[stands]
         if not len(paths):
             return
+        reach = state.longest * self._fastest / np.maximum(self._distance(rates), 1e-300)
         steps = np.minimum(state.steps[paths], last - state.times[paths])
+        steps = np.where(state.drifts[paths], np.minimum(steps, reach), steps)
         there = field.at(poses + steps[:, None] * rates, paths)
         usable = ~there.tips & there.known
         mean = np.where(usable[:, None], (rates + there.rates) / 2, rates)
@@ -197,9 +200,9 @@ class ManyPaths:
         state.times[paths] += steps
         state.end(paths[state.times[paths] >= last * (1 - 1e-12)], BodyEnd.TIME)
 
-    def _judge(self, state: _State, longest: float) -> None:
+    def _judge(self, state: _State) -> None:
         """Shorten and lengthen steps by how fast the means move, and end what rests."""
-        paths = state.going
+        paths, longest = state.going, state.longest
         shortest = longest / 2**HALVINGS
         spans = WINDOW * state.steps[paths]
         spans *= np.maximum(state.quiet[paths], 1)
@@ -225,7 +228,8 @@ class ManyPaths:
         slower, faster = paths[(drift < SLOW) & ~short & ~drifts], paths[(drift > 3 * SLOW) | drifts]
         state.steps[slower] /= 2
         state.anchors[slower] = np.nan
-        state.steps[faster] = np.minimum(2 * state.steps[faster], longest)
+        state.steps[faster] *= 2
+        state.steps[paths] = np.minimum(state.steps[paths], np.where(drifts, DRIFT_STEPS * longest, longest))
 
     def _distance(self, differences: Floats) -> Floats:
         """Sizes of differences of poses, as lengths; of places alone under a rule that leaves headings at rest open."""
@@ -347,17 +351,20 @@ class Motions(Protocol):
         """
 
 
+RECENT = 3  # twists that a path remembers: trial poses, and the two sides of an edge, each have one of their own
+
+
 class LeastDissipation:
-    """The motions that dissipate the least, each found from the last twist of its path."""
+    """The motions that dissipate the least, each found from that of the last few twists of its path which does best."""
 
     def __init__(self, model: ContactModel, size: float, count: int) -> None:
         """For a number of paths of a body of some size."""
-        self._least, self._size, self._last = LeastTwists(model, size), size, np.zeros((count, 3))
+        self._least, self._size, self._recent = LeastTwists(model, size), size, np.zeros((count, RECENT, 3))
 
     def of(self, near: Indices, carrying: Mask, levers: Floats, poses: Floats, paths: Indices) -> tuple[Floats, Mask]:
         """See :meth:`Motions.of`."""
-        found = self._least.of(near, carrying, levers, self._last[paths])
-        self._last[paths] = found.rates
+        found = self._least.of(near, carrying, levers, self._recent[paths])
+        self._recent[paths] = np.concatenate([found.rates[:, None], self._recent[paths, :-1]], axis=1)
         return found.rates / [1.0, 1.0, self._size], found.known
 
 

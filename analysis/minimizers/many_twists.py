@@ -3,7 +3,7 @@
 ``w_i = W_i x - t_i`` is the slip of contact i, weighted by its friction, and ``x = (c', size theta')``.  The norms are
 smoothed to ``rho_i = sqrt(|w_i|^2 + g^2)``, so that contacts may stick: the twist moves by the order of g.  Newton's
 method with the forces as unknowns of their own (:meth:`nonsmooth.symbolic.mechanics.friction_set.UnitDiscs.approach`)
-settles in a few steps from the twist of the step before; a step that D grows along is halved.
+settles in a few steps from a twist nearby, such as one of the steps before; a step that D grows along is halved.
 """
 
 from __future__ import annotations
@@ -60,15 +60,18 @@ class Contacts(NamedTuple):
         """Of some bodies."""
         return Contacts(*(array[chosen] for array in self))
 
-    def moved(self, x: Floats) -> tuple[Floats, Floats]:
-        """``W x`` along and across, each (m, k), of x (m, 3)."""
-        moves, k = (self.rows @ x[..., None])[..., 0], self.loads.shape[1]
-        return moves[:, :k], moves[:, k:]
+    def moved(self, x: Floats) -> Floats:
+        """``W x`` along and across, shape (2, m, k), of x (m, 3)."""
+        return self._pairs(self.rows @ x[..., None])
 
-    def slips(self, x: Floats) -> tuple[Floats, Floats]:
+    def slips(self, x: Floats) -> Floats:
         """``W x - t``."""
-        (along, across), k = self.moved(x), self.loads.shape[1]
-        return along - self.targets[:, :k], across - self.targets[:, k:]
+        return self._pairs((self.rows @ x[..., None])[..., 0] - self.targets)
+
+    def _pairs(self, sides: Floats) -> Floats:
+        """Entries along before those across, of each body, as an array (2, m, k)."""
+        count, k = self.loads.shape
+        return sides.reshape(count, 2, k).swapaxes(0, 1)
 
     def total(self, pairs: Floats) -> Floats:
         """``W^T`` of pairs (2, m, k): shape (m, 3)."""
@@ -94,8 +97,9 @@ class ManyTwists:
         self._unit, self.work = speed or 1.0, 0
         self._smoothing = SMOOTHING_OF_ROLLERS if rollers else SMOOTHING
 
-    def minimize(self, contacts: Contacts, start: Floats) -> tuple[Floats, Mask]:
-        """``x`` of shape (m, 3) from others, and whether it settled."""
+    def minimize(self, contacts: Contacts, starts: Floats) -> tuple[Floats, Mask]:
+        """``x`` of shape (m, 3) from the best of others (m, s, 3), and whether it settled."""
+        start = _best(contacts, starts, self._smoothing * self._unit)
         return self._again(contacts, *self.track(contacts, start), np.zeros_like(start), 1.0)
 
     def follow(self, contacts: Contacts, start: Floats) -> tuple[Floats, Mask]:
@@ -131,61 +135,109 @@ class ManyTwists:
     def _settle(self, contacts: Contacts, start: Floats, smoothing: float) -> tuple[Floats, Mask]:
         """Newton's method at one g."""
         found, settled, g = start.copy(), np.zeros(len(start), bool), smoothing * self._unit
-        at, sets, slips = np.arange(len(start)), UnitDiscs(contacts.cuts), contacts.slips(start)
-        turning = sets.rollers(*slips)
-        forces = np.array(sets.rounded_arc(slips[0], slips[1] - turning, g)[1:])
+        at, now = np.arange(len(start)), _Iterate.at(contacts, start, g)
         for _ in range(STEPS):
             self.work += EACH_STEP + len(at) * (SMALLEST + contacts.rows.shape[1] * contacts.rows.shape[2] ** 2)
-            x = found[at]
-            step, change, turns = _newton_step(contacts, sets, x, forces, turning, g)
-            share = _downhill(contacts, x, step, turning, turns, g)
-            found[at] = x + share * step
-            forces = forces + change
-            forces /= np.maximum(sets.gauge(*forces), 1.0)
-            turning = turning + share * turns
-            sizes = np.maximum(np.abs(step).max(axis=1), np.abs(turns).max(axis=1, initial=0.0))
+            step = _newton_step(contacts, now, g)
+            share = _downhill(contacts, now, step, g)
+            found[at] += share * step.twists
+            now = now.after(step, share)
+            sizes = np.maximum(np.abs(step.twists).max(axis=1), np.abs(step.turning).max(axis=1, initial=0.0))
             settled[at[sizes <= SETTLED * self._unit]] = True
             going = (sizes > SETTLED * self._unit) & (sizes < LOST * self._unit)
             if not going.any():
                 break
-            at, contacts, forces, turning = at[going], contacts.take(going), forces[:, going], turning[going]
-            sets = UnitDiscs(contacts.cuts)
+            if not going.all():
+                at, contacts, now = at[going], contacts.take(going), now.take(going)
         return found, settled & np.isfinite(found).all(axis=1)
 
 
-def _newton_step(
-    contacts: Contacts, sets: UnitDiscs, x: Floats, forces: Floats, turning: Floats, g: float
-) -> tuple[Floats, Floats, Floats]:
-    """Of x (m, 3), of the forces (2, m, k), which are unknowns of their own, and of the speeds of rollers (m, k)."""
-    near = sets.approach(contacts.slips(x), forces, turning, g)
-    gradient = contacts.total(contacts.loads * (forces + near.move))
+class _Step(NamedTuple):
+    """A step of Newton's method of m bodies: of twists (m, 3), and of what an iterate holds."""
+
+    twists: Floats
+    slips: Floats
+    forces: Floats
+    turning: Floats
+
+
+class _Iterate(NamedTuple):
+    """Where Newton's method has come with m bodies, k contacts each.
+
+    Attributes:
+        sets: the friction sets.
+        slips: ``W x - t``, shape (2, m, k).
+        forces: unknowns of their own, (2, m, k).
+        turning: the speeds of rollers (m, k).
+    """
+
+    sets: UnitDiscs
+    slips: Floats
+    forces: Floats
+    turning: Floats
+
+    @classmethod
+    def at(cls, contacts: Contacts, x: Floats, g: float) -> _Iterate:
+        """Of twists (m, 3), with the forces and rollers of their slips."""
+        sets, slips = UnitDiscs(contacts.cuts), contacts.slips(x)
+        turning = sets.rollers(*slips)
+        forces = np.array(sets.rounded_arc(slips[0], slips[1] - turning, g)[1:])
+        return cls(sets, slips, forces, turning)
+
+    def take(self, chosen: Mask | Indices) -> _Iterate:
+        """Of some bodies."""
+        sets = UnitDiscs(self.sets.cut[chosen])
+        return _Iterate(sets, self.slips[:, chosen], self.forces[:, chosen], self.turning[chosen])
+
+    def after(self, step: _Step, share: Floats) -> _Iterate:
+        """With forces within their sets, after a share (m, 1) of the steps of slips and of rollers."""
+        forces = self.forces + step.forces
+        forces /= np.maximum(self.sets.gauge(*forces), 1.0)
+        return self._replace(
+            slips=self.slips + share * step.slips, forces=forces, turning=self.turning + share * step.turning
+        )
+
+    def values(self, loads: Floats, g: float) -> Floats:
+        """The smoothed D, shape (m,)."""
+        along, across = self.slips
+        return np.asarray((loads * self.sets.rounded_support(along, across, self.turning, g)).sum(axis=1))
+
+
+def _newton_step(contacts: Contacts, now: _Iterate, g: float) -> _Step:
+    """The step of all unknowns, the forces and the speeds of rollers among them."""
+    near = now.sets.approach(now.slips, now.forces, now.turning, g)
+    gradient = contacts.total(contacts.loads * (now.forces + near.move))
     hessian = contacts.hessian(contacts.loads * near.rates)
     trace = np.trace(hessian, axis1=1, axis2=2)
-    hessian += (REGULAR * np.abs(trace) + 1e-300)[:, None, None] * np.eye(x.shape[1])
-    step: Floats = -np.linalg.solve(hessian, gradient[..., None])[..., 0].astype(np.float64, copy=False)
-    change = near.change(*contacts.moved(step))
-    return step, change, np.broadcast_to(near.turned(change), turning.shape)
+    hessian += (REGULAR * np.abs(trace) + 1e-300)[:, None, None] * np.eye(hessian.shape[1])
+    twists: Floats = -np.linalg.solve(hessian, gradient[..., None])[..., 0].astype(np.float64, copy=False)
+    slips = contacts.moved(twists)
+    forces = near.change(*slips)
+    return _Step(twists, slips, forces, np.broadcast_to(near.turned(forces), now.turning.shape))
 
 
-def _downhill(contacts: Contacts, x: Floats, step: Floats, turning: Floats, turns: Floats, g: float) -> Floats:
+def _downhill(contacts: Contacts, now: _Iterate, step: _Step, g: float) -> Floats:
     """The share (m, 1) of a step, halved until the smoothed D does not grow."""
-    before = _value(contacts, x, turning, g) * (1 + ROUNDING)
-    shares, trying = np.ones((len(x), 1)), np.arange(len(x))
+    highest = now.values(contacts.loads, g) * (1 + ROUNDING)
+    shares, trying = np.ones((len(highest), 1)), np.arange(len(highest))
+    loads, own = contacts.loads, step
     for _ in range(HALVINGS):
-        share = shares[trying]
-        ahead = x[trying] + share * step[trying], turning[trying] + share * turns[trying]
-        there = _value(contacts.take(trying) if len(trying) < len(x) else contacts, *ahead, g)
-        trying = trying[~(there <= before[trying])]
-        if not len(trying):
+        ahead = now._replace(
+            slips=now.slips + shares[trying] * own.slips, turning=now.turning + shares[trying] * own.turning
+        )
+        grows = ~(ahead.values(loads, g) <= highest[trying])
+        if not grows.any():
             break
+        trying, loads, now = trying[grows], loads[grows], now.take(grows)
+        own = _Step(own.twists[grows], own.slips[:, grows], own.forces[:, grows], own.turning[grows])
         shares[trying] /= 2
     return shares
 
 
-def _value(contacts: Contacts, x: Floats, turning: Floats, g: float) -> Floats:
-    """The smoothed D, shape (m,)."""
-    sets = UnitDiscs(contacts.cuts)
-    return np.asarray((contacts.loads * sets.rounded_support(*contacts.slips(x), turning, g)).sum(axis=1))
+def _best(contacts: Contacts, starts: Floats, g: float) -> Floats:
+    """That one of some twists (m, s, 3) of each body at which the smoothed D is least, shape (m, 3)."""
+    values = [_Iterate.at(contacts, starts[:, k], g).values(contacts.loads, g) for k in range(starts.shape[1])]
+    return np.asarray(starts[np.arange(len(starts)), np.argmin(values, axis=0)])
 
 
 class MovingTwists:
@@ -389,7 +441,7 @@ class LeastTwists:
             wheels: their numbers.
             carrying: which of them carry.
             levers: where they are.
-            start: rates (m, 3) to start from.
+            start: rates (m, s, 3), of which each body starts from those that dissipate the least.
         """
         loads, balanced = loads_of(self._model, wheels, carrying, levers)
         rows, targets = self._rows.at(wheels, levers, self._size)
@@ -420,6 +472,6 @@ class MotionsOnSets:
         known = np.zeros(len(centres), bool)
         if len(stands):
             order, under, reaches = carrying_first(carrying[stands], levers[stands])
-            found = self._least.of(order, under, reaches, start[stands])
+            found = self._least.of(order, under, reaches, start[stands, None])
             rates[stands], known[stands], loads[stands[:, None], order] = found.rates, found.known, found.loads
         return SetMotions(rates, loads, known)

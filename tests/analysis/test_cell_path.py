@@ -31,11 +31,13 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.analysis.minimizers.many_twists import (
     EACH_STEP,
+    ManyTwists,
     MovingTwists,
     RowsOfWheels,
     elastic_loads_of,
     widest_gaps,
 )
+from nonsmooth.analysis.minimizers.many_twists import Contacts as ManyContacts
 from nonsmooth.analysis.trajectories import smooth_ends as smooth_ends_module
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, smooth_ends
@@ -300,6 +302,25 @@ def test_rates_by_cells_are_those_of_the_words_of_the_rule(rule: str, count: int
     for pose, rate in zip(poses[~found.tips], found.rates[~found.tips], strict=True):
         v_x, v_y, omega = words(np.flatnonzero(outline.depths(pose) > 0).tolist(), pose[:2])
         np.testing.assert_allclose(rate, [v_x - omega * pose[1], v_y + omega * pose[0], omega], atol=1e-9)
+
+
+def test_twists_are_sought_from_the_best_of_several_starts() -> None:
+    """A body that goes to and fro has two motions in turn, each near the last but one."""
+    chance, bodies, wheels = np.random.default_rng(3), 30, 6
+    rows, targets = chance.normal(size=(bodies, wheels, 2, 3)), chance.normal(size=(bodies, wheels, 2))
+    contacts = ManyContacts.of(rows, targets, chance.uniform(0, 1, (bodies, wheels)), np.ones((bodies, wheels)))
+    afar = chance.normal(scale=3, size=(bodies, 1, 3))
+
+    def found_from(starts: np.ndarray) -> tuple[np.ndarray, int]:
+        twists = ManyTwists(float(np.abs(targets).max()), rollers=False)
+        found, settled = twists.minimize(contacts, starts)
+        assert settled.all()
+        return found, twists.work
+
+    least, long = found_from(afar)
+    again, short = found_from(np.concatenate([afar, least[:, None]], axis=1))
+    assert again == pytest.approx(least, abs=1e-6)
+    assert 3 * short < long
 
 
 def test_a_body_that_drifts_slowly_takes_long_steps(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from nonsmooth.analysis.bodies.many_paths import BodyEnd, ManyPaths
 from nonsmooth.analysis.bodies.path import BodyPath
@@ -18,6 +19,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from tests.benchmarks.conftest import Stopwatch
 
 MOST_SECONDS = 60.0  # of this process
+MOST_OF_TWELVE = 8.0  # the same, of 21 x 21 starts over twelve wheels
 STARTS = 20
 PLACE_ERROR, HEADING_ERROR = 0.01, 0.02  # of the spacing, and radians
 NEAR = 0.02  # a start so close to others with other ends lies near a border of basins
@@ -44,6 +46,32 @@ def test_a_map_of_2500_starts_takes_less_than_a_minute(stopwatch: Stopwatch, tmp
     stopwatch.report(f"50 x 50 starts over 20 x 20 wheels: {wall:.1f} s, {used:.1f} s of processors, {rests} rest")
     assert not found.by(BodyEnd.UNKNOWN).any()
     assert used < MOST_SECONDS
+
+
+@pytest.mark.parametrize(
+    ("side", "angle", "height"),
+    [
+        pytest.param("1", "0", "2", id="paths that chatter at edges"),
+        pytest.param("1/2", "0", "2", id="two motions in turn on the same wheels"),
+        pytest.param("1", "pi/200", "2.2", id="bodies that turn on slowly"),
+    ],
+)
+def test_a_map_over_twelve_wheels(side: str, angle: str, height: str, stopwatch: Stopwatch, tmp_path: Path) -> None:
+    file = tmp_path / "carton.toml"
+    file.write_text(
+        f'[grid]\nrows = 3\ncolumns = 4\n[field]\nkind = "spiral"\nangle = "{angle}"\nspeed = "unit"\n'
+        f'[body]\nshape = "rectangle"\nwidth = 3\nheight = "{height}"\n'
+        f'[friction]\nmu_roll = 1\nmu_side = "{side}"\n[contact]\nrule = "ellipse"\n'
+    )
+    scene, used = load_scene(file), time.process_time()
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(pose_starts(scene, 21, 0.0))
+    used = time.process_time() - used
+    rests = int(found.by(BodyEnd.REST).sum())
+    stopwatch.report(
+        f"21 x 21 starts over 12 wheels: {used:.1f} s of processors, {rests} rest (asked {MOST_OF_TWELVE})"
+    )
+    assert not found.by(BodyEnd.UNKNOWN).any()
+    assert used < MOST_OF_TWELVE
 
 
 def test_ends_agree_with_paths_by_events(stopwatch: Stopwatch, tmp_path: Path) -> None:
