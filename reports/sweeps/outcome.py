@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.contact_rule import rule_of
@@ -107,10 +108,16 @@ def without_file(error: SceneError) -> str:
 
 
 COEFFICIENTS = ("mu_roll", "mu_side")  # of friction, as key paths end
+KEPT = 5_000  # outcomes of earlier scenes: as many as those of a long axis under each order of friction
 
 
 def outcomes_of(
-    base: Base, paths: Sequence[Path], scenes: Iterable[Sequence[Entry]], *, failures: bool = False
+    base: Base,
+    paths: Sequence[Path],
+    scenes: Iterable[Sequence[Entry]],
+    *,
+    failures: bool = False,
+    earlier: dict[Hashable, Outcome] | None = None,
 ) -> list[Outcome]:
     """Check scenes of a sweep one after the other, and follow the paths by which they are compared all together.
 
@@ -121,13 +128,19 @@ def outcomes_of(
         paths: the numbers that vary.
         scenes: their values in each scene.
         failures: also ask what happens when any one wheel fails.
+        earlier: the outcomes of the last scenes of this sweep by what they follow from, to which those of these scenes
+            are added.
     """
+    earlier = {} if earlier is None else earlier
     known: dict[Hashable, _Decided] = {}  # until the end of the job
-    begun = [_begun(base, paths, entries, known, failures=failures) for entries in scenes]
+    begun = [_begun(base, paths, entries, known, earlier, failures=failures) for entries in scenes]
     decided = list(dict.fromkeys(one for one in begun if isinstance(one, _Decided)))
     samples = [one.sample for one in decided if one.sample is not None]
     ends = iter(ends_from(samples) if samples else ())
     ended = {one: _ended(one, ends) for one in decided}
+    earlier.update((source, ended[one]) for source, one in known.items())
+    for source in list(islice(earlier, max(len(earlier) - KEPT, 0))):
+        del earlier[source]
     return [ended[one] if isinstance(one, _Decided) else one for one in begun]
 
 
@@ -159,6 +172,7 @@ def _begun(
     paths: Sequence[Path],
     entries: Sequence[Entry],
     known: dict[Hashable, _Decided],
+    earlier: Mapping[Hashable, Outcome],
     *,
     failures: bool,
 ) -> _Decided | Outcome:
@@ -173,6 +187,8 @@ def _begun(
                 found = _decided(scene, failures=failures)
                 return _ended(found, iter(ends_from([found.sample]))) if found.sample else found
             source = _follows_from(scene, paths, entries)
+            if source in earlier:
+                return earlier[source]
             if source not in known:
                 last = known[next(reversed(known))].printed.check.partition if known else None
                 known[source] = _decided(scene, failures=failures, built=last)

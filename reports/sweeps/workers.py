@@ -14,9 +14,10 @@ import threading
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
 from itertools import islice
@@ -48,13 +49,15 @@ class Task(NamedTuple):
     entries: tuple[Entry, ...]
 
 
-class Work(NamedTuple):
-    """What every scene of a sweep shares."""
+@dataclass(frozen=True)
+class Work:
+    """What every scene of a sweep shares, and what this process found so far."""
 
     base: Base
     paths: tuple[Path, ...]
     failures: bool
     cells: bool = False  # cells of the grid instead of scenes
+    earlier: dict[Hashable, Outcome] = field(default_factory=dict, compare=False, repr=False)
 
     def outcome(self, entries: Sequence[Entry]) -> Outcome:
         """Check one scene, or one cell."""
@@ -65,7 +68,7 @@ class Work(NamedTuple):
         begun = _begun_in_time(scenes)
         if self.cells:
             return [cell_outcome(self.base, self.paths, entries) for entries in begun]
-        return outcomes_of(self.base, self.paths, begun, failures=self.failures)
+        return outcomes_of(self.base, self.paths, begun, failures=self.failures, earlier=self.earlier)
 
 
 def _begun_in_time(scenes: Iterable[Sequence[Entry]]) -> Iterator[Sequence[Entry]]:

@@ -214,7 +214,7 @@ def test_a_scene_that_kills_its_workers_is_refused_and_no_other(
     deaths: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(workers_module, "DEATHS", deaths)
-    pool = ProcessPool(Deadly(*work()), 2)
+    pool = ProcessPool(Deadly(**vars(work())), 2)
     try:
         waiting = [
             Task(f"key {name}", (name, str(tmp_path / "deaths"))) for name in ("a", "b", "c", "deadly", *"defghijk")
@@ -236,7 +236,7 @@ def test_a_scene_that_kills_its_workers_is_refused_and_no_other(
 
 
 def test_a_fault_of_a_scene_is_raised_with_the_lines_of_its_worker() -> None:
-    pool = ProcessPool(Deadly(*work()), 1)
+    pool = ProcessPool(Deadly(**vars(work())), 1)
 
     def wait() -> None:
         while True:

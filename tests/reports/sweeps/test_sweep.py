@@ -6,7 +6,7 @@ import csv
 import json
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from fractions import Fraction
 from importlib.util import find_spec
 from itertools import product
@@ -398,6 +398,13 @@ def test_of_friction_counts_what_the_rule_sees(
     monkeypatch.setattr(outcome_module, "_decided", counted)
     assert outcomes_of(base, paths, scenes, failures=failures) == alone
     assert len(checked) == checks
+    earlier: dict[Hashable, Any] = {}  # of one job after the other
+    jobs = [outcomes_of(base, paths, [scene], failures=failures, earlier=earlier) for scene in scenes]
+    assert [outcome for job in jobs for outcome in job] == alone
+    assert len(checked) == 2 * checks
+    monkeypatch.setattr(outcome_module, "KEPT", 1)  # the last one alone
+    assert outcomes_of(base, paths, scenes[-1:], failures=failures, earlier=earlier) == alone[-1:]
+    assert len(earlier) == 1
 
 
 @thorough  # the small one: test_a_wheel_of_a_table_varies_on_its_own
