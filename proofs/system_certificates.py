@@ -19,6 +19,7 @@ from typing import Any
 from nonsmooth.proofs.checker.basin import NAMES
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
+from nonsmooth.proofs.checker.parts import roots_of
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
@@ -306,14 +307,24 @@ def by_parts(parts: Parts, system: System) -> Draft:
         NotShownError: where one of them has no certificate.
     """
     try:
-        evidence = [certificate_of(own)["evidence"] for own in parts.results]
+        known = [certificate_of(own) for own in parts.results]
     except NoCertificateError as error:
         raise NotShownError(f"a part has no certificate: {error}") from None
-    entries = [next((own for own in found if parts.carried and _has_rate(own)), found[0]) for found in evidence]
+    entries = [
+        next((entry for entry in own["evidence"] if parts.carried and _has_rate(entry)), own["evidence"][0])
+        for own in known
+    ]
     slide = parts.slide
     if slide is None:
-        pairs = zip(parts.results, entries, strict=True)
-        listed = [{"states": list(own.scene.stated_states), "entry": entry} for own, entry in pairs]
+        listed: list[Record] = [
+            {"states": list(result.scene.stated_states), "entry": entry}
+            for result, entry in zip(parts.results, entries, strict=True)
+        ]
+        if roots_of(system):
+            for entry, own in zip(listed, known, strict=True):
+                entry.update(_roots_in(own["statement"]["subject"]))
+        if len(listed) > 1 and parts.results[-1].verdict is Translation.UNSTABLE:
+            listed[-1]["leaves"] = True
         for k in parts.carried:
             listed[k]["carried"] = True
         entry, statements = Search().entry(system, "cascade", {"parts": listed})
@@ -321,6 +332,11 @@ def by_parts(parts: Parts, system: System) -> Draft:
         hypotheses = {"cells": slide.cells, "surface": slide.number, "state": slide.state, "entry": entries[0]}
         entry, statements = Search().entry(system, "sliding", hypotheses)
     return Draft([entry], statements, [])
+
+
+def _roots_in(subject: Record) -> Record:
+    """The roots of states that a subject names, none where it has none, and their orders."""
+    return {"roots": [], **{key: subject[key] for key in ("roots", "orders") if key in subject}}
 
 
 def _has_rate(entry: Record) -> bool:

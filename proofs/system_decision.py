@@ -237,9 +237,10 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
     """Blocks of states one after the other, with those that drive them at the point.
 
     A block that none drives says that the whole is unstable where it is, and may rest; others have to attract, or to
-    be stable and driven by what comes fast to the point.
+    be stable and driven by what comes fast to the point.  One that stable ones drive says it too, of one field.
     """
     from nonsmooth.proofs.parts import Parts, cascade
+    from nonsmooth.symbolic.files.system_builder import stated_lists
 
     try:
         blocks = list(cascade(point.system))
@@ -252,8 +253,12 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
         if block.is_driven and any(result.exit_status for result in found):
             continue  # what is driven says nothing of the whole any more
         found.append(_decided_part(block.system))
-        if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
-            return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
+        if found[-1].verdict is Translation.UNSTABLE:
+            said = _said(block, found[-1])
+            if not block.is_driven:
+                return Finding(Method.STATES, Translation.UNSTABLE, said, proofs=Parts((found[-1],)))
+            if len(stated_lists(point.system)) == 1:
+                return Finding(Method.CASCADE, Translation.UNSTABLE, said, proofs=Parts(tuple(found)))
     resting = [k for k, result in enumerate(found) if result.verdict is Translation.STABLE]
     carried = frozenset(k for k in resting if blocks[k].is_driven)
     parts = Parts(tuple(found), carried=carried)

@@ -8,13 +8,18 @@ semicontinuous, is in it.
 
 *Cascade.*  The states are listed in parts, and the right-hand sides of each hold no states of later ones.  Each part is
 judged with the earlier ones at the point.  If all are asymptotically stable so is the whole; it is stable if each part
-is that, or is stable and holds no states of others; and unstable if one is that holds no states of others.  *Proof.*
+is that, or is stable and holds no states of others; and unstable if one is that holds no states of others, or holds
+those of stable ones, where there is one right-hand side.  *Proof.*
 By induction over the parts: let x be the states of those before and y those of the next one, asymptotically stable for
 ``x = 0``.  There is a smooth W that is positive and falls off ``y = 0`` there (Clarke, Ledyaev and Stern 1998).  By
 continuity, for every ``0 < d < c`` that are small enough, there is an r with ``W' < 0`` where ``d <= W(y) <= c`` and
 ``|x| <= r``.  If x stays within r, no solution leaves ``W <= c``; if x tends to 0 then W falls below every d.  A part
 that is stable and holds no others stays near by itself.  Solutions of a part that holds no others are those of the
-first components of solutions of the whole, so one that leaves is enough.  (Vidyasagar 1980; Seibert and Florio 1995.)
+first components of solutions of the whole, so one that leaves is enough.  Stable parts x may stay at the point: 0 is a
+mixture of their velocities there.  These jump with x alone and those of y with y alone, so that each of the former goes
+with each of the latter, and y may leave meanwhile.  (Vidyasagar 1980; Seibert and Florio 1995.)
+Velocities with roots of ``Abs(x)`` are continuous in x as well, and W belongs to the inclusion of the states y: whether
+a part is judged in its states or in roots of these (:mod:`.roots`) makes no difference to its verdict.
 
 A part y that is *carried* may be only stable, by a W that does not rise and does not bend where fields jump, where each
 part x that drives it holds no states of others and has a V with ``V' <= -kappa V`` or ``V' <= -kappa``.  *Proof.*
@@ -47,6 +52,7 @@ from .formulas import Formula, WaveAt, parsed
 from .homogeneous import show_homogeneous
 from .polynomials import Coefficient, Polynomial, constant, lie_derivative
 from .positivity import Proofs
+from .roots import RootedSystem, read_roots
 from .theorems import (
     ASYMPTOTICALLY_STABLE,
     STABLE,
@@ -109,18 +115,26 @@ class Part(System):
         return super().fields(known, wave)
 
 
-def part_of(system: System, chosen: Sequence[str], replaced: Sequence[Replaced]) -> Part:
-    """The system of some states, with others replaced.
+@dataclass(frozen=True)
+class RootedPart(Part, RootedSystem):
+    """A part of a system with roots of states: in the roots of some of its own, which may be none."""
+
+
+def part_of(
+    system: System, chosen: Sequence[str], replaced: Sequence[Replaced], roots: Mapping[str, int] | None = None
+) -> Part:
+    """The system of some states, in the roots of some of these, with others replaced.
 
     Raises:
         RejectedError: where its formulas are not continuous in a replaced state.
     """
-    require(system.coordinates == system.states, "parts without roots of states")
     numbers = [system.states.index(name) for name in chosen]
     rhs = tuple(tuple(side[k] for k in numbers) for side in system.rhs)
     place = tuple(system.at[k] for k in numbers)
     before = system.replaced if isinstance(system, Part) else ()
     part = Part(tuple(chosen), rhs, place, system.numbers, system.order, (*before, *replaced))
+    if isinstance(system, RootedSystem):
+        part = RootedPart(**vars(part), roots=roots or {})
     known = {own.name for own in replaced}
     for tree in trees(part):
         for call in jumps(tree):
@@ -159,8 +173,10 @@ def factors_of(node: ast.AST) -> list[ast.AST]:
 
 
 def base_of(node: ast.AST) -> str:
-    """What a factor vanishes with: v in v, -v, v/2, v**2, Abs(v) and sqrt(Abs(v))."""
+    """What a factor vanishes with: v in v, -v, v/2, v**2, Abs(v), sqrt(Abs(v)) and Abs(v)**(2/3)."""
     match node:
+        case ast.BinOp(ast.Call(ast.Name("Abs"), [inner]), ast.Pow(), ast.BinOp(ast.Constant(), ast.Div())):
+            return base_of(inner)
         case ast.UnaryOp(operand=inner) | ast.BinOp(op=ast.Div(), left=inner):
             return base_of(inner)
         case ast.BinOp(op=ast.Pow(), left=inner, right=ast.Constant(value=int(power))) if power > 0:
@@ -186,7 +202,8 @@ def depends_on(system: System, tree: ast.AST) -> set[str]:
 def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """The verdict by parts; see the head of this file.
 
-    Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it, and perhaps ``carried``.
+    Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it, and perhaps ``carried`` or
+    ``leaves``; of a subject with roots also ``roots`` and ``orders``, in which the entry is.
     """
     (listed,) = take(hypotheses, "parts")
     require_formulas(system)
@@ -195,21 +212,31 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
     verdicts = set()
     for one in items(listed, most=system.count):
-        names, entry, carried = take(one, "states entry", "carried")
+        names, entry, carried, leaves, listed_roots, orders = take(one, "states entry", "carried leaves roots orders")
         chosen = [text(name) for name in items(names, most=system.count)]
         require(chosen and set(chosen) <= set(system.states) - set(known), "states of parts that are no others'")
         require(len(set(chosen)) == len(chosen), "different states")
-        part = part_of(system, chosen, [Replaced(name, at) for name in known])
+        require(
+            (listed_roots is None) != bool(roots_of(system)),
+            "roots of parts just where the subject has roots",
+        )
+        require(listed_roots or orders is None, "orders of roots")
+        roots = read_roots(listed_roots, orders, chosen) if listed_roots else {}
+        require(set(roots) <= set(roots_of(system)), "roots of states of which the subject has roots")
+        part = part_of(system, chosen, [Replaced(name, at) for name in known], roots)
         drivers = set[str]().union(*(depends_on(system, tree) for tree in trees(part))) & set(known)
         alone, shown = not drivers, shown_of(part, entry, proofs)
         verdict = stability_in(shown)
         if verdict == UNSTABLE:
-            require(alone, "an unstable part that holds no states of others")
+            driven = leaves is True and len(system.rhs) == 1
+            require(alone or driven, "an unstable part by itself, or that leaves with one right-hand side")
             return [{"stability": UNSTABLE}]
+        require(leaves is None, "parts that leave are unstable")
         if carried is None:
             require(verdict == ASYMPTOTICALLY_STABLE or alone, "a part that attracts, or holds no states of others")
         else:
             require(carried is True and drivers <= fading, "a part that is carried by what comes fast to the point")
+            require(not roots_of(system), "carried parts without roots of states")
             require_smooth(entry)
         if alone and any("rate" in own and own["rate"]["kind"] != "algebraic" for own in shown):
             fading |= set(chosen)
@@ -217,6 +244,11 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         known += chosen
     require(len(known) == system.count, "parts with all states")
     return [{"stability": STABLE if STABLE in verdicts else ASYMPTOTICALLY_STABLE}]
+
+
+def roots_of(system: System) -> Mapping[str, int]:
+    """The states of a system that it has roots of, with their orders."""
+    return system.roots if isinstance(system, RootedSystem) else {}
 
 
 def require_smooth(entry: Any) -> None:

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 
 from .cells import Face, Inclusion, System, read_system
 from .formulas import Formula, SignOf, WaveAt, parts_without_calls
-from .polynomials import Coefficient, Polynomial, solve
+from .polynomials import Coefficient, Polynomial, constant, solve
 from .positivity import Claim, Inequality
 from .work import BUDGET, RejectedError, items, require, take, whole
 
@@ -101,16 +101,21 @@ def read_subject(data: Any) -> System:
         return read_system(data)
     states, rhs, at, listed, given, numbers = take(data, "states rhs at roots", "orders numbers")
     own = read_system({"states": states, "rhs": rhs, "at": at, "numbers": [] if numbers is None else numbers})
-    roots = tuple(items(listed, most=len(own.states)))
-    known = all(type(name) is str and name in own.states for name in roots)
+    system = RootedSystem(own.states, own.rhs, own.at, own.numbers, roots=read_roots(listed, given, own.states))
+    require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
+    require(not set(system.coordinates) & set(own.numbers), "names of numbers that are no roots")
+    return system
+
+
+def read_roots(listed: Any, given: Any, states: Sequence[str]) -> dict[str, int]:
+    """The states of which there are roots, each with the order of its root; two where none are given."""
+    roots = tuple(items(listed, most=len(states)))
+    known = all(type(name) is str and name in states for name in roots)
     require(roots and known and len(set(roots)) == len(roots), "roots of different states")
     squares = [2] * len(roots)
     orders = [whole(order, MAX_ORDER) for order in items(squares if given is None else given, len(roots))]
     require(min(orders) >= 2, "roots of an order of two at least")
-    system = RootedSystem(own.states, own.rhs, own.at, own.numbers, roots=dict(zip(roots, orders, strict=True)))
-    require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
-    require(not set(system.coordinates) & set(own.numbers), "names of numbers that are no roots")
-    return system
+    return dict(zip(roots, orders, strict=True))
 
 
 def signed_root(value: Coefficient, order: int) -> Fraction:
@@ -192,7 +197,14 @@ class RootedFormula(Formula):
                 whole_power = power * root.order
                 require(whole_power.denominator == 1, "powers of the roots that are listed")
                 return root.size(sign_of).power(int(whole_power))
+            case ast.Call(func=ast.Name(id="Abs"), args=[ast.Name(id=name)], keywords=[]) if self._is_number(name):
+                value = signed_root(self.states[name].at_origin, power.denominator)
+                return constant(self.count, abs(value) ** power.numerator)
         raise RejectedError("roots of Abs of states that are listed")
+
+    def _is_number(self, name: str) -> bool:
+        """Whether a state is replaced by its coordinate of the point, as those are that drive a part."""
+        return name in self.states and not self.states[name].degree
 
 
 def show_crossed(inclusion: Inclusion, k: int, root: Polynomial) -> None:

@@ -634,17 +634,18 @@ def centres() -> Iterator[Case]:
     yield kept("powers", ["6*(x + 1)*(x + 2*y)", "-3*(7*x + 2*y)*(y + 1)"], lines)
 
 
-def entry_about(states: str, rhs: Sequence[str], theorem: str, hypotheses: Record) -> Record:
+def entry_about(states: str, rhs: Sequence[str], theorem: str, hypotheses: Record, **more: Any) -> Record:
     """A theorem about some states, with evidence that is searched now."""
-    own = {"states": states.split(), "rhs": [list(rhs)], "at": ["0"] * len(rhs)}
+    own = {"states": states.split(), "rhs": [list(rhs)], "at": ["0"] * len(rhs), **more}
     return Search(WORK).entry(read_subject(own), theorem, hypotheses)[0]
 
 
 def cascades() -> Iterator[Case]:
     """States that drive others: degenerate ones, one pair that turns, and one that leaves."""
 
-    def case(name: str, rhs: Any, *parts: tuple[str, Record]) -> Case:
+    def case(name: str, rhs: Any, *parts: tuple[str, Record], **last: Any) -> Case:
         listed = [{"states": names.split(), "entry": entry} for names, entry in parts]
+        listed[-1] |= last
         return Case(f"cascade-{name}", subject(rhs), "cascade", {"parts": listed})
 
     def falls(states: str, *rhs: str, verdict: str = ATTRACTS) -> tuple[str, Record]:
@@ -656,6 +657,8 @@ def cascades() -> Iterator[Case]:
     yield case("turning", ["y", "-x", "-z + x*y"], weak, falls("z", "-z"))
     leaves = "x", entry_about("x", ["x"], "instability", instability("-x**2", cells(), ["1"]))
     yield case("leaves", ["x", "-y + x"], leaves)
+    driven = "y", entry_about("y", ["y"], "instability", instability("-y**2", cells(), ["1"]))
+    yield case("driven-leaves", ["-x", "y + x"], falls("x", "-x"), driven, leaves=True)
     both = [["-x", "-y + x"], ["-x", "-y - x"]]
     yield case("switching", both, falls("x", "-x"), falls("y", "-y"))
     for kind, rhs, function in (("exponential", "-x", "x**2"), ("finite", "-sign(x)", "Abs(x)")):
@@ -665,6 +668,11 @@ def cascades() -> Iterator[Case]:
         listed = [fast, {"states": ["y", "z"], "entry": rests, "carried": True}]
         sides = subject([rhs, "z + x", "-y + x*y"])
         yield Case(f"cascade-carried-{kind}", sides, "cascade", {"parts": listed})
+    root, about = "-sign(x)*sqrt(Abs(x))", {"roots": ["x"]}
+    first = entry_about("x", [root], "lyapunov", lyapunov("root_x**2", cells("root_x", within="1/2")), **about)
+    _, second = falls("y", "-y**3")
+    listed = [{"states": ["x"], "entry": first, **about}, {"states": ["y"], "entry": second, "roots": []}]
+    yield Case("cascade-roots", subject([root, "-y**3 + Abs(x)**(1/2)"]) | about, "cascade", {"parts": listed})
 
 
 def slides() -> Iterator[Case]:

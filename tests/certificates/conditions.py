@@ -556,6 +556,9 @@ def of_parts() -> Iterator[Forgery]:
     def parts(*listed: tuple[list[str], Record]) -> Record:
         return {"parts": [{"states": names, "entry": own} for names, own in listed]}
 
+    def with_last(hypotheses: Record, more: Record) -> Record:
+        return {"parts": [*hypotheses["parts"][:-1], hypotheses["parts"][-1] | more]}
+
     leaves = {"cells": cube("1"), "function": "-(y**2)", "second": None, "direction": ["1"]}
     out = {"theorem": "instability", "hypotheses": leaves, "proofs": {"cell  field 0": ON_PARTS}}
     x, y = (["x"], entry("x**2")), (["y"], entry("y**2"))
@@ -565,7 +568,6 @@ def of_parts() -> Iterator[Forgery]:
         ("states of parts that are no others'", ATTRACTS, ["-x", "y"], parts(x, x)),
         ("different states", ATTRACTS, ["-x", "y"], parts((["x", "x"], x[1]), y)),
         ("a part that attracts, or holds no states of others", STABLE, ["-x", "x"], parts(x, resting)),
-        ("an unstable part that holds no states of others", UNSTABLE, ["-x", "y + x"], parts(x, (["y"], out))),
         ("formulas in the states", UNSTABLE, ["-nearest", "y"], parts((["y"], out))),
         ("formulas that are continuous in what is replaced", ATTRACTS, ["-x", "2*y*sign(x)**2 - y"], parts(x, y)),
         (
@@ -599,8 +601,24 @@ def of_parts() -> Iterator[Forgery]:
         own = parts(*first, (names, last if isinstance(last, dict) else entry(f"{names[0]}**2", "stable")))
         own["parts"][-1]["carried"] = isinstance(last, dict) or last
         yield forged(because, STABLE, rhs, "cascade", own)
-    roots = {"roots": ["x"]}
-    yield forged("parts without roots of states", ATTRACTS, ["-x", "-y"], "cascade", parts(x, y), **roots)
+    because = "an unstable part by itself, or that leaves with one right-hand side"
+    both = [["-x", "y + x"], ["-x", "y - x"]]
+    for sides, leaving in ((both[:1], {}), (both, {"leaves": True})):
+        two = {"states": ["x", "y"], "rhs": sides, "at": ["0", "0"]}
+        yield of_subject(because, two, [UNSTABLE], "cascade", with_last(parts(x, (["y"], out)), leaving), {})
+    own = with_last(parts(x, y), {"leaves": True})
+    yield forged("parts that leave are unstable", ATTRACTS, ["-x", "-y"], "cascade", own)
+    because, roots = "roots of parts just where the subject has roots", {"roots": ["x"]}
+    yield forged(because, ATTRACTS, ["-x", "-y"], "cascade", parts(x, y), **roots)
+    yield forged(because, ATTRACTS, ["-x", "-y"], "cascade", with_last(parts(y, x), roots))
+    others = {"parts": [{**one, "roots": one["states"][:1]} for one in parts(x, y)["parts"]]}
+    because = "roots of states of which the subject has roots"
+    yield forged(because, ATTRACTS, ["-x", "-y"], "cascade", others, roots=["y"])
+    bare = {"parts": [{**one, "roots": [], "orders": []} for one in parts(x, y)["parts"]]}
+    yield forged("orders of roots", ATTRACTS, ["-x", "-y"], "cascade", bare, **roots)
+    carried = {"parts": [{**one, "roots": []} for one in parts(fast, (["y"], entry("y**2", "stable")))["parts"]]}
+    because = "carried parts without roots of states"
+    yield forged(because, STABLE, ["-x", "x"], "cascade", with_last(carried, {"carried": True}), **roots)
     for because, rhs, surface, state in (
         ("a surface that all cells lead to", ["y", "sign(x + y)"], "x + y", "y"),
         ("a surface through the point that gives the state", ["-x", "1 - sign(y - 1)"], "y - 1", "y"),

@@ -52,6 +52,8 @@ CARRIED = {
     "a spring of second degree, pushed": ["y", "-x*Abs(x) + z", "-z"],
 }
 
+SUPER_TWISTING = ["y - 3/2*sqrt(Abs(x))*sign(x)", "-11/10*sign(x)"]
+
 # No polynomial V is known for these; what the states do one after the other is by hand.
 CASCADES = {
     "a cube drives a cube": (["-x**3", "-y**3 + x"], None, ATTRACTS),
@@ -59,6 +61,11 @@ CASCADES = {
     "rotation drives": (["y", "-x", "-z**3 + x*z + x*y"], None, RESTS),
     "a sine of what drives": (["-x**3", "-y**3 + sin(x)"], None, ATTRACTS),
     **{name: (rhs, None, RESTS) for name, rhs in CARRIED.items()},
+    "super-twisting drives a cube": ([*SUPER_TWISTING, "-z**3 + sqrt(Abs(x))"], None, ATTRACTS),
+    "super-twisting drives what leaves": ([*SUPER_TWISTING, "z + sqrt(Abs(x))"], None, LEAVES),
+    "roots of unlike orders": (["-sqrt(Abs(x))*sign(x)", "-Abs(y)**(2/3)*sign(y) + Abs(x)**(1/4)"], None, ATTRACTS),
+    "roots elsewhere": (["-sqrt(Abs(x))*sign(x)", "2 - y + Abs(x)**(1/3) - sign(y - 2)"], [0, 2], ATTRACTS),
+    "stable ones drive what leaves": (["y", "-x", "z**3 + x"], None, LEAVES),
 }
 SLIDES = {
     "zero dynamics of third degree": (["y", "z", "-sign(x**3 + y + z)"], None, ATTRACTS),
@@ -190,10 +197,11 @@ def random_relay(source: random.Random) -> list[str]:
 
 def random_cascade(source: random.Random) -> list[str]:
     """Three states, each driven by those before, with nonlinear terms."""
-    falls = [source.choice(["-{}**3", "-sign({})", "-{}", "-{}*Abs({})", "{}"]) for _ in range(3)]
+    root = "-sign({})*sqrt(Abs({}))"
+    falls = [source.choice(["-{}**3", "-sign({})", "-{}", "-{}*Abs({})", "{}", root]) for _ in range(3)]
     drives = [
         "0",
-        source.choice(["x", "x**2", "y*x", "Abs(x)"]),
+        source.choice(["x", "x**2", "y*x", "Abs(x)", "sqrt(Abs(x))"]),
         source.choice(["y", "x*z", "z**2*x", "sat(y, -1, 1)"]),
     ]
     pairs = zip("xyz", zip(falls, drives, strict=True), strict=True)
