@@ -2,10 +2,11 @@
 
 The steps are explicit (Heun's), of a length of their own for each path.  At an edge a path chatters from one contact
 set to the other: the discrete form of Filippov's sliding, right to the order of a step.  Means over windows of steps
-smooth it out: where the mean hardly moves, steps are halved, and a path whose mean still hardly moves with the
-shortest steps rests (of a rule that keeps rows, the place: the steps drift to a heading there, at a rate that the rule
-leaves open), unless it goes to and fro by many steps: then it circles, and is followed to the last time.  A path ends
-too where the body tips and where no wheel is left under it.  Nothing is proved.
+smooth it out: where the mean hardly moves, steps are halved.  A path whose mean still hardly moves with the shortest
+steps rests (of a rule that keeps rows, the place: the steps drift to a heading there, at a rate that the rule leaves
+open), unless it goes to and fro by many steps: then it circles, and is followed to the last time.  One that moves on
+slowly, and within a window no farther than its mean does, drifts smoothly, and takes long steps again.  A path ends too
+where the body tips and where no wheel is left under it.  Nothing is proved.
 """
 
 from __future__ import annotations
