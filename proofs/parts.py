@@ -30,10 +30,12 @@ class CascadeBlock:
     Attributes:
         system: of its states, with the others at the point.
         is_driven: whether others drive it.
+        jumps: whether its velocities jump with states of others.
     """
 
     system: SwitchedSystem
     is_driven: bool
+    jumps: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,34 +71,45 @@ class Parts:
         results: of each part, in an order in which none drives an earlier one.
         slide: the surface on which the only part is looked at; None of a cascade.
         carried: the numbers of parts that are only stable, though others drive them.
+        jumping: of those whose velocities jump with states of others.
     """
 
     results: tuple[DecidedSystem, ...] = field(compare=False)  # the sentence of the finding says what they are
     slide: SlidingSurface | None = field(default=None, compare=False)
     carried: frozenset[int] = field(default=frozenset(), compare=False)
+    jumping: frozenset[int] = field(default=frozenset(), compare=False)
 
 
-def cascade(system: SwitchedSystem) -> Iterator[CascadeBlock]:
+def cascade(system: SwitchedSystem, *, jumping: bool = False) -> Iterator[CascadeBlock]:
     """The blocks of a system, of which none drives an earlier one.
+
+    Args:
+        system: in any number of states.
+        jumping: whether velocities of a block may jump with states of earlier ones.
 
     Raises:
         SceneError: for formulas that cannot be used with the other states at the point.
     """
     at = dict(zip(system.stated_states, map(str, system.stated_point), strict=True))
-    drivers = drivers_of(system)
+    drivers = drivers_of(system, jumping=jumping)
     for driving in sorted({tuple(filter(own.__contains__, at)) for own in drivers.values()}, key=len):
         states = tuple(name for name in driving if drivers[name] == set(driving))
         others = {name: f"({value})" for name, value in at.items() if name not in states}
-        yield CascadeBlock(part_of(system, states, others), is_driven=states != driving)
+        own = [_under_jumps(tree) for name, tree in _trees(system) if name in states]
+        jumps = any(names & others.keys() for names in own)
+        yield CascadeBlock(part_of(system, states, others), is_driven=states != driving, jumps=jumps)
 
 
-def drivers_of(system: SwitchedSystem) -> dict[str, set[str]]:
-    """By state, all on which its velocity depends, directly or by others; itself among them."""
+def drivers_of(system: SwitchedSystem, *, jumping: bool = False) -> dict[str, set[str]]:
+    """By state, all on which its velocity depends, directly or by others; itself among them.
+
+    Unless velocities may be ``jumping`` with what drives them, it depends on them in turn: they are in one block.
+    """
     states = system.stated_states
     found = {name: {name} for name in states}
     for name, tree in _trees(system):
         found[name] |= names_in(tree) & set(states)
-        for driver in _under_jumps(tree) & set(states):
+        for driver in set() if jumping else _under_jumps(tree) & set(states):
             found[driver].add(name)
     for middle in states:
         for name in states:

@@ -327,6 +327,8 @@ def by_parts(parts: Parts, system: System) -> Draft:
             listed[-1]["leaves"] = True
         for k in parts.carried:
             listed[k]["carried"] = True
+        for k in parts.jumping:
+            listed[k]["jumps"] = True
         entry, statements = Search().entry(system, "cascade", {"parts": listed})
     else:
         hypotheses = {"cells": slide.cells, "surface": slide.number, "state": slide.state, "entry": entries[0]}

@@ -238,50 +238,74 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
 
     A block that none drives says that the whole is unstable where it is, and may rest; others have to attract, or to
     be stable and driven by what comes fast to the point.  One that stable ones drive says it too, of one field.
+
+    States that velocities jump with are in one block with these; where that shows nothing, velocities may jump with
+    states of earlier blocks, if the checker accepts how they do.
     """
-    from nonsmooth.proofs.parts import Parts, cascade
-    from nonsmooth.symbolic.files.system_builder import stated_lists
+    from nonsmooth.proofs.parts import cascade
 
     try:
-        blocks = list(cascade(point.system))
+        together, apart = list(cascade(point.system)), list(cascade(point.system, jumping=True))
     except (SceneError, ExpressionError):
         return None
+    found = _decided_by_blocks(point, together)
+    return _decided_by_blocks(point, apart) if found is None and len(apart) > len(together) else found
+
+
+def _decided_by_blocks(point: CheckedPoint, blocks: Sequence[CascadeBlock]) -> Finding | None:
+    """What several blocks say of the whole."""
+    from nonsmooth.proofs.parts import Parts
+    from nonsmooth.symbolic.files.system_builder import stated_lists
+
     if len(blocks) < 2:
         return None
     found: list[StabilityResult] = []
+    is_open = False
     for block in blocks:
-        if block.is_driven and any(result.exit_status for result in found):
+        if block.is_driven and is_open:
             continue  # what is driven says nothing of the whole any more
         found.append(_decided_part(block.system))
-        if found[-1].verdict is Translation.UNSTABLE:
-            said = _said(block, found[-1])
-            if not block.is_driven:
-                return Finding(Method.STATES, Translation.UNSTABLE, said, proofs=Parts((found[-1],)))
-            if len(stated_lists(point.system)) == 1:
-                return Finding(Method.CASCADE, Translation.UNSTABLE, said, proofs=Parts(tuple(found)))
-    resting = [k for k, result in enumerate(found) if result.verdict is Translation.STABLE]
-    carried = frozenset(k for k in resting if blocks[k].is_driven)
-    parts = Parts(tuple(found), carried=carried)
-    if not all(result.exit_status == 0 for result in found) or (carried and not _is_carried(point.system, parts)):
+        if found[-1].verdict is Translation.UNSTABLE and not block.is_driven:
+            return Finding(Method.STATES, Translation.UNSTABLE, _said(block, found[-1]), proofs=Parts((found[-1],)))
+        if found[-1].verdict is Translation.UNSTABLE and len(stated_lists(point.system)) == 1:
+            said, parts = _said(block, found[-1]), _parts(blocks, found)
+            return _if_accepted(point, Finding(Method.CASCADE, Translation.UNSTABLE, said, proofs=parts))
+        is_open |= found[-1].exit_status != 0
+    if is_open:
         return None
+    rests = [result for result in found if result.verdict is Translation.STABLE]
     method = Method.CASCADE if any(block.is_driven for block in blocks) else Method.STATES
     reason = "; ".join(map(_said, blocks, found))
-    verdict = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
-    refutes = "a state by itself rests near" if any(found[k].deciding.refutes for k in resting) else ""
-    return Finding(method, verdict, reason, proofs=parts, refutes=refutes)
+    verdict = Translation.STABLE if rests else Translation.ASYMPTOTICALLY_STABLE
+    refutes = "a state by itself rests near" if any(result.deciding.refutes for result in rests) else ""
+    whole = Finding(method, verdict, reason, proofs=_parts(blocks, found), refutes=refutes)
+    return _if_accepted(point, whole)
 
 
-def _is_carried(system: SwitchedSystem, parts: Parts) -> bool:
-    """Whether the checker accepts that what drives a block that is only stable comes to the point fast enough."""
+def _parts(blocks: Sequence[CascadeBlock], found: Sequence[StabilityResult]) -> Parts:
+    """The first blocks with their results, and how they depend on each other."""
+    from nonsmooth.proofs.parts import Parts
+
+    pairs = list(enumerate(zip(blocks, found, strict=False)))
+    carried = frozenset(k for k, (block, own) in pairs if block.is_driven and own.verdict is Translation.STABLE)
+    return Parts(tuple(found), carried=carried, jumping=frozenset(k for k, (block, _) in pairs if block.jumps))
+
+
+def _if_accepted(point: CheckedPoint, finding: Finding) -> Finding | None:
+    """A finding by parts; where one is carried by others, or jumps with these, only if the checker accepts it."""
     from nonsmooth.proofs.checker.roots import read_subject
     from nonsmooth.proofs.kernel.search import NotShownError
     from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+    from nonsmooth.proofs.parts import Parts
     from nonsmooth.proofs.system_certificates import by_parts
 
+    parts = finding.proofs
+    if not isinstance(parts, Parts) or not (parts.carried or parts.jumping):
+        return finding
     with suppress(NoCertificateError, NotShownError):
-        by_parts(parts, read_subject(about(system)))
-        return True
-    return False
+        by_parts(parts, read_subject(about(point.system)))
+        return finding
+    return None
 
 
 def _said(block: CascadeBlock, result: StabilityResult) -> str:

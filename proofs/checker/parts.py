@@ -4,22 +4,24 @@ Both theorems ask about systems in fewer states, in which the other states are w
 surface.  Formulas must be continuous in what is replaced so: it may stand in the argument of no ``sign``.  Then the
 velocities of the states that are left, beside a place where the others are so, tend to those of the smaller system
 there, and to no others; and what tends to a place of a set that is closed and convex at each place, and upper
-semicontinuous, is in it.
+semicontinuous, is in it.  A part of a cascade may also *jump* with what is replaced, where this leaves of the arguments
+of all its jumps forms of first degree whose gradients are independent: then any signs of those that vanish at a place
+are met beside it in the smaller system, too, so that velocities tend to no others.
 
 *Cascade.*  The states are listed in parts, and the right-hand sides of each hold no states of later ones.  Each part is
 judged with the earlier ones at the point.  If all are asymptotically stable so is the whole; it is stable if each part
 is that, or is stable and holds no states of others; and unstable if one is that holds no states of others, or holds
-those of stable ones, where there is one right-hand side.  *Proof.*
-By induction over the parts: let x be the states of those before and y those of the next one, asymptotically stable for
-``x = 0``.  There is a smooth W that is positive and falls off ``y = 0`` there (Clarke, Ledyaev and Stern 1998).  By
-continuity, for every ``0 < d < c`` that are small enough, there is an r with ``W' < 0`` where ``d <= W(y) <= c`` and
-``|x| <= r``.  If x stays within r, no solution leaves ``W <= c``; if x tends to 0 then W falls below every d.  A part
-that is stable and holds no others stays near by itself.  Solutions of a part that holds no others are those of the
-first components of solutions of the whole, so one that leaves is enough.  Stable parts x may stay at the point: 0 is a
-mixture of their velocities there.  These jump with x alone and those of y with y alone, so that each of the former goes
-with each of the latter, and y may leave meanwhile.  (Vidyasagar 1980; Seibert and Florio 1995.)
-Velocities with roots of ``Abs(x)`` are continuous in x as well, and W belongs to the inclusion of the states y: whether
-a part is judged in its states or in roots of these (:mod:`.roots`) makes no difference to its verdict.
+those of stable ones, where there is one right-hand side.  *Proof.* By induction over the parts: let x be the states of
+those before and y those of the next one, asymptotically stable for ``x = 0``.  There is a smooth W that is positive and
+falls off ``y = 0`` there (Clarke, Ledyaev and Stern 1998).  By upper semicontinuity, for every ``0 < d < c`` that are
+small enough, there is an r with ``W' < 0`` where ``d <= W(y) <= c`` and ``|x| <= r``.  If x stays within r, no solution
+leaves ``W <= c``; if x tends to 0 then W falls below every d.  A part that is stable and holds no others stays near by
+itself.  Solutions of a part that holds no others are those of the first components of solutions of the whole, so one
+that leaves is enough.  Stable parts x may stay at the point: 0 is a mixture of their velocities there.  These jump with
+x alone, and what those of y jump with takes any signs beside each place of x, so that each of the former goes with each
+of the latter, and y may leave meanwhile.  (Vidyasagar 1980; Seibert and Florio 1995.) Velocities with roots of
+``Abs(x)`` are continuous in x as well, and W belongs to the inclusion of the states y: whether a part is judged in its
+states or in roots of these (:mod:`.roots`) makes no difference to its verdict.
 
 A part y that is *carried* may be only stable, by a W that does not rise and does not bend where fields jump, where each
 part x that drives it holds no states of others and has a V with ``V' <= -kappa V`` or ``V' <= -kappa``.  *Proof.*
@@ -50,7 +52,7 @@ from .choice import show_choice
 from .escape import show_escape
 from .formulas import Formula, WaveAt, parsed
 from .homogeneous import show_homogeneous
-from .polynomials import Coefficient, Polynomial, constant, lie_derivative
+from .polynomials import Coefficient, Polynomial, constant, lie_derivative, solve, variable
 from .positivity import Proofs
 from .roots import RootedSystem, read_roots
 from .theorems import (
@@ -109,10 +111,14 @@ class Part(System):
 
     def fields(self, place: Place, wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities at a place, for each right-hand side."""
+        return super().fields(self.whole(place), wave)
+
+    def whole(self, place: Place) -> dict[str, Polynomial]:
+        """A place with the states that are replaced."""
         known = dict(place)
         for own in reversed(self.replaced):
             known[own.name] = own.value(known)
-        return super().fields(known, wave)
+        return known
 
 
 @dataclass(frozen=True)
@@ -123,11 +129,7 @@ class RootedPart(Part, RootedSystem):
 def part_of(
     system: System, chosen: Sequence[str], replaced: Sequence[Replaced], roots: Mapping[str, int] | None = None
 ) -> Part:
-    """The system of some states, in the roots of some of these, with others replaced.
-
-    Raises:
-        RejectedError: where its formulas are not continuous in a replaced state.
-    """
+    """The system of some states, in the roots of some of these, with others replaced."""
     numbers = [system.states.index(name) for name in chosen]
     rhs = tuple(tuple(side[k] for k in numbers) for side in system.rhs)
     place = tuple(system.at[k] for k in numbers)
@@ -135,11 +137,28 @@ def part_of(
     part = Part(tuple(chosen), rhs, place, system.numbers, system.order, (*before, *replaced))
     if isinstance(system, RootedSystem):
         part = RootedPart(**vars(part), roots=roots or {})
-    known = {own.name for own in replaced}
+    return part
+
+
+def require_continuous(system: System, part: Part, known: set[str]) -> None:
+    """The formulas of a part of a system jump with none of the states that are replaced."""
     for tree in trees(part):
         for call in jumps(tree):
             require(not depends_on(system, call) & known, "formulas that are continuous in what is replaced")
-    return part
+
+
+def require_crossing(part: Part) -> None:
+    """What the formulas of a part jump with is of first degree in its states, with independent gradients."""
+    count = part.count
+    pairs = zip(part.states, part.at, strict=True)
+    numbers = {name: constant(count, number) for name, number in part.numbers.items()}
+    place = {name: variable(count, k) + constant(count, at) for k, (name, at) in enumerate(pairs)}
+    known = part.whole(place | numbers)
+    calls = {ast.unparse(call.args[0]) for tree in trees(part) for call in jumps(tree)}
+    forms = [Formula(own, known).on(no_switching) for own in sorted(calls)]
+    require(all(form.degree == 1 for form in forms), "jumps with forms of first degree in the states of a part")
+    common = solve([form - constant(count, form.at_origin) for form in forms], count) or ()
+    require(len(forms) == count - common[0].count, "jumps with forms whose gradients are independent")
 
 
 def trees(system: System) -> Iterator[ast.expr]:
@@ -202,8 +221,8 @@ def depends_on(system: System, tree: ast.AST) -> set[str]:
 def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """The verdict by parts; see the head of this file.
 
-    Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it, and perhaps ``carried`` or
-    ``leaves``; of a subject with roots also ``roots`` and ``orders``, in which the entry is.
+    Hypotheses: ``parts``, each with its ``states`` and the ``entry`` of a theorem about it, and perhaps ``carried``,
+    ``leaves`` or ``jumps``; of a subject with roots also ``roots`` and ``orders``, in which the entry is.
     """
     (listed,) = take(hypotheses, "parts")
     require_formulas(system)
@@ -212,7 +231,8 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
     verdicts = set()
     for one in items(listed, most=system.count):
-        names, entry, carried, leaves, listed_roots, orders = take(one, "states entry", "carried leaves roots orders")
+        names, entry, *more = take(one, "states entry", "carried leaves jumps roots orders")
+        carried, leaves, jumping, listed_roots, orders = more
         chosen = [text(name) for name in items(names, most=system.count)]
         require(chosen and set(chosen) <= set(system.states) - set(known), "states of parts that are no others'")
         require(len(set(chosen)) == len(chosen), "different states")
@@ -224,6 +244,11 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         roots = read_roots(listed_roots, orders, chosen) if listed_roots else {}
         require(set(roots) <= set(roots_of(system)), "roots of states of which the subject has roots")
         part = part_of(system, chosen, [Replaced(name, at) for name in known], roots)
+        if jumping is None:
+            require_continuous(system, part, set(known))
+        else:
+            require(jumping is True and carried is None, "parts that jump with others, and are not carried")
+            require_crossing(part)
         drivers = set[str]().union(*(depends_on(system, tree) for tree in trees(part))) & set(known)
         alone, shown = not drivers, shown_of(part, entry, proofs)
         verdict = stability_in(shown)
@@ -282,6 +307,7 @@ def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     slope = across.at_origin / inclusion.domain.radius
     others = [own for own in system.states if own != name]
     part = part_of(system, others, [Replaced(name, at, items(cells["surfaces"])[j], slope)])
+    require_continuous(system, part, {name})
     return [{"stability": verdict_of(part, entry, proofs)}]
 
 

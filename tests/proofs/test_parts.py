@@ -66,6 +66,14 @@ CASCADES = {
     "roots of unlike orders": (["-sqrt(Abs(x))*sign(x)", "-Abs(y)**(2/3)*sign(y) + Abs(x)**(1/4)"], None, ATTRACTS),
     "roots elsewhere": (["-sqrt(Abs(x))*sign(x)", "2 - y + Abs(x)**(1/3) - sign(y - 2)"], [0, 2], ATTRACTS),
     "stable ones drive what leaves": (["y", "-x", "z**3 + x"], None, LEAVES),
+    "sliding modes on what an observer says": ([*SUPER_TWISTING, "-z - sign(z + y)"], None, ATTRACTS),
+    "a relay that is pushed away": (["-x**3", "y**3 + sign(y + x)"], None, LEAVES),
+    "two relays beside a cube": (
+        ["-x**3", "-2*sign(y + x) - sign(z - x)", "sign(y + x) - sign(z - x)"],
+        None,
+        ATTRACTS,
+    ),
+    "a relay drives a relay, elsewhere": (["-(x - 1)**3", "1 - x - 2*sign(y + x - 1)"], [1, 0], ATTRACTS),
 }
 SLIDES = {
     "zero dynamics of third degree": (["y", "z", "-sign(x**3 + y + z)"], None, ATTRACTS),
@@ -149,6 +157,8 @@ NOTHING = [
     (["y", "-x - y"], decide_by_cascade),
     (["-x**3", "x**2*sign(y)**2"], decide_by_cascade),
     (["y", "-x + z", "-z**3"], decide_by_cascade),
+    (["-x**3", "-sign(y + x) - sign(y - x)"], decide_by_cascade),  # both signs of the sum of forms that meet
+    (["-x**3", "-sign(y**3 + x)"], decide_by_cascade),
     (["y", "sign(x + y)"], decide_by_sliding),
     (["2*x*sign(y)**2 - x", "-sign(y)"], decide_by_sliding),
     (["x", "-sign(x + y**3)"], decide_by_sliding),
@@ -201,8 +211,8 @@ def random_cascade(source: random.Random) -> list[str]:
     falls = [source.choice(["-{}**3", "-sign({})", "-{}", "-{}*Abs({})", "{}", root]) for _ in range(3)]
     drives = [
         "0",
-        source.choice(["x", "x**2", "y*x", "Abs(x)", "sqrt(Abs(x))"]),
-        source.choice(["y", "x*z", "z**2*x", "sat(y, -1, 1)"]),
+        source.choice(["x", "x**2", "y*x", "Abs(x)", "sqrt(Abs(x))", "-2*sign(y + x)"]),
+        source.choice(["y", "x*z", "z**2*x", "sat(y, -1, 1)", "sign(z - 2*y + x)", "-2*sign(z + x*y)"]),
     ]
     pairs = zip("xyz", zip(falls, drives, strict=True), strict=True)
     return [f"{fall.format(name, name)} + {drive}" for name, (fall, drive) in pairs]
