@@ -614,17 +614,17 @@ def of_parts() -> Iterator[Forgery]:
     others = {"parts": [{**one, "roots": one["states"][:1]} for one in parts(x, y)["parts"]]}
     because = "roots of states of which the subject has roots"
     yield forged(because, ATTRACTS, ["-x", "-y"], "cascade", others, roots=["y"])
-    falls = {**entry("")["hypotheses"], "cells": {**cube("1"), "surfaces": ["y"]}, "function": "y**2"}
-    relay = {"states": ["y"], "rhs": [["-2*sign(y)"]], "at": ["0"]}
-    pulled = ["y"], Search().entry(read_subject(relay), "lyapunov", falls)[0]
-    jumps = {"jumps": True}
-    for because, side, last, more in (
+    relay_falls = {**entry("")["hypotheses"], "cells": {**cube("1"), "surfaces": ["y"]}, "function": "y**2"}
+    alone = {"states": ["y"], "rhs": [["-2*sign(y)"]], "at": ["0"]}
+    pulled = ["y"], Search().entry(read_subject(alone), "lyapunov", relay_falls)[0]
+    jumps: Record = {"jumps": True}
+    for because, side, driven, more in (
         ("jumps with forms of first degree in the states of a part", "2*y*sign(x)**2 - y", y, jumps),
         ("jumps with forms whose gradients are independent", "-sign(y) - sign(y + x)", pulled, jumps),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {"jumps": False}),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {**jumps, "carried": True}),
     ):
-        yield forged(because, ATTRACTS, ["-x", side], "cascade", with_last(parts(x, last), more))
+        yield forged(because, ATTRACTS, ["-x", side], "cascade", with_last(parts(x, driven), more))
     bare = {"parts": [{**one, "roots": [], "orders": []} for one in parts(x, y)["parts"]]}
     yield forged("orders of roots", ATTRACTS, ["-x", "-y"], "cascade", bare, **roots)
     carried = {"parts": [{**one, "roots": []} for one in parts(fast, (["y"], entry("y**2", "stable")))["parts"]]}
