@@ -242,14 +242,22 @@ def decide_by_cascade(point: CheckedPoint) -> Finding | None:
     States that velocities jump with are in one block with these; where that shows nothing, velocities may jump with
     states of earlier blocks, if the checker accepts how they do.
     """
+    together = _blocks(point, jumping=False)
+    found = _decided_by_blocks(point, together)
+    if found is not None:
+        return found
+    apart = _blocks(point, jumping=True)
+    return _decided_by_blocks(point, apart) if len(apart) > len(together) else None
+
+
+def _blocks(point: CheckedPoint, *, jumping: bool) -> list[CascadeBlock]:
+    """The blocks of a cascade; none where formulas cannot be used with other states at the point."""
     from nonsmooth.proofs.parts import cascade
 
     try:
-        together, apart = list(cascade(point.system)), list(cascade(point.system, jumping=True))
+        return list(cascade(point.system, jumping=jumping))
     except (SceneError, ExpressionError):
-        return None
-    found = _decided_by_blocks(point, together)
-    return _decided_by_blocks(point, apart) if found is None and len(apart) > len(together) else found
+        return []
 
 
 def _decided_by_blocks(point: CheckedPoint, blocks: Sequence[CascadeBlock]) -> Finding | None:
