@@ -211,18 +211,13 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     known: list[str] = []
     fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
     verdicts = set()
-    for one in items(listed, most=system.count):
+    ordered = items(listed, most=system.count)
+    for one in ordered:
         names, entry, carried, leaves, listed_roots, orders = take(one, "states entry", "carried leaves roots orders")
         chosen = [text(name) for name in items(names, most=system.count)]
         require(chosen and set(chosen) <= set(system.states) - set(known), "states of parts that are no others'")
         require(len(set(chosen)) == len(chosen), "different states")
-        require(
-            (listed_roots is None) != bool(roots_of(system)),
-            "roots of parts just where the subject has roots",
-        )
-        require(listed_roots or orders is None, "orders of roots")
-        roots = read_roots(listed_roots, orders, chosen) if listed_roots else {}
-        require(set(roots) <= set(roots_of(system)), "roots of states of which the subject has roots")
+        roots = roots_of_part(system, chosen, listed_roots, orders)
         part = part_of(system, chosen, [Replaced(name, at) for name in known], roots)
         drivers = set[str]().union(*(depends_on(system, tree) for tree in trees(part))) & set(known)
         alone, shown = not drivers, shown_of(part, entry, proofs)
@@ -230,6 +225,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         if verdict == UNSTABLE:
             driven = leaves is True and len(system.rhs) == 1
             require(alone or driven, "an unstable part by itself, or that leaves with one right-hand side")
+            require(one is ordered[-1], "an unstable part that ends the list")
             return [{"stability": UNSTABLE}]
         require(leaves is None, "parts that leave are unstable")
         if carried is None:
@@ -244,6 +240,21 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         known += chosen
     require(len(known) == system.count, "parts with all states")
     return [{"stability": STABLE if STABLE in verdicts else ASYMPTOTICALLY_STABLE}]
+
+
+def roots_of_part(system: System, chosen: Sequence[str], listed: Any, orders: Any) -> Mapping[str, int]:
+    """The states of a part that it is judged in roots of, with their orders.
+
+    No root has the name of a state: a number that stands for this state would stand for the root, too.
+    """
+    require((listed is None) != bool(roots_of(system)), "roots of parts just where the subject has roots")
+    roots = {} if listed in (None, []) else read_roots(listed, orders, chosen)
+    require(roots or orders is None, "orders of roots")
+    require(set(roots) <= set(roots_of(system)), "roots of states of which the subject has roots")
+    require(
+        not {f"root_{name}" for name in roots} & set(system.states), "names of roots that are no states of any part"
+    )
+    return roots
 
 
 def roots_of(system: System) -> Mapping[str, int]:
