@@ -16,8 +16,9 @@ continuity, for every ``0 < d < c`` that are small enough, there is an r with ``
 ``|x| <= r``.  If x stays within r, no solution leaves ``W <= c``; if x tends to 0 then W falls below every d.  A part
 that is stable and holds no others stays near by itself.  Solutions of a part that holds no others are those of the
 first components of solutions of the whole, so one that leaves is enough.  Stable parts x may stay at the point: 0 is a
-mixture of their velocities there.  These jump with x alone and those of y with y alone, so that each of the former goes
-with each of the latter, and y may leave meanwhile.  (Vidyasagar 1980; Seibert and Florio 1995.)
+mixture of the velocities there of each, with the earlier ones at the point.  These jump with x alone and those of y
+with y alone, so that each of the former goes with each of the latter, and y may leave meanwhile.  (Vidyasagar 1980;
+Seibert and Florio 1995.)
 Velocities with roots of ``Abs(x)`` are continuous in x as well, and W belongs to the inclusion of the states y: whether
 a part is judged in its states or in roots of these (:mod:`.roots`) makes no difference to its verdict.
 
@@ -210,7 +211,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     at = dict(zip(system.states, system.at, strict=True))
     known: list[str] = []
     fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
-    verdicts = set()
+    verdicts, pushed = set(), False  # whether others drive a part that only rests without them
     ordered = items(listed, most=system.count)
     for one in ordered:
         names, entry, carried, leaves, listed_roots, orders = take(one, "states entry", "carried leaves roots orders")
@@ -229,7 +230,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
             return [{"stability": UNSTABLE}]
         require(leaves is None, "parts that leave are unstable")
         if carried is None:
-            require(verdict == ASYMPTOTICALLY_STABLE or alone, "a part that attracts, or holds no states of others")
+            pushed |= verdict != ASYMPTOTICALLY_STABLE and not alone
         else:
             require(carried is True and drivers <= fading, "a part that is carried by what comes fast to the point")
             require(not roots_of(system), "carried parts without roots of states")
@@ -239,6 +240,7 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         verdicts.add(verdict)
         known += chosen
     require(len(known) == system.count, "parts with all states")
+    require(not pushed, "parts that attract, or hold no states of others")
     return [{"stability": STABLE if STABLE in verdicts else ASYMPTOTICALLY_STABLE}]
 
 

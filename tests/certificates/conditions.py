@@ -567,7 +567,7 @@ def of_parts() -> Iterator[Forgery]:
         ("parts with all states", ATTRACTS, ["-x", "y"], parts(x)),
         ("states of parts that are no others'", ATTRACTS, ["-x", "y"], parts(x, x)),
         ("different states", ATTRACTS, ["-x", "y"], parts((["x", "x"], x[1]), y)),
-        ("a part that attracts, or holds no states of others", STABLE, ["-x", "x"], parts(x, resting)),
+        ("parts that attract, or hold no states of others", STABLE, ["-x", "x"], parts(x, resting)),
         ("formulas in the states", UNSTABLE, ["-nearest", "y"], parts((["y"], out))),
         ("formulas that are continuous in what is replaced", ATTRACTS, ["-x", "2*y*sign(x)**2 - y"], parts(x, y)),
         (

@@ -66,6 +66,11 @@ CASCADES = {
     "roots of unlike orders": (["-sqrt(Abs(x))*sign(x)", "-Abs(y)**(2/3)*sign(y) + Abs(x)**(1/4)"], None, ATTRACTS),
     "roots elsewhere": (["-sqrt(Abs(x))*sign(x)", "2 - y + Abs(x)**(1/3) - sign(y - 2)"], [0, 2], ATTRACTS),
     "stable ones drive what leaves": (["y", "-x", "z**3 + x"], None, LEAVES),
+    "what rests by itself drives what leaves": (
+        ["-sqrt(Abs(x))*sign(x)", "Abs(x)**(1/3)", "z**3 + y"],
+        None,
+        LEAVES,
+    ),
 }
 SLIDES = {
     "zero dynamics of third degree": (["y", "z", "-sign(x**3 + y + z)"], None, ATTRACTS),
