@@ -294,9 +294,11 @@ def _parts(blocks: Sequence[CascadeBlock], found: Sequence[StabilityResult]) -> 
     """The first blocks with their results, and how they depend on each other."""
     from nonsmooth.proofs.parts import Parts
 
+    leaves = found[-1].verdict is Translation.UNSTABLE
     pairs = list(enumerate(zip(blocks, found, strict=False)))
-    carried = frozenset(k for k, (block, own) in pairs if block.is_driven and own.verdict is Translation.STABLE)
-    return Parts(tuple(found), carried=carried, jumping=frozenset(k for k, (block, _) in pairs if block.jumps))
+    rest = frozenset(k for k, (block, own) in pairs if block.is_driven and own.verdict is Translation.STABLE)
+    jumping = frozenset(k for k, (block, _) in pairs if block.jumps)
+    return Parts(tuple(found), carried=frozenset() if leaves else rest, jumping=jumping)
 
 
 def _if_accepted(point: CheckedPoint, finding: Finding) -> Finding | None:

@@ -17,11 +17,12 @@ falls off ``y = 0`` there (Clarke, Ledyaev and Stern 1998).  By upper semicontin
 small enough, there is an r with ``W' < 0`` where ``d <= W(y) <= c`` and ``|x| <= r``.  If x stays within r, no solution
 leaves ``W <= c``; if x tends to 0 then W falls below every d.  A part that is stable and holds no others stays near by
 itself.  Solutions of a part that holds no others are those of the first components of solutions of the whole, so one
-that leaves is enough.  Stable parts x may stay at the point: 0 is a mixture of their velocities there.  These jump with
-x alone, and what those of y jump with takes any signs beside each place of x, so that each of the former goes with each
-of the latter, and y may leave meanwhile.  (Vidyasagar 1980; Seibert and Florio 1995.) Velocities with roots of
-``Abs(x)`` are continuous in x as well, and W belongs to the inclusion of the states y: whether a part is judged in its
-states or in roots of these (:mod:`.roots`) makes no difference to its verdict.
+that leaves is enough.  Stable parts x may stay at the point: 0 is a mixture of the velocities there of each, with the
+earlier ones at the point.  These jump with x alone, and what those of y jump with takes any signs beside each place of
+x, so that each of the former goes with each of the latter, and y may leave meanwhile.  (Vidyasagar 1980; Seibert and
+Florio 1995.) Velocities with roots of ``Abs(x)`` are continuous in x as well, and W belongs to the inclusion of the
+states y: whether a part is judged in its states or in roots of these (:mod:`.roots`) makes no difference to its
+verdict.
 
 A part y that is *carried* may be only stable, by a W that does not rise and does not bend where fields jump, where each
 part x that drives it holds no states of others and has a V with ``V' <= -kappa V`` or ``V' <= -kappa``.  *Proof.*
@@ -229,20 +230,15 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     at = dict(zip(system.states, system.at, strict=True))
     known: list[str] = []
     fading = set[str]()  # states of parts that come to the point so fast that what they carry hardly moves
-    verdicts = set()
-    for one in items(listed, most=system.count):
+    verdicts, pushed = set(), False  # whether others drive a part that only rests without them
+    ordered = items(listed, most=system.count)
+    for one in ordered:
         names, entry, *more = take(one, "states entry", "carried leaves jumps roots orders")
         carried, leaves, jumping, listed_roots, orders = more
         chosen = [text(name) for name in items(names, most=system.count)]
         require(chosen and set(chosen) <= set(system.states) - set(known), "states of parts that are no others'")
         require(len(set(chosen)) == len(chosen), "different states")
-        require(
-            (listed_roots is None) != bool(roots_of(system)),
-            "roots of parts just where the subject has roots",
-        )
-        require(listed_roots or orders is None, "orders of roots")
-        roots = read_roots(listed_roots, orders, chosen) if listed_roots else {}
-        require(set(roots) <= set(roots_of(system)), "roots of states of which the subject has roots")
+        roots = roots_of_part(system, chosen, listed_roots, orders)
         part = part_of(system, chosen, [Replaced(name, at) for name in known], roots)
         if jumping is None:
             require_continuous(system, part, set(known))
@@ -255,10 +251,11 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         if verdict == UNSTABLE:
             driven = leaves is True and len(system.rhs) == 1
             require(alone or driven, "an unstable part by itself, or that leaves with one right-hand side")
+            require(one is ordered[-1], "an unstable part that ends the list")
             return [{"stability": UNSTABLE}]
         require(leaves is None, "parts that leave are unstable")
         if carried is None:
-            require(verdict == ASYMPTOTICALLY_STABLE or alone, "a part that attracts, or holds no states of others")
+            pushed |= verdict != ASYMPTOTICALLY_STABLE and not alone
         else:
             require(carried is True and drivers <= fading, "a part that is carried by what comes fast to the point")
             require(not roots_of(system), "carried parts without roots of states")
@@ -268,7 +265,23 @@ def show_cascade(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
         verdicts.add(verdict)
         known += chosen
     require(len(known) == system.count, "parts with all states")
+    require(not pushed, "parts that attract, or hold no states of others")
     return [{"stability": STABLE if STABLE in verdicts else ASYMPTOTICALLY_STABLE}]
+
+
+def roots_of_part(system: System, chosen: Sequence[str], listed: Any, orders: Any) -> Mapping[str, int]:
+    """The states of a part that it is judged in roots of, with their orders.
+
+    No root has the name of a state: a number that stands for this state would stand for the root, too.
+    """
+    require((listed is None) != bool(roots_of(system)), "roots of parts just where the subject has roots")
+    roots = {} if listed in (None, []) else read_roots(listed, orders, chosen)
+    require(roots or orders is None, "orders of roots")
+    require(set(roots) <= set(roots_of(system)), "roots of states of which the subject has roots")
+    require(
+        not {f"root_{name}" for name in roots} & set(system.states), "names of roots that are no states of any part"
+    )
+    return roots
 
 
 def roots_of(system: System) -> Mapping[str, int]:

@@ -662,7 +662,9 @@ def cascades() -> Iterator[Case]:
     relay = "y", entry_about("y", ["-sign(y)"], "lyapunov", lyapunov("y**2", cells("y")))
     yield case("jumping", ["-x**3", "-sign(y + x)"], falls("x", "-x**3"), relay, jumps=True)
     crossing = {"surfaces": ["y", "z"], "within": "1", "empty": []}
-    coupled = entry_about("y z", ["-2*sign(y) + sign(z)", "-sign(z)"], "lyapunov", lyapunov("Abs(y) + 2*Abs(z)", crossing))
+    coupled = entry_about(
+        "y z", ["-2*sign(y) + sign(z)", "-sign(z)"], "lyapunov", lyapunov("Abs(y) + 2*Abs(z)", crossing)
+    )
     jumping = ["-x", "-2*sign(y - x) + sign(z + 3*x + x*y)", "-sign(z + 3*x + x*y)"]
     yield case("jumping-twice", jumping, falls("x", "-x"), ("y z", coupled), jumps=True)
     both = [["-x", "-y + x"], ["-x", "-y - x"]]

@@ -567,7 +567,7 @@ def of_parts() -> Iterator[Forgery]:
         ("parts with all states", ATTRACTS, ["-x", "y"], parts(x)),
         ("states of parts that are no others'", ATTRACTS, ["-x", "y"], parts(x, x)),
         ("different states", ATTRACTS, ["-x", "y"], parts((["x", "x"], x[1]), y)),
-        ("a part that attracts, or holds no states of others", STABLE, ["-x", "x"], parts(x, resting)),
+        ("parts that attract, or hold no states of others", STABLE, ["-x", "x"], parts(x, resting)),
         ("formulas in the states", UNSTABLE, ["-nearest", "y"], parts((["y"], out))),
         ("formulas that are continuous in what is replaced", ATTRACTS, ["-x", "2*y*sign(x)**2 - y"], parts(x, y)),
         (
@@ -606,6 +606,8 @@ def of_parts() -> Iterator[Forgery]:
     for sides, leaving in ((both[:1], {}), (both, {"leaves": True})):
         two = {"states": ["x", "y"], "rhs": sides, "at": ["0", "0"]}
         yield of_subject(because, two, [UNSTABLE], "cascade", with_last(parts(x, (["y"], out)), leaving), {})
+    ended = parts((["y"], out), x)
+    yield forged("an unstable part that ends the list", UNSTABLE, ["-x", "y"], "cascade", ended)
     own = with_last(parts(x, y), {"leaves": True})
     yield forged("parts that leave are unstable", ATTRACTS, ["-x", "-y"], "cascade", own)
     because, roots = "roots of parts just where the subject has roots", {"roots": ["x"]}
@@ -627,6 +629,17 @@ def of_parts() -> Iterator[Forgery]:
         yield forged(because, ATTRACTS, ["-x", side], "cascade", with_last(parts(x, driven), more))
     bare = {"parts": [{**one, "roots": [], "orders": []} for one in parts(x, y)["parts"]]}
     yield forged("orders of roots", ATTRACTS, ["-x", "-y"], "cascade", bare, **roots)
+    unlisted = {"parts": [{**one, "roots": False} for one in parts(x, y)["parts"]]}
+    yield forged("a list of some items", ATTRACTS, ["-x", "-y"], "cascade", unlisted, **roots)
+    # the number that stands for the state root_x would stand for the root of x, too
+    about = {"states": ["root_x", "x"], "rhs": [["1 - root_x", "x - 1"]], "at": ["1", "1"], "roots": ["root_x", "x"]}
+    hidden = parts((["root_x"], entry("root_x**2", cells=cube("1/2"))), (["x"], entry("root_x**2", "stable")))
+    for one, names in zip(hidden["parts"], ([], ["x"]), strict=True):
+        one["roots"] = names
+    hidden["parts"][-1]["entry"]["hypotheses"]["cells"] = cube("1/2")
+    hidden["parts"][-1]["entry"]["proofs"]["cell  field 0"] = {}
+    because = "names of roots that are no states of any part"
+    yield of_subject(because, about, [STABLE], "cascade", hidden, {})
     carried = {"parts": [{**one, "roots": []} for one in parts(fast, (["y"], entry("y**2", "stable")))["parts"]]}
     because = "carried parts without roots of states"
     yield forged(because, STABLE, ["-x", "x"], "cascade", with_last(carried, {"carried": True}), **roots)

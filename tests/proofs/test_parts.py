@@ -74,6 +74,11 @@ CASCADES = {
         ATTRACTS,
     ),
     "a relay drives a relay, elsewhere": (["-(x - 1)**3", "1 - x - 2*sign(y + x - 1)"], [1, 0], ATTRACTS),
+    "what rests by itself drives what leaves": (
+        ["-sqrt(Abs(x))*sign(x)", "Abs(x)**(1/3)", "z**3 + y"],
+        None,
+        LEAVES,
+    ),
 }
 SLIDES = {
     "zero dynamics of third degree": (["y", "z", "-sign(x**3 + y + z)"], None, ATTRACTS),
