@@ -217,6 +217,7 @@ def discs_and_ends(printed: Printed) -> Iterator[Contradiction]:
     if ends is None:
         return
     begin, end = ends.distances
+    swing = printed.number("position", "swings_out_to") or 0.0
     discs = (
         ("within", (Position.COMES_HOME,), 0.0),
         ("within", (Position.COMES_NEAR,), printed.number("position", "ends_within")),
@@ -225,7 +226,8 @@ def discs_and_ends(printed: Printed) -> Iterator[Contradiction]:
     for key, verdicts, most in discs:
         disc = printed.number("position", key)
         if disc is not None and most is not None and printed.position(*verdicts):
-            away = ends.leaves | (end > most + ELSEWHERE * printed.radius)
+            out = ends.leaves & (max(disc, swing) <= printed.radius)  # who may swing out of the square comes back to it
+            away = out | (end > most + ELSEWHERE * printed.radius)
             yield from _against(printed, (begin <= WELL_INSIDE * disc) & away, "position and destinations")
 
 
