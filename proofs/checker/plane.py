@@ -151,11 +151,12 @@ class Form:
         for a, b in sides:
             step = (b[0] * a[2] - a[0] * b[2], b[1] * a[2] - a[1] * b[2])
             reach, grows = cross(a, b), self.image(step)
-            least, size = self.determinant * reach * reach, self.at(step)
-            for end, sense in ((a, 1), (b, -1)):
-                if dot(grows, end).sign() * sense >= 0:
-                    least, size = self.at(end), end[2] * end[2]
-            found.append(min(reach.sign(), (least - level * size).sign()))
+            left, right = dot(grows, a).sign(), dot(grows, b).sign()
+            spare = self.determinant * reach * reach - level * dot(grows, step)
+            if left >= 0 or right <= 0:
+                end = a if left >= 0 else b
+                spare = self.at(end) - level * end[2] * end[2]
+            found.append(min(reach.sign(), spare.sign()))
         return found
 
 
