@@ -144,7 +144,7 @@ def array_verdict_rows(scene: Scene) -> Rows:
     for parameter, ratio in RATIOS.items():
         side = (ratio > 1) - (ratio < 1)
         found = ArrayVerdict(with_friction_ratio(nearest, ratio))
-        yield found.row("friction ratio", parameter, plain[side], f"mu_S/mu_R = {2.0**side:g}")
+        yield found.row("friction ratio, rule nearest", parameter, plain[side], f"mu_S/mu_R = {2.0**side:g}")
     unit = ArrayVerdict(scene)
     for power in POWERS:
         factor = Fraction(10) ** power

@@ -141,17 +141,22 @@ class Form:
         return _is_not_negative(self.p - bound, self.q, self.s - bound)
 
     def margins(self, level: Number, sides: Iterable[tuple[Vector, Vector]]) -> list[int]:
-        """For each side from a to b, points ``(X, Y, W)``: whether ``c^T P c <= level`` lies left of its line.
+        """For each side from a to b, points ``(X, Y, W)``: whether ``c^T P c <= level`` stays left of it.
 
-        1 where it lies left of it, 0 where it touches it, else -1.  With the step ``e = b - a`` and the normal n of the
-        line, ``n^T P^-1 n = e^T P e / det P``, so the ellipse reaches ``sqrt(level e^T P e / det P)`` along n, and the
-        line ``a x b``.
+        1 where it does, 0 where it touches the side, else -1.  With the step ``e = b - a`` the form grows along the
+        side where ``c . P e >= 0``: so it is least at a or at b, or between them, where that changes its sign.  There
+        it is what it is at least on the whole line, ``det P (a x b)^2/(e^T P e)``.
         """
         found = []
         for a, b in sides:
             step = (b[0] * a[2] - a[0] * b[2], b[1] * a[2] - a[1] * b[2])
-            reach = cross(a, b)
-            found.append(min(reach.sign(), (self.determinant * reach * reach - level * self.at(step)).sign()))
+            reach, grows = cross(a, b), self.image(step)
+            left, right = dot(grows, a).sign(), dot(grows, b).sign()
+            spare = self.determinant * reach * reach - level * dot(grows, step)
+            if left >= 0 or right <= 0:
+                end = a if left >= 0 else b
+                spare = self.at(end) - level * end[2] * end[2]
+            found.append(min(reach.sign(), spare.sign()))
         return found
 
 

@@ -14,7 +14,7 @@ from .contact import Cell, Cells, Motion
 from .plane import Form, around, convex_hull, outweighs
 from .positivity import Proofs
 from .theorems import Statement
-from .tower import Number, Vector, dot, is_zero, signs
+from .tower import Number, Vector, cross, dot, is_zero, signs
 from .work import items, rational, require, take
 
 MAX_STEPS = 64
@@ -112,7 +112,7 @@ def show_ellipse(cells: Cells, data: Any, *, rests: bool) -> list[Statement]:
     form, level = Form(*cells.vector(form_data, 3)), cells.parse(level_data)
     squared_radius, squared_swing = cells.parse(start), cells.parse(swing)
     sides = [side for cell in cells.listed if cell.rays is not None for side in around(cell.corners)]
-    outer = [(a, b) for a, b in sides if (a[0] * b[1] - a[1] * b[0]).sign()]
+    outer = [(a, b) for a, b in sides if cross(a, b).sign()]
     require(_is_within(form, squared_radius, level), "an ellipse that holds the disc of starts")
     require(form.scaled(squared_swing).is_at_least(level), "an ellipse in the disc that bodies stay in")
     require(min(form.margins(level, outer)) > 0, "an ellipse inside the cells at the point")

@@ -11,6 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
+from random import Random
 from typing import Any, TypeAlias
 
 import pytest
@@ -20,6 +21,7 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.certificate import build_certificate, certificate_text, stated_words
 from nonsmooth.proofs.checker.files import check_file
+from nonsmooth.proofs.checker.plane import Form
 from nonsmooth.proofs.checker.tower import Field
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
@@ -107,6 +109,58 @@ def test_a_written_file_verifies(arrays: Arrays, tmp_path: Path) -> None:
         "arrival: from abs(c0)^2 <= about 0.654508 a body is at the point after abs(c0)/1 at the latest",
         "feedback rate: the law of gain K has V' <= -2 K (2429/5000) V, V = x^2 + y^2 + theta^2",
     ]
+
+
+STAR = """
+friction = { mu_roll = "3/4", mu_side = "1/4" }
+wheel = [
+  { position = ["-1/10", "-1"], heading = "pi/6", speed = 2 },
+  { position = ["13/20", "-3/4"], heading = "inward", speed = 2 },
+  { position = [1, "-1/10"], heading = [-1, 0] },
+  { position = ["3/4", "13/20"], heading = [-4, -3], mu_side = "1/5" },
+  { position = ["1/10", 1], heading = "inward", speed = "1/2" },
+  { position = ["-13/20", "3/4"], heading = ["7/10", "-7/10"], speed = 2 },
+  { position = [-1, "1/10"], heading = "inward", mu_side = "1/5" },
+  { position = ["-3/4", "-13/20"], heading = [3, -1] },
+]
+check = { radius = "1/8" }
+"""
+
+
+def test_an_ellipse_crosses_the_line_of_a_side_beyond_that_side(tmp_path: Path) -> None:
+    path = tmp_path / "star.toml"
+    path.write_text(STAR, encoding="utf-8")
+    certificate = build_certificate(check_cells(load_scene(path)))
+    swing = said(certificate)["swing"]
+    assert Fraction(swing["squared_radius"]) == Fraction(7405, 10**6) ** 2  # of the disc that is printed
+    assert check_certificate(certificate) == ""
+    wider = {**evidence(certificate)["ellipse"], "level": "1/10000", "squared_swing": "1"}
+    evidence(certificate)["ellipse"] = wider
+    assert "an ellipse inside the cells at the point" in check_certificate(certificate)
+
+
+def test_an_ellipse_stays_left_of_a_side() -> None:
+    field, random = Field([]), Random(5)
+    met: set[tuple[Fraction | None, int]] = set()
+    while len(met) < 9:  # the nearest point within the side or at either end, and each answer
+        p, s, q = random.randint(1, 4), random.randint(1, 4), random.randint(-1, 1)
+        a, b = ((random.randint(-4, 4), random.randint(-4, 4), random.randint(1, 2)) for _ in range(2))
+        turn, level = a[0] * b[1] - a[1] * b[0], Fraction(random.randint(1, 12), 2)
+        if turn <= 0 or p * s <= q * q:
+            continue
+        ends = [(Fraction(x, w), Fraction(y, w)) for x, y, w in (a, b)]
+        step = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
+        slope = step[0] * (p * ends[0][0] + q * ends[0][1]) + step[1] * (q * ends[0][0] + s * ends[0][1])
+        share = min(
+            max(-slope / (p * step[0] ** 2 + 2 * q * step[0] * step[1] + s * step[1] ** 2), Fraction(0)), Fraction(1)
+        )
+        x, y = (start + share * along for start, along in zip(ends[0], step, strict=True))
+        least = p * x * x + 2 * q * x * y + s * y * y
+        form = Form(*(field.rational(n) for n in (p, q, s)))
+        corners = [tuple(field.rational(n) for n in end) for end in (a, b)]
+        (found,) = form.margins(field.rational(level), [(corners[0], corners[1])])
+        assert found == (least > level) - (least < level)
+        met.add((share if share in (0, 1) else None, found))
 
 
 def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:

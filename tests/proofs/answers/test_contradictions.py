@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -301,6 +302,31 @@ def test_one_mixture_of_tied_motions_that_leaves_where_the_paths_drawn_come_home
     """With equal frictions every mixture of two motions is possible; the simulator shows one of them."""
     ((_, _, said),) = study("cocircular", range(38, 39), ("nearest",))
     assert said == "leaves"
+
+
+BEYOND_THE_SQUARE = """
+friction = { mu_roll = "1/2", mu_side = "2/5" }
+wheel = [
+  { position = ["-1/5", "4/5"], heading = [7, -24], speed = "1/2" },
+  { position = ["1/5", "-4/5"], heading = "pi/3", speed = "1/2" },
+  { position = ["-33/40", "-9/40"], heading = [35, 36], speed = "3/4" },
+  { position = ["33/40", "9/40"], heading = [-35, -36], speed = "3/4" },
+]
+check = { accuracy = "1/10" }
+"""
+
+
+def test_bodies_that_leave_the_square_come_back_to_it_from_a_larger_disc(tmp_path: Path) -> None:
+    path = tmp_path / "wide.toml"
+    path.write_text(BEYOND_THE_SQUARE, encoding="utf-8")
+    check = check_theorem4(load_scene(path))
+    answered = full_answers(check, ask_others=False)
+    position, destinations = answered.answers[0], answered.destinations
+    assert position.verdict is Position.COMES_NEAR
+    assert float(position.numbers["within"]) > float(check.scene.check.radius)
+    assert destinations is not None
+    assert destinations.sampled.leaves.any()
+    assert not noticed(check, answered)
 
 
 @few(1)
