@@ -39,7 +39,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.feedback.gradient_law import SLACK
 from nonsmooth.proofs.clauses.rotation.clause import RotationResult, drift_at_rest
 from nonsmooth.proofs.clauses.translation.on_cells import SIMPLE, CertifiedDisc, TranslationResult, certified_disc
-from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, shaped
+from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, rim, shaped
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.findings import Equilibrium, Feedback, Record, encode, homogeneous
 from nonsmooth.proofs.kernel.subject import NoCertificateError
@@ -53,7 +53,7 @@ from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rational_below, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane import around, cross, dot
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, minus
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 # ---- bounds that certificates of arrays state beside the verdicts --------------------------------
@@ -124,11 +124,23 @@ def ellipse_record(translation: TranslationResult, rotation: RotationResult) -> 
         "bend": _bend(found.descent, level),
         "arrival": arrival,
     }
+    if _crosses_lines(found, level):
+        record["sides"] = True
     drift = rotation.drift
     if drift is None or any(drift.interval):
         return record
     fastest = max(rational_above(enclosure(abs(twist.omega))) for _, twist in _corner_twists(found))
     return {**record, "turn": short_above(fastest / arrival["rate"])}
+
+
+def _crosses_lines(found: QuadraticCertificate, level: Number) -> bool:
+    """Whether ``V = level`` meets the line of a side of the cells somewhere, beyond that side."""
+    a, b = found.shape
+    determinant = 1 - a * a - b * b
+    return any(
+        sign(determinant * cross(p, q) * cross(p, q) - level * found.value(minus(q, p))) <= 0
+        for p, q in rim(found.cones)
+    )
 
 
 def _form(shape: tuple[Fraction, Fraction]) -> list[Fraction]:

@@ -140,20 +140,20 @@ class Form:
         """Whether ``c^T P c >= bound |c|^2`` everywhere."""
         return _is_not_negative(self.p - bound, self.q, self.s - bound)
 
-    def margins(self, level: Number, sides: Iterable[tuple[Vector, Vector]]) -> list[int]:
+    def margins(self, level: Number, sides: Iterable[tuple[Vector, Vector]], *, whole: bool = True) -> list[int]:
         """For each side from a to b, points ``(X, Y, W)``: whether ``c^T P c <= level`` stays left of it.
 
-        1 where it does, 0 where it touches the side, else -1.  With the step ``e = b - a`` the form grows along the
-        side where ``c . P e >= 0``: so it is least at a or at b, or between them, where that changes its sign.  There
-        it is what it is at least on the whole line, ``det P (a x b)^2/(e^T P e)``.
+        1 where it does, 0 where it touches it, else -1; of the ``whole`` line, or of the side alone.  With the step
+        ``e = b - a`` the least value on the line is ``det P (a x b)^2/(e^T P e)``.  The form grows along the side
+        where ``c . P e >= 0``: so on the side it is least at a or at b, or there, if that changes its sign between.
         """
         found = []
         for a, b in sides:
             step = (b[0] * a[2] - a[0] * b[2], b[1] * a[2] - a[1] * b[2])
             reach, grows = cross(a, b), self.image(step)
-            left, right = dot(grows, a).sign(), dot(grows, b).sign()
             spare = self.determinant * reach * reach - level * dot(grows, step)
-            if left >= 0 or right <= 0:
+            left, right = dot(grows, a).sign(), dot(grows, b).sign()
+            if not whole and (left >= 0 or right <= 0):
                 end = a if left >= 0 else b
                 spare = self.at(end) - level * end[2] * end[2]
             found.append(min(reach.sign(), spare.sign()))

@@ -97,7 +97,8 @@ def show_ellipse(cells: Cells, data: Any, *, rests: bool) -> list[Statement]:
 
     *Stays*: with ``V = c^T P c`` the ellipse ``V <= L`` holds the disc ``|c|^2 <= r`` of starts and lies in the disc
     ``|c|^2 <= w``, in the support polygon, and inside the cells at the point; there V does not grow.  So no solution
-    from the disc leaves the ellipse.
+    from the disc leaves the ellipse.  It is inside these cells where it stays left of the lines of all their sides, or
+    of these sides alone: what it holds of a ray between two cells it holds up to the point.
 
     *Arrives*: let ``W = c^T Q c``, not above M on the disc, fall in the ellipse, so that sqrt(W) falls at least with
     the speed ``r_k`` where ``sqrt(W) <= (k/n) sqrt(M)``, k = 1, ..., n, and ``r_1 >= ... >= r_n > 0``.  Then a solution
@@ -108,14 +109,15 @@ def show_ellipse(cells: Cells, data: Any, *, rests: bool) -> list[Statement]:
     most ``factor |c0|`` until it is at the point, and rests there.
     """
     names = "squared_radius form level squared_swing bend arrival"
-    start, form_data, level_data, swing, bend, arrival, turn = take(data, names, "turn")
+    start, form_data, level_data, swing, bend, arrival, turn, along = take(data, names, "turn sides")
     form, level = Form(*cells.vector(form_data, 3)), cells.parse(level_data)
     squared_radius, squared_swing = cells.parse(start), cells.parse(swing)
     sides = [side for cell in cells.listed if cell.rays is not None for side in around(cell.corners)]
     outer = [(a, b) for a, b in sides if cross(a, b).sign()]
     require(_is_within(form, squared_radius, level), "an ellipse that holds the disc of starts")
     require(form.scaled(squared_swing).is_at_least(level), "an ellipse in the disc that bodies stay in")
-    require(min(form.margins(level, outer)) > 0, "an ellipse inside the cells at the point")
+    require(along in (None, True), "true, where the lines of sides are crossed beyond these")
+    require(min(form.margins(level, outer, whole=along is None)) > 0, "an ellipse inside the cells at the point")
     require(_stands_on(cells, form, level), "an ellipse in the support polygon")
     _require_falls(cells, form, level, rational(bend), [Fraction(0)])
     shown: list[Statement] = [{"swing": {"squared_radius": start, "squared_swing": swing}}]

@@ -208,12 +208,15 @@ def scaled(points: list[list[str]], factor: int) -> list[list[str]]:
 
 def of_ellipses() -> Iterator[Forgery]:
     """Ellipses about the point that reach beyond the cells or the wheels, hold no disc, or are left ever faster."""
-    for words, size, changes in (
-        ("an ellipse inside the cells at the point", "1/4", ()),
-        ("an ellipse in the support polygon", "4", larger_square()),
+    beyond: Record = {"sides": False}
+    for words, size, changes, more in (
+        ("an ellipse inside the cells at the point", "1/4", (), {}),
+        ("an ellipse inside the cells at the point", "1/4", (), {"sides": True}),
+        ("true, where the lines of sides are crossed beyond these", "1/100", (), beyond),
+        ("an ellipse in the support polygon", "4", larger_square(), {}),
     ):
         swing = {"squared_radius": size, "squared_swing": size}
-        ellipse = {**swing, "form": ["1", "0", "1"], "level": size, "bend": "0", "arrival": None}
+        ellipse = {**swing, "form": ["1", "0", "1"], "level": size, "bend": "0", "arrival": None, **more}
         yield of_array(words, FOUR, {"swing": swing}, hypothesis("ellipse", ellipse), *changes)
 
     name = "cocircular-16"

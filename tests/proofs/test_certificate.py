@@ -134,7 +134,9 @@ def test_an_ellipse_crosses_the_line_of_a_side_beyond_that_side(tmp_path: Path) 
     swing = said(certificate)["swing"]
     assert Fraction(swing["squared_radius"]) == Fraction(7405, 10**6) ** 2  # of the disc that is printed
     assert check_certificate(certificate) == ""
-    wider = {**evidence(certificate)["ellipse"], "level": "1/10000", "squared_swing": "1"}
+    assert evidence(certificate)["ellipse"].pop("sides")
+    assert "an ellipse inside the cells at the point" in check_certificate(certificate)
+    wider = {**evidence(certificate)["ellipse"], "sides": True, "level": "1/10000", "squared_swing": "1"}
     evidence(certificate)["ellipse"] = wider
     assert "an ellipse inside the cells at the point" in check_certificate(certificate)
 
@@ -158,7 +160,7 @@ def test_an_ellipse_stays_left_of_a_side() -> None:
         least = p * x * x + 2 * q * x * y + s * y * y
         form = Form(*(field.rational(n) for n in (p, q, s)))
         corners = [tuple(field.rational(n) for n in end) for end in (a, b)]
-        (found,) = form.margins(field.rational(level), [(corners[0], corners[1])])
+        (found,) = form.margins(field.rational(level), [(corners[0], corners[1])], whole=False)
         assert found == (least > level) - (least < level)
         met.add((share if share in (0, 1) else None, found))
 

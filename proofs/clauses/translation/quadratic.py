@@ -143,7 +143,7 @@ class QuadraticCertificate:
         ``V < level`` implies ``|c|^2 < level/(1 - rho)``; with ``rho <= r`` rational the bound is
         ``(1 - r) ((2 m_k - m)/(2 omega_k r))^2``, the least of all cones.
         """
-        level = min(self.least_on(p, q) for p, q in _rim(self.cones))
+        level = min(self.least_on(p, q) for p, q in rim(self.cones))
         r = self.descent.eccentricity
         for cone, twist in _motions(self.cones):
             if twist.omega and r:
@@ -306,7 +306,7 @@ def _pairs(cones: Sequence[CellCone]) -> Iterator[tuple[Point, Vector]]:
         yield cone.end, twist.velocity
 
 
-def _rim(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Point]]:
+def rim(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Point]]:
     """Sides of the fan's cells that do not pass through the equilibrium."""
     for cone in cones:
         polygon = cone.cell.polygon
