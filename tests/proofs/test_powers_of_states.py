@@ -233,12 +233,12 @@ def test_no_certificate_says_the_opposite() -> None:
     assert refused({**record, "statement": {**record["statement"], "subject": subject}})
 
 
-def test_parts_with_roots_are_refused_by_what_is_missing() -> None:
-    """Not by the names of the roots, which are no states."""
+def test_parts_are_judged_in_roots_of_their_own_states() -> None:
+    """What is driven has none: the root of what drives it is a number there."""
     result = decide_system(built([f"-{power('x', '1/2')}", "sqrt(Abs(x)) - y"]))
     assert result.verdict is ATTRACTS
-    with pytest.raises(NoCertificateError, match="parts without roots of states"):
-        certificate_of(result)
+    (entry,) = certificate_of(result)["evidence"]
+    assert [part["roots"] for part in entry["hypotheses"]["parts"]] == [["x"], []]
 
 
 VELOCITIES = [

@@ -82,7 +82,6 @@ def test_a_disturbance_within_the_gain_is_rejected_and_a_larger_one_is_not() -> 
 
 SLIDING = [
     ([f"-{ROOT} + x*y", "-y - x"], ATTRACTS),  # slides to the point along x = 0, which the roots do not see
-    ([f"-{ROOT}", "y - x"], LEAVES),  # slides away
     (["-sgn(x) + y", f"-y - {ROOT}"], ATTRACTS),
 ]
 
@@ -93,6 +92,13 @@ def test_nothing_is_said_where_solutions_slide_on_a_zero_of_the_root(rhs: list[s
     assert result.verdict in (truth, OPEN)
     assert result.verdict is OPEN
     assert "not every solution crosses" in result.reason
+    assert result.check()
+
+
+def test_what_slides_away_on_a_zero_of_the_root_is_told_by_its_parts() -> None:
+    result = decide_system(built([f"-{ROOT}", "y - x"]))
+    assert result.verdict is LEAVES
+    assert result.method is Method.CASCADE
     assert result.check()
 
 
