@@ -26,6 +26,7 @@ Step: TypeAlias = str | int  # a key, or the place in a list counted from 0
 Path: TypeAlias = tuple[Step, ...]
 
 PARAMETERS = ("system", "parameters")  # of a plain system: named alone
+POINT = ("check", "equilibrium")
 ENDS = ("low", "high")  # of a parameter's interval
 COORDINATES = ("x", "y")  # of a position or a direction
 LOADS, ROW = ("contact", "loads"), ("c0", "cx", "cy")  # loads of one wheel, row by row
@@ -97,7 +98,8 @@ def with_value(document: Mapping[str, Any], path: Path, value: object) -> dict[s
         path: what :func:`find_path` returned.
         value: as a scene file would hold it.
     """
-    changed: dict[str, Any] = _replaced(document, path, value)
+    states = _states_of(document)
+    changed: dict[str, Any] = _replaced(document, path, value, [0] * (len(states) or 2))
     return changed
 
 
@@ -119,15 +121,21 @@ def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
 def _of_system(document: Mapping[str, Any]) -> Iterator[Path]:
     """The parameters of a plain system, and what is checked."""
     system = document["system"] if isinstance(document["system"], Mapping) else {}
-    parameters, states = system.get("parameters"), system.get("states")
+    parameters, states = system.get("parameters"), _states_of(document)
     for name, value in (parameters if isinstance(parameters, Mapping) else {}).items():
         yield from _inside(value, (*PARAMETERS, str(name)))
     yield "check", "radius"
     check = document.get("check")
     point = check.get("equilibrium") if isinstance(check, Mapping) else None
-    count = len(point) if isinstance(point, list) else 0
-    if isinstance(states, list) and count == len(states):
-        yield from (("check", "equilibrium", k) for k in range(count))
+    if point is None or (isinstance(point, list) and len(point) == len(states)):
+        yield from ((*POINT, k) for k in range(len(states)))
+
+
+def _states_of(document: Mapping[str, Any]) -> list[Any]:
+    """The names of the states of a plain system; none of an array, and of a document without a list of them."""
+    system = document.get("system")
+    states = system.get("states") if isinstance(system, Mapping) else None
+    return states if isinstance(states, list) else []
 
 
 # ---- which numbers there are ---------------------------------------------------------------------
@@ -190,14 +198,15 @@ def _kinds(annotation: Any) -> Iterator[Any]:
 # ---- setting one ---------------------------------------------------------------------------------
 
 
-def _replaced(value: Any, path: Path, new: object) -> Any:
+def _replaced(value: Any, path: Path, new: object, origin: Sequence[int]) -> Any:
+    """The value with another entry; of a place that is not stated, the origin."""
     if not path:
         return new
     step, rest = path[0], path[1:]
     if isinstance(step, int):
-        entries = list(value) if value is not None else [0, 0]
-        entries[step] = _replaced(entries[step], rest, new)
+        entries = list(value) if value is not None else list(origin)
+        entries[step] = _replaced(entries[step], rest, new, origin)
         return entries
     table = dict(value or {})
-    table[step] = _replaced(table.get(step), rest, new)
+    table[step] = _replaced(table.get(step), rest, new, origin)
     return table

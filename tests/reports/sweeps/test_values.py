@@ -161,6 +161,9 @@ def test_paths_inside_lists_have_names_or_are_counted_as_messages_count() -> Non
     plain = {"system": system, "check": {"equilibrium": [0, 0]}}
     assert find_path("k.high", plain, "f") == ("system", "parameters", "k", 1)
     assert find_path("check.equilibrium.v", plain, "f") == ("check", "equilibrium", 1)
+    space: dict[str, Any] = {"system": {"states": ["x", "y", "z"]}}  # the point is not stated: the origin
+    place = find_path("equilibrium.z", space, "f")
+    assert with_value(space, place, "1/2")["check"] == {"equilibrium": [0, 0, "1/2"]}
 
 
 def test_a_coordinate_that_is_counted_is_refused_with_its_name() -> None:
