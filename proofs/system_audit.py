@@ -47,11 +47,11 @@ from nonsmooth.proofs.systems.domain import Domain, domains, plane_cells
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.files.system_document import with_parameters
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.messages.scene_error import SceneError, requirement
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
@@ -317,12 +317,11 @@ def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
     formula, radius = _formula(scene, lyapunov), scene.check.radius
     scene = with_known_numbers(scene)
     try:
-        function = many.examine(scene, formula, radius)
+        with formula_refused(scene.origin, KEY, lyapunov):
+            function = many.examine(scene, formula, radius)
     except BeyondReachError as error:
         verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED
         return AuditResult(scene, lyapunov, verdict, None, str(error), None, None)
-    except ExpressionError as error:
-        raise SceneError(scene.origin, KEY, requirement(error), lyapunov) from None
     verdict, proves, reason, witness = _judged_in_space(scene, function)
     return AuditResult(scene, lyapunov, verdict, proves, reason, witness, function)
 

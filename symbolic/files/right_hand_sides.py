@@ -20,7 +20,7 @@ from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
-from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
+from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
@@ -155,10 +155,8 @@ def _require_arguments(formulas: Sequence[object], states: Collection[str], file
         with suppress(ExpressionError):  # said where they are enclosed
             _, waves = named_formulas((formula,), frozenset(states))
             for wave in waves:
-                try:
+                with formula_refused(file, f"{key}[{j}]", formula):
                     parse_piecewise(wave.argument, states)
-                except ExpressionError as error:
-                    raise SceneError(file, f"{key}[{j}]", requirement(error), formula) from None
 
 
 def float_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[str, float]:
