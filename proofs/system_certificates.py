@@ -473,7 +473,7 @@ def find_region_of_simplices(
         result = replace(result, scene=in_rational_numbers(result.scene))
         system, scene = read_subject(about(result.scene)), result.scene
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
-        radius, further = float(scene.check.radius), result.reach.reshaped
+        radius, further = scene.check.half_width, result.reach.reshaped
         search = Search(known=_known_of(further))
         stated = _stated_region(result, region) if further is None else further.hypotheses
         local = _shown_region(system, stated, search)

@@ -121,7 +121,7 @@ def _without_far_surfaces(system: SwitchedSystem) -> SwitchedSystem | None:
         sizes = {exponents: abs(float(c)) for exponents, c in own.terms.items()}
         centre = sizes.pop((0,) * len(system.states), 0.0)
         while centre and share < MOST_HALVINGS:
-            radius = float(system.check.radius) / 2**share
+            radius = system.check.half_width / 2**share
             if sum(size * radius ** sum(exponents) for exponents, size in sizes.items()) < centre:
                 break
             share += 1

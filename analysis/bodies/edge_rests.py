@@ -20,7 +20,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane import XY
+from nonsmooth.symbolic.numbers.plane import XY, in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
 
 PLACES = 25  # along each side of the square of places
@@ -154,9 +154,7 @@ class RestSearch:
             same = np.flatnonzero((under == carrying).all(axis=1))
             if len(same):
                 wheels = tuple(int(k) for k in np.flatnonzero(carrying))
-                found.append(
-                    SeenRest((float(place[0]), float(place[1])), float(headings[same[len(same) // 2]]), wheels)
-                )
+                found.append(SeenRest(in_floats(place), float(headings[same[len(same) // 2]]), wheels))
         away = [rest for rest in found if self._distance(rest) > ALIKE * self._outline.size]
         return sorted(away, key=lambda rest: (self._distance(rest), rest.wheels))
 

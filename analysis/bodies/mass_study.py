@@ -282,7 +282,7 @@ def build_masses(scene: Scene) -> StudyPlan:
         LeftOut: where nothing drives the body, or the rule that is the limit has no path.
     """
     rule = massless_rule(scene)
-    model, radius = contacts_under(rule, scene), float(scene.check.radius)
+    model, radius = contacts_under(rule, scene), scene.check.half_width
     speed = float(abs(model.speeds).max())
     if not speed:
         raise LeftOut("no wheel is driven")

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.symbolic.mechanics.body import Body, Disc
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, spread
 
 SAME_SIDE = 1e-9  # of the body's size: sides this nearly as deep bound the depth together
 
@@ -118,7 +118,7 @@ class WholePlane(MovingOutline):
     def __init__(self, places: Floats) -> None:
         """For wheels at places (n, 2)."""
         self.places = np.asarray(places, float)
-        self.size = float(np.ptp(self.places, axis=0).max(initial=0.0)) or 1.0
+        self.size = spread(self.places) or 1.0
 
     def depths(self, pose: Floats) -> Floats:
         """Infinite."""

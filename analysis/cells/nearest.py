@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, checked_square
 from nonsmooth.symbolic.mechanics.contact_states import (
     ContactState,
     Row,
@@ -55,7 +55,7 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True, domain: Polygon
         RefusalError: where the rows with friction leave a motion free.
     """
     _require_friction(scene)
-    domain = domain or square(scene.check.equilibrium, scene.check.radius)
+    domain = domain or checked_square(scene)
     search = _Search(scene, prune)
     cells: list[Cell] = []
     with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):
@@ -92,7 +92,7 @@ def _rational_places(scene: Scene) -> list[Any] | None:
 def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:
     """The wheels that can have a say in the checked square."""
     search = _Search(scene, prune=True)
-    for _ in search.chains(square(scene.check.equilibrium, scene.check.radius)):
+    for _ in search.chains(checked_square(scene)):
         pass
     return tuple(scene.wheels[i] for i in sorted(search.considered))
 

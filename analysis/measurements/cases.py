@@ -77,7 +77,7 @@ UNPROVEN = "its forces do not certify the minimum: they are so large that their 
 
 def friction_rows(scene: Scene) -> Rows:
     """The least dissipation of both functionals at every ratio; a refusal where there are no loads."""
-    (x, y), radius = scene.check.place, float(scene.check.radius)
+    (x, y), radius = scene.check.place, scene.check.half_width
     point = [[x + 0.3171 * radius, y + 0.2443 * radius]]  # a place of no symmetry
     for name, ratio in RATIOS.items():
         model = contact_model(with_friction_ratio(scene, ratio))
@@ -448,7 +448,7 @@ def feedback_rows(partition: Partition) -> Rows:
 
 
 def _feedback_start(partition: Partition) -> Pose:
-    (x, y), radius = partition.scene.check.place, float(partition.scene.check.radius)
+    (x, y), radius = partition.scene.check.place, partition.scene.check.half_width
     return x + PLACE[0] * radius, y + PLACE[1] * radius, PLACE[2]
 
 

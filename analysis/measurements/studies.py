@@ -64,7 +64,7 @@ def build_upper_derivative(scene: Scene) -> StudyPlan:
         raise LeftOut(f"no exact V*: {error}") from None
     if not isinstance(rule, CellRule):
         raise TypeError(f"required a rule with cells, received {rule.name}")
-    exact, radius = largest_derivative(partition), float(scene.check.radius)
+    exact, radius = largest_derivative(partition), scene.check.half_width
 
     def judge_exactly(found: Number) -> Assessment:  # a difference in floats would hide what is left of it
         same = found.field is exact.field and found == exact
@@ -215,7 +215,7 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
 
 def _points(scene: Scene) -> Iterator[XY]:
     """Points of the checked square at random."""
-    (x, y), radius = scene.check.place, float(scene.check.radius)
+    (x, y), radius = scene.check.place, scene.check.half_width
     for a, b in (np.random.default_rng(0).integers(-255, 256, (TRIED, 2)) / 256).tolist():
         yield x + radius * a, y + radius * b
 

@@ -146,7 +146,7 @@ def _differences(scene: Scene, rule: SmoothRule, partitions: Mapping[str, Partit
 def comparison_grid(scene: Scene) -> Floats:
     """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
     centre = np.array(scene.check.place)
-    across, up = (float(scene.check.radius) * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
+    across, up = (scene.check.half_width * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
     return np.asarray(centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2))
 
 
@@ -190,7 +190,7 @@ class PointLocator:
 
     def __init__(self, partition: Partition) -> None:
         self.partition = partition
-        self.scale = float(partition.scene.check.radius) * SIDE_SLACK
+        self.scale = partition.scene.check.half_width * SIDE_SLACK
         self._sides = CellSides([float_polygon(cell.polygon).sides for cell in partition.cells])
         # the last row belongs to OUTSIDE
         self._twists = np.array([*(cell.twists[0] for cell in partition.cells), [np.nan] * 3], float)

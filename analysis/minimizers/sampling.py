@@ -30,7 +30,7 @@ from nonsmooth.analysis.minimizers.minimum import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, point_velocities, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, point_velocities, turned, unit_rows
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -56,7 +56,7 @@ class SampledDerivative:
 
 
 def _random_points(scene: Scene, samples: int) -> Floats:
-    radius = float(scene.check.radius)
+    radius = scene.check.half_width
     return np.random.default_rng(0).uniform(-radius, radius, size=(samples, 2))
 
 
@@ -194,7 +194,7 @@ class SampledField:
         """``V* = 2 (c - c*) . c'`` of ``V = |c - c*|^2`` (m,); zero where it is what rounding leaves of zero."""
         centre = np.array(self.scene.check.place)
         found = 2 * ((self.points - centre) * self.velocities).sum(axis=1)
-        least = RESTS * float(self.scene.check.radius) * float(np.nanmax(self.speeds, initial=0.0))
+        least = RESTS * self.scene.check.half_width * float(np.nanmax(self.speeds, initial=0.0))
         return np.asarray(np.where(np.abs(found) <= least, 0.0, found))
 
 
@@ -209,7 +209,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
     if free:
         raise RefusalError(f"friction: required friction against every motion, received: {free}")
     centred, rule = scene.recentred(), smooth_rule_of(scene)
-    radius = float(scene.check.radius)
+    radius = scene.check.half_width
     x, y = np.meshgrid(*[np.linspace(-radius, radius, count)] * 2)
     places = np.column_stack([x.ravel(), y.ravel()])
     minima = minima_under(rule, centred, places)
@@ -317,8 +317,7 @@ def sample_closed_loop(
 
 def _random_states(rng: np.random.Generator, samples: int, radius: float) -> Floats:
     """States of all sizes: logarithmic distances from the equilibrium, and the axes."""
-    directions = rng.normal(size=(samples, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    directions = unit_rows(rng.normal(size=(samples, 3)))
     states = directions * radius * 10 ** rng.uniform(-3, 0, size=(samples, 1))
     axes = radius * np.concatenate([np.eye(3), -np.eye(3), 0.1 * np.eye(3), -0.1 * np.eye(3)])
     return np.concatenate([axes, states])

@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.switched_field import FacedField, Velocity, lengt
 from nonsmooth.analysis.trajectories.faces import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
 
 # ---- what is said where no periodic orbit is found, or nothing can be said of one ----------------
 
@@ -101,7 +101,7 @@ class Orbit:
     @property
     def extent(self) -> float:
         """Largest side of the box around it."""
-        return float(np.ptp(self.path.array, axis=0).max())
+        return spread(self.path.array)
 
     @property
     def slides(self) -> bool:

@@ -36,7 +36,7 @@ from nonsmooth.analysis.trajectories.closed_forms import (
 )
 from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, cross, dot, float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, cross, dot, float_points, spread, turned
 
 MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
 DONE = -1  # the place of a path that has ended
@@ -244,7 +244,7 @@ class BatchPaths:
         """Where sliding along an edge in one direction ends in between: at one point for all, hence decided once."""
         (x, y), region = self.points[own[0]].tolist(), self._region_of(own[0])
         _, choices = _ways_from(region, OnEdge(number - region.edge), (x, y))
-        same = float(np.ptp(self.points[own], axis=0).max()) <= region.field.cells.slack
+        same = spread(self.points[own]) <= region.field.cells.slack
         self._go_on(own, choices if same else [], self.first_edge + number)
 
     def _at_corner(self, corner: int, own: Indices) -> None:

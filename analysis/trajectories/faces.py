@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.convex_weights import (
 )
 from nonsmooth.analysis.fields.float_code import Numbers
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, ScalarVelocity, Velocity, length
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
 
 # ---- the motion on a face of a smooth switched field ---------------------------------------------
 #
@@ -417,7 +417,7 @@ def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None, *,
     extremes = motion.extremes(trial.t, trial.x, trial.slack)
     if not len(extremes):
         return FaceChoice(motion, orders=orders, sure=sure)
-    free = bool(np.ptp(extremes, axis=0).max() > TANGENT_SLACK * trial.scale) and not trial.only_rounding
+    free = bool(spread(extremes) > TANGENT_SLACK * trial.scale) and not trial.only_rounding
     rates = None
     if field.heading is not None and len(face.keep) > 1:
         drift = extremes[:, field.heading]

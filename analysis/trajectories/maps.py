@@ -171,7 +171,7 @@ def places_reached(partition: Partition, places: Sequence[RestPlace], ends: Sett
     reasons = [reason for reason, _ in ends.ends]
     stays = np.array([reason in STAYS for reason in reasons])[ends.basin]
     circles = np.array([reason is EndReason.CIRCLES for reason in reasons])[ends.basin]
-    within = AT * float(partition.scene.check.radius)
+    within = AT * partition.scene.check.half_width
     for k, place in enumerate(places):
         at = stays & (_distance(ends.points, place.points) <= within)
         if place.place is EquilibriumPlace.CENTRE:

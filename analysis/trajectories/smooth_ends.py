@@ -142,7 +142,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
     rule = smooth_rule_of(scene)
     if free_motions(scene):
         raise UndeterminedError("required friction against every motion, received a free one")
-    radius, field = float(scene.check.radius), _Field(scene, rule, len(starts))
+    radius, field = scene.check.half_width, _Field(scene, rule, len(starts))
     points, reached = np.array(starts, dtype=float), np.full(len(starts), MOVING)
     still = np.zeros(len(points), bool)
     try:

@@ -86,7 +86,7 @@ class Printed:
     @property
     def radius(self) -> float:
         """The half side of the checked square."""
-        return float(self.scene.check.radius)
+        return self.scene.check.half_width
 
     @property
     def equilibrium(self) -> Equilibrium:
@@ -583,7 +583,7 @@ def _is_point(check: Check, row: Destination) -> bool:
 
 def _is_place(check: Check, place: Iterable[SupportsFloat]) -> bool:
     """Whether a place in the coordinates of the scene is the checked point."""
-    within = AT_POINT * float(check.scene.check.radius)
+    within = AT_POINT * check.scene.check.half_width
     pairs = zip(place, check.scene.check.equilibrium, strict=True)
     return all(abs(float(one) - float(two)) <= within for one, two in pairs)
 
@@ -634,7 +634,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
         return None
     from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 
-    centred, step = scene.recentred(), STEP * float(scene.check.radius)
+    centred, step = scene.recentred(), STEP * scene.check.half_width
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     minima = minima_under(rule, centred, points)
     rims = centred.fastest

@@ -171,7 +171,7 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     except TrajectoryError:  # cells so thin that floats lose their edges: nothing is known
         return None
     found = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
-    found = list(_merged(found, AT * float(check.scene.check.radius)))
+    found = list(_merged(found, AT * check.scene.check.half_width))
     found += _without_place(ends, reached)
     return Destinations(_in_order(found), len(ends.starts), _ends_of(ends))
 
@@ -237,7 +237,7 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
     from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
 
     x, y = scene.check.place
-    side = np.linspace(-1, 1, FEW_STARTS) * float(scene.check.radius) * INSIDE
+    side = np.linspace(-1, 1, FEW_STARTS) * scene.check.half_width * INSIDE
     starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)
     if not np.isfinite(starts).all():
         return None
@@ -441,7 +441,7 @@ def _middle(scene: Scene, place: RestPoint) -> Vector:
 
 def _short_middle(scene: Scene, corners: tuple[Point, ...]) -> Vector | None:
     """The mean of the corners of an area, rounded to as few decimals as leave it inside; None where too many would."""
-    area, scale = convex_polygon(corners), math.floor(math.log10(float(scene.check.radius)))
+    area, scale = convex_polygon(corners), math.floor(math.log10(scene.check.half_width))
     middle = [sum(float(point[k]) for point in corners) / len(corners) for k in (0, 1)]
     for digits in MIDDLE_DIGITS:
         step = Fraction(10) ** (scale - digits)

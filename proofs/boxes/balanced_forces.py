@@ -31,6 +31,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -298,10 +299,7 @@ class BalancedForces:
         rest = [(along * self.rows[0][k] + across * self.rows[1][k]).sum(axis=-1) - pulls[k] for k in range(3)]
         missing = (rest[0].square + rest[1].square + rest[2].square).sqrt()
         twist = [Intervals.of(free[:, None, k : k + 1]) for k in range(3)]
-        r, s = (
-            row[0] * twist[0] + row[1] * twist[1] + row[2] * twist[2] - speed
-            for row, speed in zip(self.rows, self.speeds, strict=True)
-        )
+        r, s = (inner(row, twist) - speed for row, speed in zip(self.rows, self.speeds, strict=True))
         dissipation = loads * self.enclosed_sets.support(r, s)
         driven = along * self.speeds[0] + across * self.speeds[1]
         bound = (dissipation + driven).sum(axis=-1) + missing * self._largest_twist(loads)

@@ -77,7 +77,7 @@ class Slip(Generic[X]):
 
     def moved(self, twist: Sequence[X]) -> Slip[X]:
         """The same wheel under a twist that is added."""
-        a, b = (row[0] * twist[0] + row[1] * twist[1] + row[2] * twist[2] for row in self.rows)
+        a, b = (inner(row, twist) for row in self.rows)
         return replace(self, along=self.along + a, across=self.across + b)
 
     def map(self, number: Callable[[X], Any]) -> Slip[Any]:

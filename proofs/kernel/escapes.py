@@ -21,6 +21,7 @@ from flint import fmpq_mat
 from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
+from nonsmooth.proofs.checker.positivity import identity
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
@@ -187,7 +188,7 @@ def motions(cells: SignCells) -> Iterator[FollowedField]:
         for apart, first, second in pairs:
             if len(apart) == number:
                 yield from _between(cells, apart, first, second)
-    states = [variable(len(cells.states), k) for k in range(len(cells.states))]
+    states = identity(len(cells.states))
     planes = [own for size in range(1, len(states) - 1) for own in combinations(states, size)]
     for cell in near:
         for mixture in _mixtures(cell)[: len(cell.velocities)]:
@@ -442,7 +443,7 @@ def _in_barriers(field: Field, positive: Sequence[Polynomial], rise: Polynomial)
 
 def _zeros(own: Polynomial) -> list[Polynomial]:
     """The variables where ``a x_k + ...`` is zero, with the first x_k that stands there by itself by the others."""
-    places = [variable(own.count, k) for k in range(own.count)]
+    places = list(identity(own.count))
     alone = next(k for k in range(own.count) if own.slope(k))
     places[alone] -= own.times(1 / own.slope(alone))
     return places

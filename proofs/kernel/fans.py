@@ -53,6 +53,7 @@ from nonsmooth.proofs.kernel.written import coefficient_text, part_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.plane import plus
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -189,7 +190,7 @@ def build_cones(inclusion: Inclusion) -> list[FanCone]:
     rays = sorted({*upper, *((-a, -b) for a, b in upper)}, key=_angle)
     cones = []
     for start, end in zip(rays, [*rays[1:], rays[0]], strict=True):
-        inner = start[0] + end[0], start[1] + end[1]
+        inner = plus(start, end)
         signs = {j: listed[j].slope(0) * inner[0] + listed[j].slope(1) * inner[1] > 0 for j in lines}
         cells = tuple(c for c in inclusion.cells if all((c.signs[j] > 0) == own for j, own in signs.items()))
         mark = pattern(2 * signs[j] - 1 if j in signs else None for j in range(len(listed)))

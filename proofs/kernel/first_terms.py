@@ -32,8 +32,8 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
 )
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
-from nonsmooth.proofs.kernel.written import formula_text, null_basis, slopes
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, rational_slopes, slopes
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -236,7 +236,7 @@ def axis_factor(characteristic: fmpq_poly) -> fmpq_poly:
 def neutral_subspace(field: Sequence[Polynomial]) -> tuple[Polynomial, ...] | None:
     """The states as forms of coordinates of the subspace of the imaginary eigenvalues; None without these."""
     count = len(field)
-    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
+    matrix = fmpq_mat([rational_slopes(part) for part in field])
     on_axis = axis_factor(matrix.charpoly())
     if any(part.at_origin for part in field) or not on_axis.degree():
         return None

@@ -161,7 +161,7 @@ def _shapes(scene: Scene, velocity: Velocity, centre: Place, accuracy: Fraction)
         yield Distance()
         return
     place = np.array([float(entry) for entry in centre])
-    _, slope = field_beside(velocity, place, DIFFERENCE * float(scene.check.radius))
+    _, slope = field_beside(velocity, place, DIFFERENCE * scene.check.half_width)
     if not np.isfinite(slope).all():
         yield Distance()
         return
@@ -183,9 +183,7 @@ def _about(
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
     there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
-    most = min(
-        max(float(scene.check.radius) - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there)
-    )
+    most = min(max(scene.check.half_width - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there))
     if kept.margin is not None:
         free = max(float(kept.margin - distance), 0.0) * (1 - 2.0**-20)
         most = min(most, free * shape.inside / shape.outside)
@@ -307,8 +305,8 @@ def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[P
 
 def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> Iterator[Floats | None]:
     if scene.contact.rule not in {"nearest", "box"}:
-        yield _zero(velocity, size, float(scene.check.radius))
-        yield _end_of_stiff_path(velocity, size, float(scene.check.radius))
+        yield _zero(velocity, size, scene.check.half_width)
+        yield _end_of_stiff_path(velocity, size, scene.check.half_width)
     else:
         yield np.zeros(2)
         yield _end_of_path(velocity, size, still, FEW_STEPS if scene.contact.rule == "box" else DRIFT_STEPS)

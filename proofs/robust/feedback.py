@@ -35,6 +35,7 @@ from nonsmooth.proofs.robust.smooth_rules import FOLLOWED, ArrayBox, PieceForces
 from nonsmooth.symbolic.mechanics.contact_states import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
@@ -131,7 +132,7 @@ def _decided(
         known = [error for error in errors if error is not None]
         if len(known) < len(errors):
             return RobustLoop(None, "a twist that the law commands may slip away within the tolerances")
-        root = (arb(kappa.numerator) / kappa.denominator).sqrt()
+        root = (rational_ball(kappa)).sqrt()
         slowest = min((root * (root - error) for error in known), key=rational_below)
         if not slowest > 0:
             return RobustLoop(None, "twists may differ from those that the law commands by more than its rate allows")
@@ -143,7 +144,7 @@ class _CommandedTwist:
 
     def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, twist: Sequence[Number]) -> None:
         """For a twist in the unit l of the scene."""
-        self._length = arb(scene.check.length.numerator) / scene.check.length.denominator
+        self._length = rational_ball(scene.check.length)
         x, y, turn = (entry.ball() for entry in twist)
         self._twist = x, y, turn / self._length
         speeds = [wheel.moved(self._twist)[0] for wheel in box_wheels(scene, box.times(STILL))]

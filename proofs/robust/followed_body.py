@@ -28,7 +28,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, ctx, fmpq
+from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Cell, RefusalError
@@ -36,6 +36,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.balanced_forces import STRENGTHS, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure
 from nonsmooth.symbolic.numbers.plane import dot
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside
@@ -134,7 +135,7 @@ def is_carried_out(scene: Scene, accuracy: Fraction) -> bool:
     except RefusalError:
         return False
     with ctx.workprec(PRECISION):
-        far = arb(fmpq(accuracy.numerator, accuracy.denominator))
+        far = rational_ball(accuracy)
         return _Followed([_Cell.of(cell) for cell in cells], far).leaves()
 
 

@@ -40,6 +40,7 @@ from nonsmooth.proofs.robust.level_sets import (
 from nonsmooth.proofs.robust.touching_rings import RATIO, falls_about, finer_rate, ring_rates
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 
@@ -289,7 +290,7 @@ def _level_close_by(rest: EnclosedRest, shape: SectorFunction, accuracy: Fractio
 def _rises_close_by(rest: EnclosedRest, shape: SectorFunction, level: float, beside: Fraction, start: Fraction) -> bool:
     """Whether V rises in the polygon of a level; beside a place of rest but for the polygon of the level ``start``."""
     slopes = _slopes_over(rest, shape, level * shape.outside, beside)
-    off, close = (arb(entry.numerator) / entry.denominator for entry in (beside, start))
+    off, close = (rational_ball(entry) for entry in (beside, start))
     # at the level s of the polygon V' >= rate s - size off
     return slopes is not None and all(rate * close > size * off for rate, size in _rates_at_rays(shape, slopes))
 
@@ -392,7 +393,7 @@ class AttractingDisc:
         """After which bodies from within ``start`` of the point are within ``near`` of it; both beyond ``beside``."""
         share = (start + self.beside) * self.outside / (self.inside * (near - self.beside))
         with ctx.workprec(PRECISION):
-            logarithm = rational_above((arb(share.numerator) / share.denominator).log())
+            logarithm = rational_above((rational_ball(share)).log())
         return max(logarithm, Fraction(0)) / self.rate
 
 

@@ -35,7 +35,7 @@ from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_rows, unit_vectors
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan}
 PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
@@ -437,8 +437,8 @@ def level_ring(field: FloatField, home: Home) -> Floats | None:
     _, rows, places = field.crossings(ring)
     gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - following(ring)[rows], axis=1)
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
-    own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
-    rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
+    own = (unit_rows(places))[apart]
+    rays = np.insert(unit_rows(ring), rows[apart] + 1, own, axis=0)
     ring = rays * home.reach(rays)[:, None]
     return None if np.isnan(ring).any() else ring
 

@@ -37,7 +37,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     mixtures,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_rows
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
@@ -187,7 +187,7 @@ class Front:
             along = self._along_plane(home) if len(numbers) == 1 else None
             units = self._level_set(home) if along is None else along
         normals = np.array([self.planes[k] for k in numbers], dtype=float).reshape(-1, 3) @ units
-        self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        self.normals = unit_rows(normals)
         self.sphere, self.triangles, self.held = geodesic_sphere(effort.frequency, self.normals)
         self.count = len(self.sphere)
         self.units = units * INSIDE * reach(home, self.sphere @ units.T).min()
@@ -316,8 +316,8 @@ class Front:
         corners = (np.exp(logarithms)[:, None] * self.sphere)[self.triangles]
         sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         weights = np.repeat(sides, 3, axis=0)
-        total = np.stack([np.bincount(self.triangles.ravel(), weights[:, k]) for k in range(3)], axis=1)
-        return np.asarray(total / np.linalg.norm(total, axis=1)[:, None])
+        totals = [np.bincount(self.triangles.ravel(), weights[:, k]) for k in range(3)]
+        return unit_rows(np.stack(totals, axis=1, dtype=np.float64))
 
     @cached_property
     def _middles(self) -> Any:
@@ -325,7 +325,7 @@ class Front:
         from scipy.spatial import cKDTree
 
         middles = self.sphere[self.triangles].mean(axis=1)
-        return cKDTree(middles / np.linalg.norm(middles, axis=1)[:, None])
+        return cKDTree(unit_rows(middles))
 
     @cached_property
     def _weights(self) -> Floats:
@@ -334,7 +334,7 @@ class Front:
 
     def _toward(self, logarithms: Floats, z: Floats) -> Floats:
         """The logarithm of the distance of a polyhedron in the directions of places, between its corners."""
-        units = z / np.linalg.norm(z, axis=1)[:, None]
+        units = unit_rows(z)
         near = self._middles.query(units, k=3)[1]
         weights = np.einsum("pkij,pj->pki", self._weights[near], units)
         rows = np.arange(len(z))

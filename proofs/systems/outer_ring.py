@@ -39,7 +39,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     sines,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread, unit_vectors
 
 Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
 
@@ -187,7 +187,7 @@ def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ri
     """
     if not (sines(field, ring) > 0).all():
         return None
-    size = float(np.ptp(ring, axis=0).max())
+    size = spread(ring)
     coarser = (_with_fewer_corners(field, ring, part * size) for part in LONGEST)
     listed = (on_lattice(own, surfaces) for own in chain(coarser, [ring]))
     return next((own for own in listed if is_shown(system, own)), None)

@@ -40,7 +40,7 @@ from nonsmooth.proofs.systems.lyapunov_search import (
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane import cross, same_direction
+from nonsmooth.symbolic.numbers.plane import cross, plus, same_direction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
@@ -133,7 +133,7 @@ def _halved(start: Point, end: Point, times: int) -> list[tuple[Point, Point]]:
     """The cone between two rays as 2^times cones."""
     if not times:
         return [(start, end)]
-    middle = (start[0] + end[0], start[1] + end[1])
+    middle = plus(start, end)
     return _halved(start, middle, times - 1) + _halved(middle, end, times - 1)
 
 

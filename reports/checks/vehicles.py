@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of, spread, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -192,7 +192,7 @@ class VehicleResult(Result):
         """The wheels with slips and forces, the centre of mass and the instant centre."""
         motion, scene = self.own, self.vehicle.scene
         places = places_of(scene.wheels)
-        half = 0.75 * float(np.ptp(places, axis=0).max())
+        half = 0.75 * spread(places)
         x, y = (places.min(axis=0) + places.max(axis=0)) / 2
         for wheel in scene.wheels:
             draw_wheel(ax, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)

@@ -81,7 +81,7 @@ EDGE_WORDS = {
 
 def view_square(axes: Axes, scene: Scene) -> float:
     """Equal axes around the checked square; returns the width of the view."""
-    half = float(scene.check.radius) * (1 + 2 * MARGIN)
+    half = scene.check.half_width * (1 + 2 * MARGIN)
     view_centre(axes, scene, half)
     return 2 * half
 

@@ -243,7 +243,7 @@ def system_end(system: SwitchedSystem, path: Trajectory) -> tuple[Record, str]:
 
 def is_at_point(system: SwitchedSystem, state: Sequence[Any]) -> bool:
     """Whether a state of a path is the checked point, to rounding."""
-    return _distance(system, state) <= AT_POINT * float(system.check.radius)
+    return _distance(system, state) <= AT_POINT * system.check.half_width
 
 
 def _distance(system: SwitchedSystem, state: Sequence[Any]) -> float:

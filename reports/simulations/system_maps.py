@@ -102,7 +102,7 @@ class SystemMap(MapResult):
     @cached_property
     def whereabouts(self) -> list[Whereabouts]:
         """Of every path."""
-        half = float(self.portrait.system.check.radius)
+        half = self.portrait.system.check.half_width
         return [_whereabouts(end, ratio, half) for end, ratio in zip(self.ends, self.ratios, strict=True)]
 
     @property
@@ -124,7 +124,7 @@ class SystemMap(MapResult):
     @cached_property
     def contradictions(self) -> tuple[Contradiction, ...]:
         """Where the paths contradict what is proved; then nobody may rely on either."""
-        half = float(self.portrait.system.check.radius)
+        half = self.portrait.system.check.half_width
         # Along borders that repel, and curved ones, solutions may leave that no path shows: there none is followed too.
         curved = any(cell.region.guards for cell in self.portrait.cells)
         kinds = {part.kind for part in self.portrait.borders}
@@ -200,7 +200,7 @@ class SystemMap(MapResult):
         self.portrait.draw_borders(axes)
         self.portrait.draw_potential(axes)
         axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
-        half = float(self.portrait.system.check.radius)
+        half = self.portrait.system.check.half_width
         x, y = self.portrait.system.states
         axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
         axes.set_aspect("equal")
@@ -250,7 +250,7 @@ def build_system_map(system: SwitchedSystem, options: SimulateOptions) -> System
 
 def mapped(portrait: PhasePortrait, count: int, until: float) -> SystemMap:
     """Where ``count x count`` starts have come to at the last time."""
-    half = float(portrait.system.check.radius)
+    half = portrait.system.check.half_width
     line = np.linspace(-half, half, count) if count > 1 else np.array([half])
     starts = np.array([(x, y) for y in line for x in line])
     with progress(f"{count} x {count} starts") as report:

@@ -351,7 +351,7 @@ TONES = {Position.COMES_HOME: "good", Position.STAYS_NEAR: "fair", Heading.KEEPS
 def guessed_answers(partition: Partition) -> list[Record]:
     """Position and heading, as far as floats tell; each marked as provisional."""
     point = partition.scene.check.place
-    radius = float(partition.scene.check.radius)
+    radius = partition.scene.check.half_width
     velocities, rates, turns = [], [], []
     for cell in partition.cells:
         away = [(float(x) - point[0], float(y) - point[1]) for x, y in cell.polygon.vertices]

@@ -143,7 +143,7 @@ def total(zero: X, vectors: Iterable[tuple[X, X, X]]) -> tuple[X, X, X]:
     return reduce(added, vectors, start)
 
 
-def inner(a: tuple[X, X, X], b: tuple[X, X, X]) -> X:
+def inner(a: Sequence[X], b: Sequence[X]) -> X:
     """Inner product in three dimensions, in any arithmetic."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

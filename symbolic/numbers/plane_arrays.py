@@ -32,6 +32,16 @@ def unit_vectors(angles: Floats | float) -> Floats:
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
+def unit_rows(vectors: Floats) -> Floats:
+    """Vectors of any dimension, shape (m, n), divided by their lengths."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
+
+
+def spread(points: Floats) -> float:
+    """The largest difference of a coordinate among points, shape (m, n)."""
+    return float(np.ptp(points, axis=0).max(initial=0.0))
+
+
 def turned(vectors: Floats) -> Floats:
     """``J v``: a quarter turn counterclockwise of vectors of shape (..., 2)."""
     return np.stack(plane.turned(_coordinates(vectors)), axis=-1)

@@ -22,7 +22,7 @@ from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, SpringLoads, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
-from nonsmooth.analysis.cells.polygon import square
+from nonsmooth.analysis.cells.polygon import checked_square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
 from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import are_strict, common_twist, ellipse_point, held_forces, is_carried
@@ -125,7 +125,7 @@ def wheel_slips(scene: Scene, omega: Number) -> tuple[Slip[Number], ...] | None:
 def under_load(scene: Scene, loads: Loads) -> LoadRegion:
     """The loads at the point of a centred scene as the clauses at a point ask for them; how they change is left out."""
     zero = scene.field.zero
-    domain = square(scene.check.equilibrium, scene.check.radius)
+    domain = checked_square(scene)
     loaded = frozenset(wheel.index for wheel, load in zip(scene.wheels, loads, strict=True) if load)
     return LoadRegion(domain, tuple((load, zero, zero) for load in loads), loaded)
 

@@ -444,7 +444,7 @@ def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
         raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
     own = in_own_length(scene)
     model = contacts_under(rule, own)
-    radius, states = float(own.check.radius), STATES[functional]
+    radius, states = own.check.half_width, STATES[functional]
     free = free_motions(scene)
     if free:
         return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))
