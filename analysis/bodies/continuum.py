@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import around
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points, norm, norms
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits
@@ -212,10 +212,10 @@ def predict(field: ContinuousField, footprint: Footprint) -> Prediction:
             return predicted(None, math.nan, HeadingEffect.UNKNOWN, (), "no position at rest was found")
         if c:
             reason = "the field is the same from every side, and its moment never vanishes"
-            return predicted(attracts, float(np.hypot(*place)), HeadingEffect.TURNS, (), reason)
+            return predicted(attracts, norm(place), HeadingEffect.TURNS, (), reason)
         reason = "the field is the same from every side, and it has a potential: no moment at rest"
         reason = of_disc if has_size and isinstance(footprint, Disc) else reason
-        return predicted(attracts, float(np.hypot(*place)), HeadingEffect.KEEPS, (), reason)
+        return predicted(attracts, norm(place), HeadingEffect.KEEPS, (), reason)
     if has_size and isinstance(footprint, PolygonShape):
         return _search(predicted, PolygonOnField(field, footprint))
     second = moments(footprint)
@@ -299,7 +299,7 @@ class PolygonOnField:
         self._sense = 1.0 if field.speed is None else float(field.speed.sign())
         self._vertices = float_points(footprint.vertices)
         self._settles_at_centre = footprint.is_centrally_symmetric
-        self.size = float(np.hypot(*self._vertices.T).max())
+        self.size = float(norms(self._vertices).max())
         self.area = float(moments(footprint).area)
 
     def wrench(self, theta: float, place: Floats) -> FieldWrench:
@@ -319,7 +319,7 @@ class PolygonOnField:
             if not np.linalg.det(wrench.stiffness):
                 return None
             step = np.linalg.solve(wrench.stiffness, wrench.force)
-            place = place - step * min(1.0, self.size / (2 * float(np.hypot(*step))))
+            place = place - step * min(1.0, self.size / (2 * norm(step)))
         return None
 
     def level(self, theta: float, near: Floats) -> float:
@@ -341,7 +341,7 @@ def _search(predicted: Callable[..., Prediction], body: PolygonOnField) -> Predi
         wrenches.append(body.wrench(theta, place))
     returns = {_is_restoring(wrench.stiffness) for wrench in wrenches}
     attracts = next((answer for answer in (False, None) if answer in returns), True)
-    at_rest = partial(predicted, attracts, max(float(np.hypot(*place)) for place in places))
+    at_rest = partial(predicted, attracts, max(norm(place) for place in places))
     levels = np.array([wrench.moment for wrench in wrenches])
     if np.abs(levels).max() <= NEGLIGIBLE * body.area * body.size:
         return at_rest(HeadingEffect.KEEPS, (), "no moment beyond rounding at any heading")

@@ -21,7 +21,7 @@ from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norm, norm, norms
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
@@ -91,7 +91,7 @@ class RestSearch:
         self._outline = MovingOutline(scene.body, self.model.positions)
         self._balls = BallOutline(scene.body)
         self._point = np.array(scene.check.place)
-        self._fastest = float(np.abs(self.model.speeds).max()) or 1.0
+        self._fastest = max_norm(self.model.speeds) or 1.0
         self._motions = MotionsOnSets(self.model, self._outline.size)
         self._pulls = self._forces_at_rest()
         self.reach = self._outline.spacing
@@ -103,7 +103,7 @@ class RestSearch:
         sets: dict[bytes, Mask] = {}
         pairs: dict[tuple[bytes, int, int], tuple[Mask, Floats]] = {}
         places = [self._point + np.add((x, y), np.multiply(GENERIC, width)) for x in steps for y in steps]
-        for number, place in enumerate(sorted(places, key=lambda at: float(np.hypot(*(at - self._point))))):
+        for number, place in enumerate(sorted(places, key=lambda at: norm(at - self._point))):
             wheels, headings = self._outline.headings_under_edge(self.model.positions - place)
             poses = np.column_stack([np.tile(place, (len(headings), 1)), headings])
             under = self._outline.depths(poses) > 0
@@ -160,7 +160,7 @@ class RestSearch:
 
     def _distance(self, rest: SeenRest) -> float:
         """From the point."""
-        return float(np.hypot(*(np.array(rest.place) - self._point)))
+        return norm(np.array(rest.place) - self._point)
 
     def _alike(self, first: SeenRest, second: SeenRest) -> bool:
         """Whether two poses of rest are one: the same wheel under the edge, and nearly the same pose."""
@@ -215,7 +215,7 @@ class RestSearch:
         """Solutions of the linearized equations (m, 3), none longer than a share of the square."""
         steps = np.array([np.linalg.lstsq(a, -b, rcond=None)[0] for a, b in zip(slopes, values, strict=True)])
         steps = steps.reshape(-1, 3)
-        size = np.maximum(np.hypot(*steps[:, :2].T) / (LONGEST * self.reach), 1.0)
+        size = np.maximum(norms(steps[:, :2]) / (LONGEST * self.reach), 1.0)
         return np.asarray(steps / size[:, None])
 
     def _residuals(

@@ -39,7 +39,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.float_loads import affine_loads, hull_sides, loads_at
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, turned
 
 # ---- normal forces along a path ------------------------------------------------------------------
 #
@@ -189,7 +189,7 @@ def array_size(model: ContactModel) -> float:
 def speed_scale(model: ContactModel, velocity: Floats) -> float:
     """The largest speed that drives: of a wheel's surface, or of the body at the start; one if all stands still."""
     at_rim = array_size(model) * abs(velocity[2])
-    return max(float(np.abs(model.targets).max()), float(np.hypot(*velocity[:2])), at_rim) or 1.0
+    return max(max_norm(model.targets), norm(velocity[:2]), at_rim) or 1.0
 
 
 # ---- friction ------------------------------------------------------------------------------------

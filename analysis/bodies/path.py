@@ -61,7 +61,7 @@ from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import numbers_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, places_of
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 # Work along a path in evaluations of pose rates, steps in regimes and minimizers by multipliers counted as some: twenty
@@ -123,7 +123,7 @@ class BodyPath(CarriedBody):
         super().__init__(model, scene)
         self._sets = ContactSets(model)
         self._switching = Switching(self._sets, self.outline)
-        fastest = float(np.abs(model.speeds).max())
+        fastest = max_norm(model.speeds)
         self._slow = RESTS * fastest
         self._scale = self.outline.size / (fastest or 1.0)
         self._support: CarryingWheels | None = None

@@ -27,7 +27,7 @@ from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats, pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norms, spread
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
@@ -293,8 +293,8 @@ class DraggedMinimizer(WarmMinimizer):
     def __init__(self, model: ContactModel) -> None:
         """For contacts of which a strip cuts some friction sets."""
         # three contacts more: along x, along y and around, each with a slip g across that never vanishes
-        size = float(np.hypot(*(model.positions - model.positions.mean(axis=0)).T).max())
-        speed = float(np.abs(model.targets).max()) or 1.0
+        size = float(norms(model.positions - model.positions.mean(axis=0)).max())
+        speed = max_norm(model.targets) or 1.0
         rows = np.zeros((6, 3))
         rows[[0, 2, 4], [0, 1, 2]] = 1.0, 1.0, size
         self.dragged = ContactRows(
@@ -364,7 +364,7 @@ class SetGuesses:
 
 def _nearly_stuck(model: ContactModel, twist: Floats, wheels: Sequence[int]) -> tuple[bool, ...]:
     """Which wheels hardly slip."""
-    fastest = float(np.abs(model.speeds).max()) or 1.0
+    fastest = max_norm(model.speeds) or 1.0
     slips = np.abs(model.slips(twist)).max(axis=-1)[list(wheels)]
     limit = STICKS_BESIDE_ROLLERS if (model.cuts < 1).any() else STICKS
     return tuple(bool(slip <= limit * fastest) for slip in slips)

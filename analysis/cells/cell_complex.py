@@ -22,7 +22,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers import plane_arrays
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, in_floats, minus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norm
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 2.0**-29
@@ -108,7 +108,7 @@ class CellComplex:
         along = minus(self.points[self.edges[edge].end], self.points[self.edges[edge].start])
         if not self.slack:
             return along
-        length = float(np.hypot(*along))
+        length = norm(along)
         return along[0] / length, along[1] / length
 
     def active_sides(self, cell: int, corner: int) -> tuple[int, ...]:

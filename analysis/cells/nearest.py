@@ -40,7 +40,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norms, places_of
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True, domain: Polygon | None = None) -> Partition:
@@ -209,8 +209,8 @@ def _contenders(positions: Floats, among: Indices, region: Polygon, rank: int) -
     vertices = float_points(region.vertices)
     rank = min(rank, len(among))
     with np.errstate(over="ignore", invalid="ignore"):
-        reach = np.max(np.hypot(*(vertices - centre).T))
-        distances = np.hypot(*(positions[among] - centre).T)
+        reach = np.max(norms(vertices - centre))
+        distances = norms(positions[among] - centre)
         bound = np.partition(distances, rank - 1)[rank - 1] + 2 * reach
         slack = CANDIDATE_MARGIN * (bound + np.hypot(*centre)) + SMALLEST_NORMAL
         near = np.flatnonzero(~(distances > bound + slack))

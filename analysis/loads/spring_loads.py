@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm
 
 MAX_STEPS = 60  # Newton steps; random arrays of 3 to 100 wheels need at most 15
 MAX_HALVINGS = 40  # a step halved that often no longer changes a double
@@ -64,7 +64,7 @@ def loaded_wheels(positions: Floats, point: Floats) -> frozenset[int] | None:
         point: the centre of mass, shape (2,).
     """
     levers = positions - point
-    scale = float(np.abs(levers).max()) or 1.0
+    scale = max_norm(levers) or 1.0
     loads, solved = spring_loads(np.column_stack([np.ones(len(levers)), levers / scale]), np.array([[1.0, 0.0, 0.0]]))
     return frozenset(np.flatnonzero(loads[0] > LOADED).tolist()) if solved[0] else None
 

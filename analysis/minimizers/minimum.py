@@ -31,7 +31,7 @@ from nonsmooth.analysis.minimizers.sum_of_supports import quadratic_parts
 from nonsmooth.symbolic.mechanics.contact_states import free_text, free_twists
 from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm
 
 ROUNDING = 1e-14  # of D and of its gap, relative to the sum of the absolute terms they are made of
 
@@ -176,7 +176,7 @@ def optimal_face(
     sizes = np.sqrt((rows**2).sum(axis=1))
     used = ~idle.reshape(-1) & (sizes > 0)
     rows, slips = rows[used] / sizes[used, None], slips[used] / sizes[used]
-    scale = max(float(np.abs(model.targets).max()), float(np.abs(slips).max(initial=0.0)))
+    scale = max(max_norm(model.targets), float(np.abs(slips).max(initial=0.0)))
     steps = _vertices(rows, slips, equation.reshape(-1)[used], scale)
     twists = twist + steps[distinct(steps, SAME_VERTEX * scale)] @ to_twist.T
     value = dissipation(functional, model, loads, twist)

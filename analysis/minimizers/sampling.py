@@ -30,7 +30,7 @@ from nonsmooth.analysis.minimizers.minimum import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, point_velocities, turned, unit_rows
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, norms, places_of, point_velocities, turned, unit_rows
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -68,7 +68,7 @@ def _rates(points: Floats, twists: Floats) -> Floats:
 def _largest_rates(points: Floats, rates: Floats, not_certified: str = "") -> SampledDerivative:
     if not len(points):
         return SampledDerivative(0, None, None, None, not_certified)
-    relative = rates / np.hypot(*points.T)
+    relative = rates / norms(points)
     best = int(np.argmax(relative))
     at = (points[best, 0], points[best, 1])
     return SampledDerivative(len(points), float(rates.max()), float(relative[best]), at, not_certified)
@@ -176,7 +176,7 @@ class SampledField:
     @property
     def speeds(self) -> Floats:
         """``|c'|`` (m,)."""
-        return np.asarray(np.hypot(*self.velocities.T))
+        return norms(self.velocities)
 
     @property
     def is_determined(self) -> Mask:

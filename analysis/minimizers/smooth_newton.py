@@ -27,7 +27,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norm, norms
 
 # ---- regimes of friction -------------------------------------------------------------------------
 #
@@ -178,7 +178,7 @@ class SmoothNewton:
         self._targets = model.friction * model.targets
         self._pairs, self._goals = self._rows.reshape(-1, 2, 3), self._targets.reshape(-1, 2)
         self._first, self._second = self._rows[::2], self._rows[1::2]
-        self._speed = float(np.abs(self._targets).max()) or 1.0
+        self._speed = max_norm(self._targets) or 1.0
         self._scale = np.abs(self._rows).max(axis=0)  # of the columns: v and omega have different units
         self._scale[self._scale == 0] = 1.0
         self.last: tuple[Regime, Floats] | None = None
@@ -395,7 +395,7 @@ class CutNewton:
         rows = model.friction[:, None] * model.rows / self._scale
         self._pairs, self._goals = rows.reshape(-1, 2, 3), (model.friction * model.targets).reshape(-1, 2)
         self._cut, self._corner = model.cuts, np.sqrt((1 - model.cuts) * (1 + model.cuts))
-        self._speed = float(np.abs(self._goals).max()) or 1.0
+        self._speed = max_norm(self._goals) or 1.0
         self._limits = np.column_stack([self._corner, self._cut])
         self._sides = np.zeros_like(self._goals)  # of X and Y of each contact that is cut: 0 where it rolls or sticks
         self.last: Floats | None = None
@@ -415,7 +415,7 @@ class CutNewton:
         for _ in range(CUT_STEPS):
             slips = self._pairs @ unknowns - self._goals
             before, arcs = arcs, self._on_arcs(slips)
-            if np.hypot(*slips[arcs & loaded].T).min(initial=self._speed) < STUCK * self._speed:
+            if norms(slips[arcs & loaded]).min(initial=self._speed) < STUCK * self._speed:
                 return None
             found = self._step(loads, slips, arcs)
             if found is None:
@@ -451,7 +451,7 @@ class CutNewton:
         """A step of the twist in scaled units, and forces of contacts that roll or stick (n, 2); None if singular."""
         held = (self._sides == 0) & ~arcs[:, None] & (loads > 0)[:, None] & (self._cut < 1)[:, None]
         forces = self._limits * self._sides
-        sizes = np.where(arcs, np.hypot(*slips.T), 1.0)
+        sizes = np.where(arcs, norms(slips), 1.0)
         sizes[sizes == 0] = 1.0  # without load
         units = slips / sizes[:, None]
         forces[arcs] = units[arcs]

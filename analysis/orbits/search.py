@@ -23,7 +23,7 @@ from nonsmooth.analysis.trajectories.faces import largest
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, spread
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 
 EVALUATIONS = 240_000  # of a field, along one path
@@ -212,7 +212,7 @@ def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Floa
     along = leg.motion(moment, x)
     places = np.array([state for other in later for state in other.stretch.states])
     extent = spread(places)
-    if math.isinf(len(x) * float(np.abs(along).max()) * extent):  # heights over the section are beyond floats
+    if math.isinf(len(x) * max_norm(along) * extent):  # heights over the section are beyond floats
         raise OrbitError("the path runs away")
     returns = _returns(later, x, along, moment)
     near = [(t, distance) for t, distance in returns if distance <= within * extent]

@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, norms
 
 
 @dataclass(frozen=True, repr=False)
@@ -196,6 +196,6 @@ def _distance(points: Floats, corners: Sequence[Point]) -> Floats:
         along, away = end - start, points - start
         length = max(float(along @ along), np.finfo(float).tiny)
         foot = np.clip(away @ along / length, 0, 1)
-        nearest = np.fmin(nearest, np.hypot(*(away - foot[:, None] * along).T))
+        nearest = np.fmin(nearest, norms(away - foot[:, None] * along))
         inside &= along[0] * away[:, 1] - along[1] * away[:, 0] >= 0
     return np.where(inside, 0.0, nearest)

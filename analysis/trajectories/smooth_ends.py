@@ -23,7 +23,7 @@ from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, field_beside, point_velocities
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, field_beside, norm, norms, point_velocities
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -161,7 +161,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
 
 def _merged(ends: SmoothEnds, distance: float) -> SmoothEnds:
     """The same with places that lie closer together than a distance as one: the first of them."""
-    first = [int(np.argmax(np.hypot(*(ends.places - place).T) <= distance)) for place in ends.places]
+    first = [int(np.argmax(norms(ends.places - place) <= distance)) for place in ends.places]
     kept = sorted(set(first))
     numbers = np.array([kept.index(k) for k in first] + [MOVING, LEFT])  # -1 and -2 stay as they are
     return SmoothEnds(ends.places[kept], numbers[ends.reached], ends.speeds[kept])
@@ -169,7 +169,7 @@ def _merged(ends: SmoothEnds, distance: float) -> SmoothEnds:
 
 def _follow_all(field: _Field, points: Floats, reached: Indices, still: Mask, radius: float) -> None:
     """Move the points along until they have left or stand still; all three arrays are changed in place."""
-    fastest = field.fastest = float(np.hypot(*field.begin(points).T).max())
+    fastest = field.fastest = float(norms(field.begin(points)).max())
     if not fastest:  # all stand where they start
         still[:] = True
         return
@@ -186,8 +186,8 @@ def _follow_all(field: _Field, points: Floats, reached: Indices, still: Mask, ra
             reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
             inside = np.flatnonzero(moving & (reached == MOVING))
             if len(inside):
-                speeds = np.hypot(*field.along(points[inside], inside).T) / fastest
-                nowhere = np.hypot(*(points[inside] - earlier[inside]).T) <= TOGETHER * radius
+                speeds = norms(field.along(points[inside], inside)) / fastest
+                nowhere = norms(points[inside] - earlier[inside]) <= TOGETHER * radius
                 still[inside] = (speeds <= STILL) | (nowhere & (speeds >= BRISK))
             earlier, before = before, points.copy()
         until *= 2
@@ -234,7 +234,7 @@ def _where_it_stands(field: _Field, place: Floats, radius: float) -> tuple[Float
     And the speed of a body there, not a number where jumps lead.
     """
     vanishing, speed = _where_it_vanishes(field, place, radius)
-    if not (field.jumps and field.fastest) or float(np.hypot(*field(vanishing[None])[0])) < BRISK * field.fastest:
+    if not (field.jumps and field.fastest) or norm(field(vanishing[None])[0]) < BRISK * field.fastest:
         return vanishing, speed
     path, step, found = np.zeros(1, int), TOGETHER * radius / field.fastest, place
     for _ in range(SHRINKING):
@@ -257,7 +257,7 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Flo
         if np.abs(place).max() > radius:
             break
         here, slope = field_beside(field, place, step)
-        speed = float(np.hypot(*here))
+        speed = norm(here)
         if not speed < least:
             break
         best, least = place, speed
@@ -271,7 +271,7 @@ def _gathered(points: Floats, reached: Indices, still: Mask, radius: float) -> F
     left = still.copy()
     while left.any():
         first = points[np.flatnonzero(left)[0]]
-        here = left & (np.hypot(*(points - first).T) <= TOGETHER * radius)
+        here = left & (norms(points - first) <= TOGETHER * radius)
         reached[here] = len(places)
         places.append(points[here].mean(axis=0))
         left &= ~here

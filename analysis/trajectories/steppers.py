@@ -28,7 +28,7 @@ from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, name
 from nonsmooth.analysis.fields.switched_field import AffineVelocity, ScalarVelocity
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, PolynomialInterpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 
 # ---- Taylor series of affine motions -------------------------------------------------------------
 #
@@ -539,7 +539,7 @@ def comes_to_rest(rate: Rate, solver: Any, until: float, size: float, atol: floa
     Below the tolerance the field is rounding, on which an implicit method would take tiny steps for ever.
     """
     left = until - float(solver.t)
-    if float(np.abs(rate(float(solver.t), solver.y)).max()) * left > atol:
+    if max_norm(rate(float(solver.t), solver.y)) * left > atol:
         return False
     growth = _eigenvalues(rate, float(solver.t), solver.y, np.full(len(solver.y), DIFFERENCE * size))
     return float(growth.max()) * left <= 1

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
-from nonsmooth.symbolic.numbers.plane_arrays import point_velocities, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import max_norm, norm, norms, point_velocities, unit_vectors
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.constant_field import ConstantField
@@ -323,9 +323,7 @@ def tolerances_and_ends(printed: Printed) -> Iterator[Contradiction]:
         away = ends.leaves | (end > radius + ELSEWHERE * printed.radius)
         yield from _against(printed, (begin <= WELL_INSIDE * start) & away, "tolerances and destinations", said)
     if rests:
-        import numpy as np
-
-        moved = ends.leaves | (np.hypot(*(ends.ends - ends.starts).T) > ELSEWHERE * printed.radius)
+        moved = ends.leaves | (norms(ends.ends - ends.starts) > ELSEWHERE * printed.radius)
         yield from _against(printed, (begin <= WELL_INSIDE * rests) & moved, "tolerances and destinations", said)
 
 
@@ -534,12 +532,12 @@ def unstable_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterat
 
     if result.verdict is not Translation.UNSTABLE or seen.follow is None:
         return
-    at_point = np.hypot(*seen.ends.T) <= AT_POINT * seen.half
+    at_point = norms(seen.ends) <= AT_POINT * seen.half
     if not at_point.all():
         return
     angles = 2 * np.pi * (np.arange(RING) + 0.3) / RING
     near = CLOSER * seen.half * unit_vectors(angles)
-    if (np.hypot(*seen.follow(near).T) < CLOSER * seen.half / 2).all():
+    if (norms(seen.follow(near)) < CLOSER * seen.half / 2).all():
         arrived = f"all {len(at_point)} sampled starts, and {RING} close to it, come to the point"
         yield Contradiction("stability and map", (f"{result.verdict}: {result.reason}", arrived), ())
 
@@ -642,7 +640,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
         return None
     size = max(abs(float(entry)) for wheel in centred.wheels for entry in wheel.position)
     here, east, west, north, south = point_velocities(minima.twists, points)
-    speed, spin = float(np.hypot(*here)) / rims, float(minima.twists[0, 2]) * size / rims
+    speed, spin = norm(here) / rims, float(minima.twists[0, 2]) * size / rims
     slope = np.stack([east - west, north - south], axis=1) / (2 * step)
     bend = np.stack([east + west - 2 * here, north + south - 2 * here], axis=1) / step
     return _Beside(speed, spin, *_offset_and_growth(here, slope, bend, ROUNDING * rims / step))
@@ -652,13 +650,13 @@ def _offset_and_growth(here: Floats, slope: Floats, bend: Floats, rounding: floa
     """Of a field from its value, its derivative, and by how much one-sided derivatives differ."""
     import numpy as np
 
-    largest = float(np.abs(slope).max())
-    if largest <= rounding or float(np.abs(bend).max()) > SMOOTH * largest:
+    largest = max_norm(slope)
+    if largest <= rounding or max_norm(bend) > SMOOTH * largest:
         return None, None
     growth = float(np.linalg.eigvals(slope).real.max()) / largest
     if abs(float(np.linalg.det(slope))) < CLEARLY * CLEARLY * largest**2:
         return None, growth
-    return float(np.hypot(*np.linalg.solve(slope, here))), growth
+    return norm(np.linalg.solve(slope, here)), growth
 
 
 def rests_under(check: Check) -> RuleAtPoint:

@@ -45,7 +45,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, norms
 from nonsmooth.symbolic.numbers.rounded import either_way, enclosed, plain
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
@@ -128,7 +128,7 @@ class SampledEnds:
     @property
     def distances(self) -> tuple[Floats, Floats]:
         """From the checked point, at the start and at the end."""
-        return np.hypot(*self.starts.T), np.hypot(*self.ends.T)
+        return norms(self.starts), norms(self.ends)
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, norm
 
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
@@ -335,7 +335,7 @@ class BalancedForces:
     def moves_from_the_origin(self) -> bool:
         """Whether every motion of a body at the origin has a velocity, along about that of the minimizer in floats."""
         velocity = self.minimizers(np.zeros((1, 2)))[0, :2]
-        size = float(np.hypot(*velocity))
+        size = norm(velocity)
         if not 0 < size < math.inf:
             return False
         back = [Intervals.of(np.full((1, 4), entry)) for entry in (*(-velocity / size), 0.0)]

@@ -28,7 +28,7 @@ from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadr
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -516,7 +516,7 @@ def _beside_slow_curve(motion: FollowedField) -> Iterator[BarrierRegion]:
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:
     """A vector in short fractions, its largest entry one."""
-    scale = float(np.abs(vector).max())
+    scale = max_norm(vector)
     return tuple(Fraction(float(x) / scale).limit_denominator(FINE) for x in vector)
 
 

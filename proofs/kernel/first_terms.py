@@ -34,7 +34,7 @@ from nonsmooth.proofs.kernel.cells import (
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text, null_basis, rational_slopes, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Field: TypeAlias = tuple[Polynomial, ...]
@@ -96,7 +96,7 @@ def leading_direction(velocities: Floats) -> Floats | None:
     Returns:
         None where there is none in floats.
     """
-    scaled = velocities / max(float(np.abs(velocities).max()), np.finfo(float).tiny)
+    scaled = velocities / max(max_norm(velocities), np.finfo(float).tiny)
     found = least_sum(-scaled, -np.ones(len(scaled)), np.ones(velocities.shape[1]), None)
     return None if found is None else np.asarray(found / np.abs(found).max())
 

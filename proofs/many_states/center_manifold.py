@@ -52,7 +52,7 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_ORDER = 7  # of the first term of a reduced field in one coordinate
@@ -198,7 +198,7 @@ def split_at(field: Sequence[Polynomial]) -> Split | None:
     count = len(field)
     matrix = fmpq_mat([rational_slopes(part) for part in field])
     values = np.linalg.eigvals(np.array(list(map(slopes, field)), dtype=float))
-    size = max(float(np.abs(values).max()), np.finfo(float).tiny)
+    size = max(max_norm(values), np.finfo(float).tiny)
     still = [value for value in values if abs(value.real) <= STILL * size]
     if any(part.at_origin for part in field) or max(value.real for value in values) > STILL * size:
         return None

@@ -35,7 +35,7 @@ from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, so
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.domain import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -298,7 +298,7 @@ class _Iteration:
 
     def rescaled(self, before: _Level) -> _Level:
         """The same V in units in which its region has a half-width between one half and one."""
-        extent = float(np.abs(before.border).max())
+        extent = max_norm(before.border)
         if 0.5 < extent <= 1:
             return before
         factor = Fraction(2) ** int(np.ceil(np.log2(extent)))
@@ -336,14 +336,14 @@ class _Iteration:
     def shown(self, best: _Level) -> ReshapedRegion | None:
         """The region of a rounded V, by evidence that the checker takes."""
         shape = best.shape
-        size = float(np.abs(shape.values).max())
+        size = max_norm(shape.values)
         unscaled = []
         for exponents, value in zip(shape.exponents, shape.values, strict=True):
             unscaled.append(nearest(value / size, FINE) / self.radius ** sum(exponents))
         top = 1 / size  # the level of the rounded V, in floats
         formula = parse_piecewise(formula_text(self.monomials(shape.exponents), unscaled), self.system.states)
         for cube in CUBES:
-            extent = float(np.abs(best.border).max()) * float(self.radius) * cube
+            extent = max_norm(best.border) * float(self.radius) * cube
             within = _short_above(extent)
             if self.limit is not None:
                 within = min(within, self.limit)

@@ -28,7 +28,7 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, float_points, norm, norms, places_of
 
 Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
@@ -341,7 +341,7 @@ def _nearest_velocity(scene: Scene) -> Velocity:
 
     def velocity(place: Floats) -> Floats:
         chosen: list[tuple[list[float], float]] = []
-        for k in np.argsort(np.hypot(*(places - place).T)):
+        for k in np.argsort(norms(places - place)):
             for row in rows[k]:
                 trial = np.array([entries for entries, _ in [*chosen, row]])
                 if np.linalg.svd(trial, compute_uv=False)[-1] > 2.0**-30:
@@ -359,7 +359,7 @@ def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats |
     place, duration = np.zeros(2), 0.0
     for _ in range(DRIFT_STEPS // 2):
         here, slope = field_beside(velocity, place, DIFFERENCE * most)
-        speed = float(np.hypot(*here))
+        speed = norm(here)
         if not np.isfinite(slope).all() or not np.isfinite(speed):
             return None
         duration = duration * GROWTH or size / 4 / speed if speed else 0.0
@@ -369,7 +369,7 @@ def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats |
             move = np.linalg.solve(np.eye(2) - duration * slope, duration * here)
         except np.linalg.LinAlgError:
             return None
-        length = float(np.hypot(*move))
+        length = norm(move)
         if length > size:  # the field is not linear so far
             move, duration = move * size / length, duration / GROWTH**3
         place = place + move
@@ -389,7 +389,7 @@ def _zero(velocity: Velocity, size: float, most: float) -> Floats | None:
             move = -np.linalg.solve(slope, here)
         except np.linalg.LinAlgError:
             return None
-        length = float(np.hypot(*move))
+        length = norm(move)
         if not np.isfinite(length):
             return None
         place = place + move * min(1.0, most / 4 / length if length else 1.0)
@@ -406,7 +406,7 @@ def _end_of_path(velocity: Velocity, size: float, still: float, steps: int) -> F
     before = np.zeros(2)
     for _ in range(steps):
         now = velocity(place)
-        speed = float(np.hypot(*now))
+        speed = norm(now)
         if not np.isfinite(speed):
             return None
         if speed <= still or step <= TIGHT * size:

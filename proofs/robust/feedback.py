@@ -37,7 +37,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
@@ -215,7 +215,7 @@ def distance_of_minimizers(
     arrays = ArrayBox(box_wheels(own, box), loads, force_law(own))
     forces = replace(PieceForces.at_point(arrays), speeds=_speeds(own, box, imposed))
     middle = np.array([float(entry) for entry in imposed.twist])
-    rounding = 2.0**-40 * (most + float(np.abs(middle).max()))  # of the cube to floats
+    rounding = 2.0**-40 * (most + max_norm(middle))  # of the cube to floats
     for share in SHARES:
         half = share * most / np.sqrt(3)
         if _is_outward(forces, middle, half):

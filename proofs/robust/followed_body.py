@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, norm, norms
 
 PRECISION = 128  # bits of the balls
 PARTS = 8  # steps on the way out, at least
@@ -333,7 +333,7 @@ def leaves_by_funnel(scene: Scene, accuracy: Fraction) -> bool:
     if forces is None or path is None:
         return False
     ahead = np.diff(path, axis=0, append=2 * path[-1:] - path[-2:-1])
-    normals = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.hypot(*ahead.T)[:, None]
+    normals = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / norms(ahead)[:, None]
     widths = np.linspace(0.0, FAR * float(accuracy), len(path))[:, None] * normals
     for slope in SLOPES:
         left, right = path + slope * widths, path - slope * widths
@@ -351,7 +351,7 @@ def _path_outward(forces: BalancedForces, radius: float) -> Floats | None:
     length, places = radius / QUADRANGLES, [np.zeros(2)]
     for _ in range(LONGEST * QUADRANGLES):
         here, slope = field_beside(forces.velocities, places[-1], DIFFERENCE * radius)
-        speed = float(np.hypot(*here))
+        speed = norm(here)
         if not 0 < speed < math.inf or not np.isfinite(slope).all():
             return None
         time = length / speed
@@ -363,7 +363,7 @@ def _path_outward(forces: BalancedForces, radius: float) -> Floats | None:
             time *= 2
         else:
             return None  # it comes to rest
-        places.append(places[-1] + move * min(1.0, length / float(np.hypot(*move))))
+        places.append(places[-1] + move * min(1.0, length / norm(move)))
         if np.hypot(*places[-1]) > FAR * radius:
             return np.array(places)
     return None
@@ -408,7 +408,7 @@ def _lead_left(forces: BalancedForces, corners: Floats, starts: Floats, ends: Fl
         parts: of a quadrangle that is not shown whole, along and across.
     """
     for _ in range(DIVISIONS):
-        unit = Intervals.of(1 / np.hypot(*(ends - starts).T)[:, None] * np.ones(4))  # any positive factor does
+        unit = Intervals.of(1 / norms(ends - starts)[:, None] * np.ones(4))  # any positive factor does
         along_x, along_y = (unit * (Intervals.of(ends[:, k, None]) - Intervals.of(starts[:, k, None])) for k in (0, 1))
         x, y = (Intervals.of(corners[:, :, k]) for k in (0, 1))
         covector = forces.covector(along_y, -along_x, -along_x * x - along_y * y)

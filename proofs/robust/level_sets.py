@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, norms, unit_vectors
 
 SECTORS = 24  # of each ring of circles
 VERTICES = 32
@@ -77,7 +77,7 @@ class RingPieces:
         The middle of a side is exact where its corners have bits to spare: otherwise the halves, and neighbours that
         are not cut, may leave a gap between them.
         """
-        along, across = (np.hypot(*(self.corners[:, k] - self.corners[:, 0]).T) for k in (1, 3))
+        along, across = (norms(self.corners[:, k] - self.corners[:, 0]) for k in (1, 3))
         order = np.where((along > across)[:, None], [0, 1, 2, 3], [1, 2, 3, 0])
         pieces = np.arange(len(order))[:, None]
 
@@ -173,7 +173,7 @@ class SectorFunction(LevelFunction):
     @cached_property
     def outside(self) -> float:  # type: ignore[override]
         """The largest distance of a vertex."""
-        return float(np.hypot(*self.vertices.T).max()) * (1 + 2.0**-40)
+        return float(norms(self.vertices).max()) * (1 + 2.0**-40)
 
     @cached_property
     def sectors(self) -> NDArray[np.intp]:

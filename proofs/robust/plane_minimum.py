@@ -22,7 +22,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, norms
 
 # ---- the rows of an array and the limits of its friction forces ----------------------------------
 #
@@ -58,7 +58,7 @@ class ArrayRows:
     @property
     def fastest(self) -> float:
         """Speed of the fastest row."""
-        return float(np.abs(self.speeds).max())
+        return max_norm(self.speeds)
 
 
 # ---- the least value on a plane ------------------------------------------------------------------
@@ -100,7 +100,7 @@ class PlaneMinima:
         if new:
             places = np.array([_middle(piece) for piece in new])
             twists = minima_under(smooth_rule_of(self._scene), self._scene, places).twists
-            rates = -(places * twists[:, :2]).sum(axis=1) / np.hypot(*places.T)
+            rates = -(places * twists[:, :2]).sum(axis=1) / norms(places)
             self._radial |= {piece: rate if rate > 0 else None for piece, rate in zip(new, rates.tolist(), strict=True)}
         return [self._radial[piece] for piece in pieces]
 

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, norms
 
 RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
@@ -234,7 +234,7 @@ def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Flo
     sizes = pieces.sizes.mean(axis=1)
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
     still = STILL if isinstance(forces.sets, Box) else SLOW
-    return free, falls / sizes, falls / sizes > still * forces.fastest * np.hypot(*slopes.T) / sizes
+    return free, falls / sizes, falls / sizes > still * forces.fastest * norms(slopes) / sizes
 
 
 def piece_rates(
@@ -274,7 +274,7 @@ def piece_rates(
 def _strengths(forces: BalancedForces, pieces: RingPieces) -> list[Floats]:
     """Values of lambda for each quadrangle."""
     slopes = pieces.middle_slopes
-    sizes, total = np.hypot(*slopes.T), _friction(forces, pieces)
+    sizes, total = norms(slopes), _friction(forces, pieces)
     against = forces.pulls_at_rest(pieces.middles, slopes)
     smooth = [share * against / sizes for share in SHARES]
     rough = [share * total / sizes for share in PUSHES]
@@ -284,7 +284,7 @@ def _strengths(forces: BalancedForces, pieces: RingPieces) -> list[Floats]:
 def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats) -> list[Floats]:
     """Those that slow the body by shares of ``-V'``, where the friction of a body at rest does not tell its motion."""
     slopes = pieces.middle_slopes
-    most = _friction(forces, pieces) / np.hypot(*slopes.T)
+    most = _friction(forces, pieces) / norms(slopes)
     yields = forces.compliance(pieces.middles, slopes, free)
     strength = np.minimum(seen * pieces.sizes.mean(axis=1) / np.maximum(yields, TINY), most)
     return [share * strength for share in SHARES]

@@ -50,7 +50,7 @@ from nonsmooth.proofs.systems.outer_ring import (
     places_of_rest,
     ring_of,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm
 
 # ---- lines beside the stable manifold of a saddle, beyond which no start comes to the point ------
 #
@@ -83,7 +83,7 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
     field = FloatField.of(system, surfaces)
     if any(field.plane.waves):
         return []
-    half, found = float(np.abs(border).max()), list[Beside]()
+    half, found = max_norm(border), list[Beside]()
     rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.isfinite(slope).all()]
     saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < -CLEAR * np.sum(slope**2)]
     with np.errstate(all="ignore"):  # far out, and where velocities vanish
@@ -298,7 +298,7 @@ def find_basin(
     first = level_ring(field, home)
     if first is None:
         return None
-    far = FARTHEST * float(np.abs(first).max())
+    far = FARTHEST * max_norm(first)
     best: BuiltMesh | None = None
     for power in POWERS:
         built, last = grown_mesh(field, cells, first, effort, min(limit or far, far), announce, power=power)

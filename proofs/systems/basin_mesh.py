@@ -36,7 +36,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     grow,
     lengths,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
 ROUNDS = 8  # in which a band is refined
@@ -300,7 +300,7 @@ class MeshBuilder:
         *,
         is_first_whole: bool = False,
     ) -> None:
-        size = max(float(np.abs(ring).max()) for ring in rings)
+        size = max(max_norm(ring) for ring in rings)
         self.lattice = Lattice(field.surfaces, size)
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()

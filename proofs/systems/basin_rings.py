@@ -35,7 +35,7 @@ from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_rows, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, unit_rows, unit_vectors
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan}
 PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
@@ -133,7 +133,7 @@ class FloatField:
         if not len(rows) or len(self.at(ring[:1])) > 1:
             return rows[:0], places[:0], places[:0]
         f, h = (self.beside(ends, places)[0] for ends in (ring[rows], following(ring)[rows]))
-        width = WIDTH * float(np.abs(ring).max())
+        width = WIDTH * max_norm(ring)
         rises = [self.guards(places + step) - self.guards(places - step) for step in np.eye(2) * width]
         slopes = np.stack(rises, axis=2)[np.arange(len(rows)), numbers]
         normals = np.where(self.guards(ring)[rows, numbers] >= 0, -1, 1)[:, None] * slopes
@@ -184,7 +184,7 @@ class FloatField:
                 own, slack = exact[number], 0.0
             else:
                 own = points.coefficients(guards[:, :, number])
-                slack = SMALL * float(np.abs(own).max())
+                slack = SMALL * max_norm(own)
             allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
             if slack:
                 allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
@@ -623,7 +623,7 @@ def unit_ball(linear: Floats, share: float) -> Floats:
     from scipy.linalg import solve_continuous_lyapunov
 
     slowest, one = -float(np.linalg.eigvals(linear).real.max()), np.eye(len(linear))
-    if not slowest > SLOW * float(np.abs(linear).max()):
+    if not slowest > SLOW * max_norm(linear):
         return one
     form = solve_continuous_lyapunov((linear + share * slowest * one).T, -one)
     return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))

@@ -37,7 +37,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     mixtures,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_rows
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, unit_rows
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
@@ -196,7 +196,7 @@ class Front:
                 break
             self.units = 0.8 * self.units
         self.back = np.linalg.inv(self.units)
-        self.limit = max(limit, WIDER * float(np.abs(self.rays).max()))
+        self.limit = max(limit, WIDER * max_norm(self.rays))
         self.between = tetrahedra_between(self.triangles, self.count)
         ends = np.concatenate([self.triangles[:, own] for own in ([0, 1], [1, 2], [0, 2])])
         self.edges = np.unique(np.sort(ends, axis=1), axis=0)
@@ -453,7 +453,7 @@ class Front:
 
     def record(self, found: Sequence[Floats]) -> dict[str, Any]:
         """The mesh between polyhedra, as a certificate holds it: W is 0, 1, 2 and so on."""
-        power = BITS - int(np.ceil(np.log2(float(np.abs(self.places(found[-1])).max()))))
+        power = BITS - int(np.ceil(np.log2(max_norm(self.places(found[-1])))))
         corners, tetrahedra = list[str](), list[str]()
         for value, logarithms in enumerate(found):
             whole = np.rint(self.places(logarithms) * 2.0**power).astype(np.int64).tolist()

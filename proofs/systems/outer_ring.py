@@ -39,7 +39,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     sines,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, spread, unit_vectors
 
 Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
 
@@ -95,7 +95,7 @@ def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: Pa
         steps: of the rings about one place, at most.
     """
     field, found = FloatField.of(system, surfaces), list[Beside]()
-    for place, slope in other_rests(field, AROUND * float(np.abs(border).max()))[:MOST_TRAPS]:
+    for place, slope in other_rests(field, AROUND * max_norm(border))[:MOST_TRAPS]:
         moved = (ring_of(known) + place - other for other, known in found)  # fields may repeat themselves
         own = next(filter(None, (shown_polygon(system, surfaces, field, ring) for ring in moved)), None)
         own = own or _grown_about(system, surfaces, place, slope, pace, steps)
@@ -221,7 +221,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
 
     None where it comes to the region, or leaves.
     """
-    limit = FARTHEST * float(np.abs(border).max())
+    limit = FARTHEST * max_norm(border)
     least, before = area(border), area(ring)
     for step in range(1, most):
         ring = next_ring(field, ring, pace, limit, POWER)
@@ -236,7 +236,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
 
 def on_lattice(ring: Floats, surfaces: Sequence[str]) -> Record:
     """A ring in whole numbers, as a certificate holds it."""
-    power = BITS - int(np.ceil(np.log2(float(np.abs(ring).max()))))
+    power = BITS - int(np.ceil(np.log2(max_norm(ring))))
     places = np.rint(ring * 2.0**power).astype(np.int64)
     return {
         "surfaces": list(surfaces),

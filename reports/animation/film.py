@@ -16,7 +16,7 @@ from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.wheels import outline_of, placed, rim_length
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, norms, places_of
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -134,7 +134,7 @@ class Film:
         slips, axes = self.frames.slips[k], self.axes
         sides = np.column_stack([-axes[:, 1], axes[:, 0]])
         arrows = self.arrow_scale * (slips[:, :1] * axes + slips[:, 1:] * sides)
-        lengths = np.hypot(*arrows.T)
+        lengths = norms(arrows)
         longest = LONGEST_ARROW * self.rim
         cut = np.where(lengths > longest, longest / np.where(lengths > 0, lengths, 1.0), 1.0)
         return np.asarray(arrows * cut[:, None])

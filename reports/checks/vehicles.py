@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of, spread, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, norms, places_of, spread, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -359,7 +359,7 @@ def _draw_arrows(
     if parts is None or np.abs(parts).max() <= TOO_SMALL * scale:
         return
     vectors = (parts[:, :, None] * frames).sum(axis=1)
-    vectors *= reach / np.hypot(*vectors.T).max()
+    vectors *= reach / norms(vectors).max()
     axes.quiver(
         *places.T, *vectors.T, angles="xy", scale_units="xy", scale=1, color=color, width=0.006, label=label, zorder=4
     )

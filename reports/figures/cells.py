@@ -50,7 +50,7 @@ from nonsmooth.reports.output.document import cell_mark
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import XY, around, between, dot, in_floats, minus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, max_norm
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -265,7 +265,7 @@ def draw_rates(axes: Axes, partition: Partition) -> Floats:
 
 def _bands_of(rates: Floats) -> Floats:
     """Borders of bands: multiples of one step, zero among them, that cover all values."""
-    step = float(np.abs(rates).max()) / BANDS or 1.0
+    step = max_norm(rates) / BANDS or 1.0
     lowest, highest = (round(float(end) / step, 6) for end in (rates.min(), rates.max()))
     steps = np.arange(min(math.floor(lowest), 0), max(math.ceil(highest), 0) + 1)
     return np.asarray((steps if len(steps) > 1 else np.array([-1, 0, 1])) * step)
@@ -308,7 +308,7 @@ def _symmetric(levels: Floats) -> Any:
     """Colors symmetric about zero: white is where V* vanishes."""
     from matplotlib.colors import Normalize
 
-    largest = float(np.abs(levels).max())
+    largest = max_norm(levels)
     return Normalize(-largest, largest)
 
 

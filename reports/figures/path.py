@@ -39,7 +39,7 @@ from nonsmooth.reports.figures.wheels import draw_axis, draw_names, outline_of, 
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, spread
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
@@ -340,7 +340,7 @@ def draw_cells(axes: Axes, partition: Partition, trajectory: Trajectory) -> None
     fill_cells(axes, partition)
     axes.set(aspect="equal", **centre_labels(partition.scene.units))
     centre = np.array(partition.scene.check.place)
-    extent = float(np.abs(trajectory.array[:, :2] - centre).max())
+    extent = max_norm(trajectory.array[:, :2] - centre)
     if 0 < extent < SMALL * partition.scene.check.half_width:
         half = ENLARGED * extent
         axes.set(xlim=(centre[0] - half, centre[0] + half), ylim=(centre[1] - half, centre[1] + half))
@@ -376,7 +376,7 @@ def _draw_rims(axes: Axes, model: ContactModel) -> None:
     for start, end in zip(model.positions - half, model.positions + half, strict=True):
         axes.plot(*zip(start, end, strict=True), **RIM)
     for k in np.flatnonzero(model.heads[:, 1]).tolist():
-        draw_axis(axes, in_floats(model.positions[k]), in_floats(model.axes[k]), float(np.hypot(*half[k])))
+        draw_axis(axes, in_floats(model.positions[k]), in_floats(model.axes[k]), norm(half[k]))
 
 
 def draw_surfaces(axes: Axes, system: SwitchedSystem, switching: SignField, trajectory: Trajectory) -> None:

@@ -42,7 +42,7 @@ from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -96,7 +96,7 @@ class SystemMap(MapResult):
     @cached_property
     def ratios(self) -> Floats:
         """Distance from the checked point at the end by that at the start; the point itself has ratio 0."""
-        first, last = (np.hypot(*places.T) for places in (self.starts, self.ends))
+        first, last = (norms(places) for places in (self.starts, self.ends))
         return np.divide(last, first, out=np.where(last > 0, np.inf, 0.0), where=first > 0)
 
     @cached_property

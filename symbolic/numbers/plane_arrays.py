@@ -32,6 +32,21 @@ def unit_vectors(angles: Floats | float) -> Floats:
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
+def norm(vector: Iterable[Any]) -> float:
+    """The length of a vector of the plane."""
+    return float(np.hypot(*vector))
+
+
+def norms(vectors: Floats) -> Floats:
+    """Lengths of vectors of the plane, shape (m, 2)."""
+    return np.asarray(np.hypot(*vectors.T))
+
+
+def max_norm(entries: Floats) -> float:
+    """The largest absolute value of an entry."""
+    return float(np.abs(entries).max())
+
+
 def unit_rows(vectors: Floats) -> Floats:
     """Vectors of any dimension, shape (m, n), divided by their lengths."""
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
