@@ -457,7 +457,7 @@ def _rounded(solution: Floats, multiple: int) -> Floats:
     """2 P with the coefficients of V as whole numbers, the largest of which is given."""
     coefficients = 2 * solution - np.diag(np.diag(solution))
     rounded = np.round(coefficients / np.abs(coefficients).max() * multiple)
-    return np.asarray(rounded + np.diag(np.diag(rounded)))
+    return rounded + np.diag(np.diag(rounded))
 
 
 def rate_of(form: NDArray[Any], matrix: Floats) -> float:

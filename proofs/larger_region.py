@@ -135,13 +135,13 @@ class _Outline:
     @property
     def inside(self) -> Floats:
         shares = np.concatenate([np.arange(1, DISTANCES + 1) / DISTANCES, NEAREST])
-        return np.asarray((shares[:, None, None] * self.rim).reshape(-1, 2))
+        return (shares[:, None, None] * self.rim).reshape(-1, 2)
 
     @property
     def outside(self) -> Floats:
         shares = (np.arange(1, BEYOND + 1) / BEYOND)[:, None]
         distances = self.reach + shares * (self.border - self.reach)
-        return np.asarray((distances[:, :, None] * self.units).reshape(-1, 2))
+        return (distances[:, :, None] * self.units).reshape(-1, 2)
 
 
 def _outline(cells: SignCells) -> _Outline:

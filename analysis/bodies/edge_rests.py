@@ -216,7 +216,7 @@ class RestSearch:
         steps = np.array([np.linalg.lstsq(a, -b, rcond=None)[0] for a, b in zip(slopes, values, strict=True)])
         steps = steps.reshape(-1, 3)
         size = np.maximum(norms(steps[:, :2]) / (LONGEST * self.reach), 1.0)
-        return np.asarray(steps / size[:, None])
+        return steps / size[:, None]
 
     def _residuals(
         self, sets: tuple[Mask, Mask], unknowns: Floats, near: Floats

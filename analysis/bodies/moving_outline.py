@@ -94,11 +94,11 @@ class MovingOutline:
         moved = drift @ np.array([[c, -s], [s, c]])  # R^T on the left of every row
         if self._radius is not None:
             out = seen - self._middle
-            return np.asarray(-(out * moved).sum(axis=1) / norms(out))
+            return -(out * moved).sum(axis=1) / norms(out)
         depths = self._heights - seen @ self._normals.T
         deepest = depths.min(axis=1, keepdims=True)
         slopes = np.where(depths <= deepest + SAME_SIDE * self.size, -(moved @ self._normals.T), np.inf)
-        return np.asarray(slopes.min(axis=1))
+        return slopes.min(axis=1)
 
     def gradient(self, pose: Floats, wheel: int) -> Floats:
         """``(R n_e, -n_e x q_i)``, the derivative of ``g_i`` by ``(x, y, theta)``, n_e of the deepest side; (3,)."""

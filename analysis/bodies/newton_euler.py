@@ -116,7 +116,7 @@ class MovingLoads:
 
 def _least(forms: Floats, centres: Floats) -> Floats:
     """The least of affine forms (k, 3) of (1, c) at centres (m, 2)."""
-    return np.asarray((forms[:, :1] + forms[:, 1:] @ centres.T).min(axis=0))
+    return (forms[:, :1] + forms[:, 1:] @ centres.T).min(axis=0)
 
 
 # ---- the equations -------------------------------------------------------------------------------
@@ -228,11 +228,11 @@ class EllipseFriction:
 
     def forces(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Forces along and across every rim, shape (n, 2)."""
-        return np.asarray(loads[:, None] * self._shares(*self._slips(self.rows(centre), velocity)))
+        return loads[:, None] * self._shares(*self._slips(self.rows(centre), velocity))
 
     def total(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Force and torque about the centre of mass ``(F_x, F_y, tau)``, in units of the body's weight."""
-        return np.asarray(self.rows(centre).T @ self.forces(centre, velocity, loads).reshape(-1))
+        return self.rows(centre).T @ self.forces(centre, velocity, loads).reshape(-1)
 
     def per_load(self, centre: Floats, velocity: Floats) -> Floats:
         """Force and torque of every wheel per unit of its load, shape (n, 3)."""
@@ -266,7 +266,7 @@ class EllipseFriction:
 
     def _slips(self, rows: Floats, velocity: Floats) -> Floats:
         """Along and across the axes, shape (2, n)."""
-        return np.asarray((rows @ velocity - self._model.targets).reshape(-1, 2).T)
+        return (rows @ velocity - self._model.targets).reshape(-1, 2).T
 
 
 # ---- equations ---------------------------------------------------------------------------------------
@@ -353,7 +353,7 @@ class DynamicPath:
 
     def state(self, t: float) -> Floats:
         """State at a time within the path, shape (6,)."""
-        return np.asarray(self.dense(t))
+        return self.dense(t)
 
 
 def absolute_tolerances(size: float, speed: float) -> Floats:

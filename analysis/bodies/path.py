@@ -324,7 +324,7 @@ class SupportRate:
     def validities(self, whole: Floats) -> Floats:
         """Negative where some regime has ended, at states (n, m); shape (m,)."""
         pairs = zip(self.motions, self._cuts, strict=True)
-        return np.asarray(np.min([motion.validities(whole[:3].T, whole[cut].T) for motion, cut in pairs], axis=0))
+        return np.min([motion.validities(whole[:3].T, whole[cut].T) for motion, cut in pairs], axis=0)
 
 
 class Regimes:

@@ -46,7 +46,7 @@ def _shares(weights: Floats) -> Floats:
 
 def mixed_of(corners: Floats, weights: Floats) -> Floats:
     """The motions (2^k, d) of all subsets of k wheels, mixed."""
-    return np.asarray(_shares(weights) @ corners)
+    return _shares(weights) @ corners
 
 
 def balancing_weights(rates: Floats, count: int, start: Floats) -> Floats | None:

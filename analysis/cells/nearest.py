@@ -215,7 +215,7 @@ def _contenders(positions: Floats, among: Indices, region: Polygon, rank: int) -
         slack = CANDIDATE_MARGIN * (bound + np.hypot(*centre)) + SMALLEST_NORMAL
         near = np.flatnonzero(~(distances > bound + slack))
     order = near[np.argsort(distances[near], kind="stable")]
-    return np.asarray(among[order])
+    return among[order]
 
 
 def _region(
@@ -411,4 +411,4 @@ def distances_from(points: Floats, place: Floats) -> Floats:
     """``|p - q|`` for many points p, shape (n, 2), at once."""
     with np.errstate(over="ignore", invalid="ignore"):
         difference = points - place
-        return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
+        return np.hypot(difference[..., 0], difference[..., 1])

@@ -232,7 +232,7 @@ class ContactModel(ShortRepr, ContactRows):
     @property
     def speeds(self) -> Floats:
         """Surface speeds ``u_i`` along the rims, shape (n,)."""
-        return np.asarray((self.targets.reshape(-1, 2) * self.heads).sum(axis=1))
+        return (self.targets.reshape(-1, 2) * self.heads).sum(axis=1)
 
     def targets_of(self, speeds: ArrayLike) -> Floats:
         """Right sides ``b_k`` for other speeds along the rims: (..., n) to (..., 2n).
@@ -250,7 +250,7 @@ class ContactModel(ShortRepr, ContactRows):
     @property
     def mu_side(self) -> Floats:
         """Friction across the friction axes, shape (n,)."""
-        return np.asarray(self.friction[1::2] * self.cuts)
+        return self.friction[1::2] * self.cuts
 
 
 def _friction_axes(rims: Floats, axes: Sequence[ArrayLike | None] | None) -> tuple[Floats, Floats]:

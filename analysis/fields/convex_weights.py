@@ -94,7 +94,7 @@ def nearest_weights(points: Floats, target: Floats) -> Floats:
     scale = float(np.abs(points).max(initial=0.0)) or 1.0
     weights, _ = nnls(np.vstack([points.T / scale, np.ones(len(points))]), np.append(target / scale, 1.0))
     total = float(weights.sum())
-    return np.asarray(weights / total) if total > 0 else np.full(len(points), 1 / len(points))
+    return (weights / total) if total > 0 else np.full(len(points), 1 / len(points))
 
 
 def origin_distance(points: Floats) -> float:

@@ -32,7 +32,7 @@ class CellSides:
     def depths(self, points: Floats) -> Floats:
         """How far points (..., 2) lie from the nearest side of every cell, negative outside; shape (..., cells)."""
         gaps = self._offsets - (self._normals @ points.T).T
-        return np.asarray(np.minimum.reduceat(gaps, self._starts, axis=-1))
+        return np.minimum.reduceat(gaps, self._starts, axis=-1)
 
 
 class PolygonField(ABC):

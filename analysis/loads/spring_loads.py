@@ -111,4 +111,4 @@ def _descended(moments: Floats, goals: Floats, y: Floats, forces: Floats, step: 
 
 def _energy(goals: Floats, y: Floats, forces: Floats) -> Floats:
     """``1/2 sum_i max(0, m_i . y)^2 - goal . y``."""
-    return np.asarray(0.5 * (forces**2).sum(axis=1) - (goals * y).sum(axis=1))
+    return 0.5 * (forces**2).sum(axis=1) - (goals * y).sum(axis=1)

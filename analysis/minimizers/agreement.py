@@ -147,7 +147,7 @@ def comparison_grid(scene: Scene) -> Floats:
     """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
     centre = np.array(scene.check.place)
     across, up = (scene.check.half_width * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
-    return np.asarray(centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2))
+    return centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
 
 
 def _difference(scene: Scene, points: Floats, first: Floats, second: Floats, missing: str) -> TwistDifference:

@@ -174,4 +174,4 @@ def forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
         rows = model.rows / _column_sizes(model)
         bounds = (-limits[free], limits[free])
         forces[free] = lsq_linear(rows[free].T, -rows.T @ forces, bounds, method="bvls").x
-    return np.asarray(forces.reshape(-1, 2))
+    return forces.reshape(-1, 2)

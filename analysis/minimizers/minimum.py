@@ -290,7 +290,7 @@ def balance_forces(functional: Functional, model: ContactRows, loads: Floats, fo
             shares[k] = _repaired(sets.room(along, across, TURNING), limits[k], model.rows, shares[k])
     shares = np.where(np.abs(shares) > NEGLIGIBLE, shares, 0.0)
     excess = sets.gauge(*np.moveaxis(shares, -1, 0)).max(axis=-1)
-    return np.asarray(shares * limits / np.maximum(1.0, excess)[:, None, None])
+    return shares * limits / np.maximum(1.0, excess)[:, None, None]
 
 
 def _repaired(room: Floats, limits: Floats, rows: Floats, shares: Floats) -> Floats:
@@ -299,7 +299,7 @@ def _repaired(room: Floats, limits: Floats, rows: Floats, shares: Floats) -> Flo
     weighted = limits.reshape(-1, 1) * rows / np.where(sizes > 0, sizes, 1.0)
     movable = (room @ weighted.reshape(-1, 2, 3)).reshape(-1, 3)
     step, *_ = np.linalg.lstsq(movable.T, shares.reshape(-1) @ weighted)
-    return np.asarray(shares - (room @ step.reshape(-1, 2, 1))[..., 0])
+    return shares - (room @ step.reshape(-1, 2, 1))[..., 0]
 
 
 # ---- minimizers with the forces that prove them --------------------------------------------------

@@ -62,7 +62,7 @@ def _random_points(scene: Scene, samples: int) -> Floats:
 
 def _rates(points: Floats, twists: Floats) -> Floats:
     """``2 c . v``."""
-    return np.asarray(2 * (twists[:, :2] * points).sum(axis=1))
+    return 2 * (twists[:, :2] * points).sum(axis=1)
 
 
 def _largest_rates(points: Floats, rates: Floats, not_certified: str = "") -> SampledDerivative:
@@ -92,7 +92,7 @@ def literal_twists(scene: Scene, points: Floats) -> Floats:
     for number in (k for k, (_, used) in enumerate(found) if used > nearest):  # wheels farther away decide
         members = np.flatnonzero(group == number)
         twists[members] = [literal_twist(scene, points[k]) for k in members]
-    return np.asarray(twists)
+    return twists
 
 
 def _by_distance(scene: Scene, point: Floats) -> list[Wheel]:
@@ -112,7 +112,7 @@ def greedy_twist(ordered: Sequence[Wheel]) -> tuple[Floats, int]:
                 rows.append(normal)
                 rhs.append(speed)
         used += 1
-    return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs))), used
+    return np.linalg.solve(np.array(rows), np.array(rhs)), used
 
 
 def _ordered_rows(wheel: Wheel) -> list[tuple[Floats, float]]:
@@ -195,7 +195,7 @@ class SampledField:
         centre = np.array(self.scene.check.place)
         found = 2 * ((self.points - centre) * self.velocities).sum(axis=1)
         least = RESTS * self.scene.check.half_width * float(np.nanmax(self.speeds, initial=0.0))
-        return np.asarray(np.where(np.abs(found) <= least, 0.0, found))
+        return np.where(np.abs(found) <= least, 0.0, found)
 
 
 def sample_field(scene: Scene, count: int) -> SampledField:
@@ -355,7 +355,7 @@ def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
     """``u_i = d_i . (v + omega J(p_i - c))`` for the wanted pose rate ``(v, omega) = -k (c, theta)``."""
     arms = model.positions - states[:, None, :2]
     turning = turned(arms) * states[:, None, 2:]
-    return np.asarray(-GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1))
+    return -GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1)
 
 
 _LAWS = {SampledLaw.PAPER: paper_speeds, SampledLaw.TRACKING: tracking_speeds}

@@ -127,7 +127,7 @@ def _on_line(forces: Floats, way: Floats) -> Floats:
     meeting = np.roots([bends[0] - bends[1], 2 * (slopes[0] - slopes[1]), values[0] - values[1]])
     places = np.array([*lowest, *meeting[np.isreal(meeting)].real])
     largest = (bends * places[:, None] ** 2 + 2 * slopes * places[:, None] + values).max(axis=1)
-    return np.asarray(forces + places[largest.argmin()] * way)
+    return forces + places[largest.argmin()] * way
 
 
 def _lawson(flat: Floats, forces: Floats) -> Floats:

@@ -82,7 +82,7 @@ class SupportSums:
 
     def moved(self, y: Floats) -> Floats:
         """``E_i y``, shape (2, n, m), of y (3, m)."""
-        return np.asarray(self.maps.transpose(1, 0, 2) @ y)
+        return self.maps.transpose(1, 0, 2) @ y
 
     def slips(self, y: Floats) -> Floats:
         """``E_i y - e_i``."""
@@ -91,16 +91,16 @@ class SupportSums:
     def values(self, y: Floats) -> Floats:
         """What is to be least, shape (m,)."""
         value = (self.weights * self.sets.support(*self.slips(y))).sum(axis=0)
-        return np.asarray(value if self.pulls is None else value - (self.pulls * y).sum(axis=0))
+        return value if self.pulls is None else value - (self.pulls * y).sum(axis=0)
 
     def total(self, forces: Floats) -> Floats:
         """``sum_i w_i E_i^T p_i - G``, shape (3, m)."""
         total = self._columns @ np.concatenate(self.weights * forces)
-        return np.asarray(total if self.pulls is None else total - self.pulls)
+        return total if self.pulls is None else total - self.pulls
 
     def hessian(self, rates: Floats) -> Floats:
         """Upper triangles of ``sum_i w_i E_i^T S_i E_i``, shape (6, m), for ``S_i = rates (xx, yy, xy)``, (3, n, m)."""
-        return np.asarray(self._pairs @ np.concatenate(self.weights * rates))
+        return self._pairs @ np.concatenate(self.weights * rates)
 
     def newton_step(self, total: Floats, rates: Floats, shift: Floats | float, rounding: float) -> Floats:
         """``-(sum_i w_i E_i^T S_i E_i + shift)^-1 total`` with ``S_i = rates (xx, yy, xy)``, shape (3, n, m).
@@ -237,7 +237,7 @@ def softness_that_sticks(sums: SupportSums, y: Floats, forces: Floats) -> Floats
     smaller one.
     """
     slips, slack = sums.sets.support(*sums.slips(y)), -sums.sets.excess(*forces)
-    return np.asarray(np.where(slips < slack, slips / (PUSH * slack), 0.0).max(axis=0))
+    return np.where(slips < slack, slips / (PUSH * slack), 0.0).max(axis=0)
 
 
 # ---- holding -------------------------------------------------------------------------------------
@@ -490,7 +490,7 @@ _SQUARE = [0, 1, 2, 1, 3, 4, 2, 4, 5]  # entries of a symmetric matrix in its up
 
 def _transposed(matrix: Floats, vector: Floats) -> Floats:
     """``B^T v`` of m matrices (3, 2, m) and vectors (3, m)."""
-    return np.asarray((matrix * vector[:, None]).sum(axis=0))
+    return (matrix * vector[:, None]).sum(axis=0)
 
 
 def _solve_pair(xx: Floats, xy: Floats, yy: Floats, right: Floats) -> Floats:
@@ -510,7 +510,7 @@ def quadratic_parts(maps: Floats) -> Floats:
 def _products(first: Floats, second: Floats) -> Floats:
     """Upper triangles of the symmetric parts of ``first_i second_i^T``, shape (n, 6)."""
     outer = np.einsum("ni,nj->nij", first, second)
-    return np.asarray(((outer + outer.transpose(0, 2, 1)) / 2)[:, _ROW, _COLUMN])
+    return ((outer + outer.transpose(0, 2, 1)) / 2)[:, _ROW, _COLUMN]
 
 
 def _solve(matrix: Floats, right: Floats, shift: Floats) -> Floats:

@@ -147,7 +147,7 @@ class Orbit:
         along_surfaces = slice(1, count - held)
         across = (basis.T @ self.variation.derivative @ basis)[along_surfaces, along_surfaces]
         values = np.concatenate([np.linalg.eigvals(across).astype(complex), across_surfaces])
-        return np.asarray(values[np.argsort(-np.abs(values), kind="stable")])
+        return values[np.argsort(-np.abs(values), kind="stable")]
 
     @cached_property
     def errors(self) -> OrbitErrors:
@@ -190,7 +190,7 @@ class Orbit:
         """How much other computations change the multipliers, with some safety and the rounding of any computation."""
         finite = np.where(np.isinf(self.multipliers), 0.0, np.abs(self.multipliers))
         changes = [_differences(self.multipliers, other.multipliers) for other in others]
-        return np.asarray(SAFETY * np.max(changes, axis=0) + ROUNDING * np.maximum(1.0, finite))
+        return SAFETY * np.max(changes, axis=0) + ROUNDING * np.maximum(1.0, finite)
 
     @property
     def stability(self) -> str:
@@ -245,7 +245,7 @@ def _differences(first: Multipliers, second: Multipliers) -> Floats:
     if not np.isfinite(distances).all():
         distances = np.where(np.isfinite(distances), distances, np.finfo(float).max / 4)
     own, partner = linear_sum_assignment(distances)
-    return np.asarray(distances[own, partner])
+    return distances[own, partner]
 
 
 def _sense(leg: Leg) -> SlideSense:
@@ -379,7 +379,7 @@ def saltation(before: Leg, after: Leg, field: FacedField) -> Variation:
 def normals_held(leg: Leg) -> Floats:
     """Orthonormal normals (n, k) of the surfaces that a leg keeps to, at its first state."""
     held = [surface.normal(leg.first) for surface in leg.motion.face.keep]
-    return np.asarray(np.linalg.qr(np.array(held).T)[0]) if held else np.empty((len(leg.first), 0))
+    return np.linalg.qr(np.array(held).T)[0] if held else np.empty((len(leg.first), 0))
 
 
 def path_variation(field: FacedField, legs: Sequence[Leg], coarseness: float = 1.0) -> Variation:

@@ -100,7 +100,7 @@ class WhirlMotion(FaceMotion):
         """The shares of time, changed by as little as keeps the corner."""
         system = np.vstack([speeds.T / (largest(fields) or 1.0), np.ones(len(fields))])
         wanted = np.append(np.zeros(speeds.shape[1]), 1.0)
-        return np.asarray(self.shares - np.linalg.pinv(system) @ (system @ self.shares - wanted))
+        return self.shares - np.linalg.pinv(system) @ (system @ self.shares - wanted)
 
     def speeds_through(self, t: float, x: Floats) -> Floats:
         """Speeds (gates, 2) through every surface of the turn: before it and behind it, relative to the fields."""

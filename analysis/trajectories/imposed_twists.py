@@ -84,7 +84,7 @@ class HeldLaw:
     def twist(self, seen: Floats, pose: Floats) -> Floats:
         """How a body at a pose moves under the speeds for another one."""
         cone, chosen, factor = self._choice(seen)
-        return np.asarray(factor * cone.motions[chosen](pose[:2]))
+        return factor * cone.motions[chosen](pose[:2])
 
     def tips(self, pose: Floats) -> bool:
         """Whether the centre of mass is outside the hull of the wheels."""

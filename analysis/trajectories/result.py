@@ -441,7 +441,7 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
         apart = np.abs(last - first)
         if size is None:
             return np.asarray(np.linalg.norm(apart, axis=-1))
-        return np.asarray(np.hypot(apart[..., 0], apart[..., 1]) + size * apart[..., 2])
+        return np.hypot(apart[..., 0], apart[..., 1]) + size * apart[..., 2]
 
     speeds = moved(states[:-1], states[1:]) / length
     unit = max(fastest, float(speeds.max()))

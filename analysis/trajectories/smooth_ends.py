@@ -217,7 +217,7 @@ def _followed(field: _Field, starts: Floats, paths: Indices, until: float, radiu
         one_by_one = block_diag([np.ones((2, 2))] * len(starts))  # no body knows of another
         solver = BDF(rates, solver.t, solver.y, until, jac_sparsity=one_by_one, **within)
         _take_steps(solver, IMPLICIT_STEPS)
-    return np.asarray(solver.y.reshape(-1, 2))
+    return solver.y.reshape(-1, 2)
 
 
 def _take_steps(solver: Any, most: int) -> None:
@@ -243,7 +243,7 @@ def _where_it_stands(field: _Field, place: Floats, radius: float) -> tuple[Float
             if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or np.abs(found).max() > radius:
                 return vanishing, speed
         step /= 2
-    return np.asarray(np.round(found / (JUMPED * radius)) * JUMPED * radius), float("nan")
+    return (np.round(found / (JUMPED * radius)) * JUMPED * radius), float("nan")
 
 
 def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Floats, float]:

@@ -445,7 +445,7 @@ def _dop853_between(rate: Rate, t: float, y: Floats, h: float, last: Floats, kno
         found: Any = 0.0
         for part, factor in zip(reversed(parts), cycle((share, 1 - share)), strict=False):
             found = (found + part) * factor
-        return np.asarray((found + y).T)
+        return (found + y).T
 
     return at
 

@@ -107,7 +107,7 @@ class FloatCells:
         listed = self._raster[pixels[:, 0] * PIXELS + pixels[:, 1]]
         homogeneous = np.column_stack([x, np.ones(len(x))])
         inside = np.einsum("pcsk,pk->pcs", self._sides[listed], homogeneous).min(axis=2)
-        return np.asarray(listed[np.arange(len(x)), inside.argmax(axis=1)])
+        return listed[np.arange(len(x)), inside.argmax(axis=1)]
 
     def at(self, x: Floats) -> Floats:
         """The velocities at places: shape (motions, places, 2)."""
@@ -151,7 +151,7 @@ def convex_outline(places: Floats) -> Floats:
     """The corners of the convex hull of places, counterclockwise."""
     from scipy.spatial import ConvexHull  # under rule box only
 
-    return np.asarray(places[ConvexHull(places).vertices])
+    return places[ConvexHull(places).vertices]
 
 
 def half_planes(outline: Floats) -> Floats:
@@ -295,7 +295,7 @@ def _meshes(
 
 def _circle(centre: Floats, radius: float) -> Floats:
     angles = np.linspace(0, 2 * np.pi, CIRCLE, endpoint=False)
-    return np.asarray(centre + radius * unit_vectors(angles))
+    return centre + radius * unit_vectors(angles)
 
 
 def _first_rings(field: FloatCells) -> Iterator[Floats]:
@@ -339,7 +339,7 @@ def _end(field: FloatCells) -> Floats:
     for step in np.geomspace(field.half / 50, field.half / 10_000, 400):
         v = field.at(x)[0]
         x = x + step * v / (np.linalg.norm(v, axis=1)[:, None] + np.finfo(float).tiny)
-    return np.asarray(x.mean(axis=0))
+    return x.mean(axis=0)
 
 
 def _squared_radius(mesh: Record, below: int) -> str:

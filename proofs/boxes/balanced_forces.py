@@ -142,7 +142,7 @@ class BalancedForces:
     def float_loads(self, places: Floats) -> Floats:
         """(..., wheels)."""
         one, by_x, by_y = (form.middle for form in self.forms)
-        return np.asarray(one + places[..., :1] * by_x + places[..., 1:] * by_y)
+        return one + places[..., :1] * by_x + places[..., 1:] * by_y
 
     def slips(self, twists: Floats) -> tuple[Floats, Floats]:
         """Along and across the axes of all wheels, (m, wheels) each."""
@@ -245,7 +245,7 @@ class BalancedForces:
             ROUNDINGS[-1] * self.fastest,
             hessian=False,
         )
-        return np.asarray((gradient[:, :2] * slopes).sum(axis=1) / np.hypot(slopes[:, 0], slopes[:, 1]))
+        return (gradient[:, :2] * slopes).sum(axis=1) / np.hypot(slopes[:, 0], slopes[:, 1])
 
     def hessians(self, places: Floats, twists: Floats) -> Floats:
         """About those of D by the twist, (m, 3, 3), at places (m, 2) and twists (m, 3)."""
@@ -264,7 +264,7 @@ class BalancedForces:
         pulls = np.column_stack([slopes, turns])
         bend = self.hessians(places, twists)
         bend = bend + 2.0**-40 * np.trace(bend, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        return np.asarray((pulls * np.linalg.solve(bend, pulls[:, :, None])[:, :, 0]).sum(axis=1))
+        return (pulls * np.linalg.solve(bend, pulls[:, :, None])[:, :, 0]).sum(axis=1)
 
     def forces(self, twists: Floats) -> tuple[Floats, Floats]:
         """Inside the friction sets, per unit of load, (m, wheels) each."""
@@ -274,7 +274,7 @@ class BalancedForces:
     @property
     def largest_friction(self) -> Floats:
         """Of each wheel, per unit of load, (wheels,)."""
-        return np.asarray(np.maximum(self.sets.along, self.sets.across))
+        return np.maximum(self.sets.along, self.sets.across)
 
     # ---- intervals: what follows ------------------------------------------------------------------
 

@@ -193,7 +193,7 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
             found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
         except RuntimeWarning:
             return None
-    return np.asarray((found + found.T) / np.abs(found + found.T).max())
+    return (found + found.T) / np.abs(found + found.T).max()
 
 
 def _shifts(matrix: Floats, *, attracts: bool) -> list[float]:

@@ -435,7 +435,7 @@ def _border(shape: _Shape) -> Floats | None:
         middle = (low + high) / 2
         over = _at(along, middle) >= 1
         high, low = np.where(over, middle, high), np.where(over, low, middle)
-    return np.asarray(rays * low[:, None])
+    return rays * low[:, None]
 
 
 def _short_above(value: float) -> Fraction:

@@ -57,7 +57,7 @@ class RingPieces:
     @cached_property
     def middles(self) -> Floats:
         """(pieces, 2)."""
-        return np.asarray(self.corners.mean(axis=1))
+        return self.corners.mean(axis=1)
 
     @cached_property
     def middle_slopes(self) -> Floats:
@@ -232,13 +232,13 @@ def lyapunov_matrix(slope: Floats) -> Floats | None:
 def short_levels(levels: Floats, bits: int = BITS) -> Floats:
     """Levels with 24 bits, or fewer."""
     size = 2.0 ** (np.floor(np.log2(levels)) - bits + 1)
-    return np.asarray(np.floor(levels / size) * size)
+    return np.floor(levels / size) * size
 
 
 def short_vertices(entries: Floats) -> Floats:
     """Vertices or values that are multiples of a power of two, 2^24 of which the largest has."""
     size = 2.0 ** (math.floor(math.log2(np.abs(entries).max())) - BITS + 1)
-    return np.asarray(np.round(entries / size) * size)
+    return np.round(entries / size) * size
 
 
 def _quadrangles(rays: Floats, inner: Floats, outer: Floats) -> Floats:
@@ -252,7 +252,7 @@ def _adds_exactly(a: Floats, b: Floats) -> Mask:
     """Whether sums of points (n, 2) are not rounded (Knuth's two-sum), (n,)."""
     total = a + b
     rest = total - a
-    return np.asarray((((a - (total - rest)) + (b - rest)) == 0).all(axis=1))
+    return (((a - (total - rest)) + (b - rest)) == 0).all(axis=1)
 
 
 def _repeated(slope: Intervals, parts: int, rings: int) -> Intervals:

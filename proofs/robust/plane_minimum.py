@@ -53,7 +53,7 @@ class ArrayRows:
 
     def loads(self, place: Sequence[float]) -> Floats:
         """Of all wheels with the body at a place."""
-        return np.asarray(self._forms @ np.array([1.0, *place]))
+        return self._forms @ np.array([1.0, *place])
 
     @property
     def fastest(self) -> float:
@@ -246,4 +246,4 @@ def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
         b_eq=missing,
         bounds=[(None, None)] * count + [(0, None)],
     )
-    return np.asarray(found.x)[:count] if found.success else shares
+    return found.x[:count] if found.success else shares

@@ -250,7 +250,7 @@ class PieceForces:
             moved = directions @ own.swapaxes(-1, -2)
             middle, reach = ((entry[:, 0] * loads)[..., None] for entry in (force.middle, force.reach))
             total = total + directions @ (own.swapaxes(-1, -2) @ middle) - np.abs(moved, out=moved) @ reach
-        return np.asarray(total[..., 0])
+        return total[..., 0]
 
     def _moved(self, twists: Triple) -> Pair:
         """Slips of each wheel by twists alone, without its speed."""
@@ -515,7 +515,7 @@ def _are_positive(plan: Floats, forces: PieceForces, size: Floats, middles: tupl
     pulls = forces.forces(_twists(plan, forces, first, second))
     zeta = _directions(forces, pulls)
     along = dot(zeta, forces.turn)
-    return np.asarray(((along.low > 0) & (forces.power(pulls, zeta).low > 0))[:, 0])
+    return ((along.low > 0) & (forces.power(pulls, zeta).low > 0))[:, 0]
 
 
 def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals, Intervals]:

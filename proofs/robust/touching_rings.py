@@ -224,7 +224,7 @@ def falls_about(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Flo
     """About ``-V'`` in the middle of each quadrangle, times its size, from the minimizers there."""
     slopes, places = pieces.middle_slopes, pieces.middles
     moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
-    return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
+    return -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
 
 
 def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, Mask]:
@@ -293,4 +293,4 @@ def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Flo
 def _friction(forces: BalancedForces, pieces: RingPieces) -> Floats:
     """The largest friction of all wheels together, in the middle of each quadrangle."""
     loads = forces.float_loads(pieces.middles)
-    return np.asarray((loads * forces.largest_friction).sum(axis=1))
+    return (loads * forces.largest_friction).sum(axis=1)

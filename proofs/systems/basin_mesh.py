@@ -239,7 +239,7 @@ def mesh_corners(mesh: Record) -> Floats:
 
 def last_ring(corners: Floats) -> Floats:
     """The corners with the largest value, which are a ring in order."""
-    return np.asarray(corners[corners[:, -1] == corners[:, -1].max()][:, :-1])
+    return corners[corners[:, -1] == corners[:, -1].max()][:, :-1]
 
 
 def grown_mesh(

@@ -210,7 +210,7 @@ class FloatField:
     def side(self, signs: Pattern, number: int, x: Floats, waves: Sequence[Floats]) -> Floats:
         """The velocities of one right-hand side for some values of its sines and cosines: shape (places, states)."""
         still, *moved = self._parts(signs, number)(x)
-        return np.asarray(still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True)))
+        return still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True))
 
     @cached_property
     def _parts(self) -> Callable[[Pattern, int], Callable[[Floats], Floats]]:
@@ -285,15 +285,15 @@ class Bernstein:
 
     def places(self, triangles: Floats) -> Floats:
         """The points at which a polynomial is looked at: shape (simplices, nodes, states)."""
-        return np.asarray(self.nodes @ triangles)
+        return self.nodes @ triangles
 
     def weights(self, own: Floats) -> Floats:
         """The affine functions with some values at the corners, of shape (simplices, corners), at these points."""
-        return np.asarray(own @ self.nodes.T)
+        return own @ self.nodes.T
 
     def coefficients(self, own: Floats) -> Floats:
         """From values of shape (triangles, nodes)."""
-        return np.asarray(own @ self.inverse.T)
+        return own @ self.inverse.T
 
 
 @cache
@@ -315,7 +315,7 @@ def together(polynomials: Sequence[Polynomial]) -> Callable[[Floats], Floats]:
             for k, e in enumerate(own):
                 if e:
                     terms[number] *= powers[e - 1][k]
-        return np.asarray(weights @ terms)
+        return weights @ terms
 
     return at
 
@@ -334,7 +334,7 @@ def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
     rises[:states] = (heights[:, 1:] - heights[:, :1]).T
     normals = np.stack([np.cross(edges[k - 2], edges[k - 1]) for k in range(3)])
     slopes = (rises[:, :, None] * normals).sum(axis=0)
-    return np.asarray((edges[0] * normals[0]).sum(axis=1)), np.asarray(slopes[:, :states])
+    return (edges[0] * normals[0]).sum(axis=1), slopes[:, :states]
 
 
 def falls(field: FieldInCells, places: Floats, slopes: Floats, margin: float, exact: Mapping[int, Floats]) -> Mask:
@@ -382,7 +382,7 @@ class Home:
 
     def __call__(self, x: Floats) -> Mask:
         """Which places are there."""
-        return np.asarray((self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within))
+        return (self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within)
 
     def reach(self, rays: Floats) -> Floats:
         """How many times vectors lead to where V first is the level; NaN where it is not on the way out of the cube."""
@@ -504,7 +504,7 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
 
     def slower(x: Floats) -> Floats:
         room = np.clip(1 - (x / limit) ** 2, 0, 1)
-        return np.asarray(room[:, 0] * room[:, 1] / lengths(x) ** power)
+        return room[:, 0] * room[:, 1] / lengths(x) ** power
 
     first = backward(ring)
     du = pace.move * size / float(lengths(first).max())
@@ -548,7 +548,7 @@ def _spaced(ring: Floats, is_tip: Mask, gap: float) -> Floats:
         is_tip = np.insert(is_tip, np.nonzero(wide)[0] + 1, False)
     crowded = (_sides(ring) < gap / 6) & ~is_tip
     crowded[::2] = False  # never two neighbours
-    return np.asarray(ring[~crowded])
+    return ring[~crowded]
 
 
 def _sides(ring: Floats) -> Floats:
@@ -562,7 +562,7 @@ def following(ring: Floats) -> Floats:
 
 def lengths(x: Floats) -> Floats:
     """Of vectors in the plane, which stand in the last axis."""
-    return np.asarray(np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2))
+    return np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2)
 
 
 def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Floats:
@@ -573,7 +573,7 @@ def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Flo
     velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
     across = (velocities * normals).sum(axis=-1)
     sizes = np.linalg.norm(velocities, axis=-1) * np.linalg.norm(normals, axis=1)
-    return np.asarray((across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1)))
+    return (across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1))
 
 
 def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], Mask], far: float) -> Mask:
@@ -626,7 +626,7 @@ def unit_ball(linear: Floats, share: float) -> Floats:
     if not slowest > SLOW * max_norm(linear):
         return one
     form = solve_continuous_lyapunov((linear + share * slowest * one).T, -one)
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
+    return np.linalg.inv(np.linalg.cholesky(form).T)
 
 
 def lattice_unit(power: int) -> str:

@@ -204,7 +204,7 @@ class Front:
     @property
     def rays(self) -> Floats:
         """The corners of the first polyhedron."""
-        return np.asarray(self.sphere @ self.units.T)
+        return self.sphere @ self.units.T
 
     def _level_set(self, home: Home) -> Floats:
         """Units U of the ellipsoid nearest to the set that attracts: ``r^-2 = u' P u`` for its distances r on rays u.
@@ -221,7 +221,7 @@ class Front:
             form[j, i] += own / 2
         if not np.linalg.eigvalsh(form).min() > 0:
             return np.eye(3)
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
+        return np.linalg.inv(np.linalg.cholesky(form).T)
 
     def _along_plane(self, home: Home) -> Floats | None:
         """Units in which a ball shrinks along a plane on which solutions slide near the point; None where none do.
@@ -265,7 +265,7 @@ class Front:
             after = before + shares * way
             bad = self._bad_sides(after)
             if not bad.any():
-                return np.asarray(after)
+                return after
             hit = np.zeros(self.count, dtype=bool)
             hit[self.triangles[bad].ravel()] = True
             if round_ >= WIDELY:
@@ -297,7 +297,7 @@ class Front:
             step[meets, 0] = np.minimum(step[meets, 0], -away[meets] / speed[meets])
         middle = z + step / 2 * course
         end = z + step * self._course(middle, normals, part)
-        return np.asarray(np.log(np.linalg.norm(end, axis=1)) - self._toward(before, end))
+        return np.log(np.linalg.norm(end, axis=1)) - self._toward(before, end)
 
     def _course(self, z: Floats, normals: Floats, part: float) -> Floats:
         """The disturbed field, of a speed that is the distance from the point, less near the limit."""
@@ -309,7 +309,7 @@ class Front:
         field = field @ self.back.T
         course = field / (np.linalg.norm(field, axis=1)[:, None] + np.finfo(float).tiny) + part * normals
         room = np.clip(1 - (np.abs(places).max(axis=1) / self.limit) ** 4, 0, 1)
-        return np.asarray(course * (room * np.linalg.norm(z, axis=1))[:, None])
+        return course * (room * np.linalg.norm(z, axis=1))[:, None]
 
     def _normals(self, logarithms: Floats) -> Floats:
         """Outward at each corner, in the units of the sphere: the mean over its sides by their areas."""
@@ -341,7 +341,7 @@ class Front:
         chosen = weights.min(axis=2).argmax(axis=1)
         own = np.clip(weights[rows, chosen], 0, None)
         corners = self.triangles[near[rows, chosen]]
-        return np.asarray((logarithms[corners] * own).sum(axis=1) / own.sum(axis=1))
+        return (logarithms[corners] * own).sum(axis=1) / own.sum(axis=1)
 
     def _bad_sides(self, logarithms: Floats) -> Mask:
         """Over which sides the field is not seen to lead inward."""
@@ -379,7 +379,7 @@ class Front:
                     return None
             failing |= self._failing_beside_planes(inner, after, margin)
             if not failing.any():
-                return np.asarray(after)
+                return after
             slower = np.zeros(self.count, dtype=bool)
             slower[self.between[failing].ravel() % self.count] = True
             shares[slower] *= MENDED
@@ -445,7 +445,7 @@ class Front:
 
     def places(self, logarithms: Floats) -> Floats:
         """The corners of a polyhedron, in the displacement from the point."""
-        return np.asarray(np.exp(logarithms)[:, None] * self.rays)
+        return np.exp(logarithms)[:, None] * self.rays
 
     def volume(self, logarithms: Floats) -> float:
         """Of a polyhedron."""
@@ -495,7 +495,7 @@ def on_planes(place: Sequence[int], normals: Sequence[tuple[int, int, int]]) -> 
 
 def slopes_along(at: Callable[[Floats], Floats], directions: Floats, size: float) -> Floats:
     """The derivatives of a field at the point along some directions, by differences: a column for each."""
-    return np.asarray((at(size * directions) - at(-size * directions)).T / (2 * size))
+    return (at(size * directions) - at(-size * directions)).T / (2 * size)
 
 
 def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]:
@@ -515,7 +515,7 @@ def reach(home: Home, rays: Floats) -> Floats:
     shares = np.linspace(0, 1, 513)[1:, None] * home.within / np.abs(rays).max(axis=1)
     left = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)
     last = np.where(left.any(axis=0), np.maximum(left.argmax(axis=0) - 1, 0), -1)
-    return np.asarray(shares[last, np.arange(len(rays))])
+    return shares[last, np.arange(len(rays))]
 
 
 def inside_polyhedron(sides: Floats, x: Floats) -> Mask:

@@ -373,7 +373,7 @@ def _largest_margin(rows: Floats, least: float) -> Floats | None:
     system = np.hstack([-rows, np.ones((len(rows), 1))])
     bounds = [(-1, 1)] * count + [(0, 1)]
     found = solve_program(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds)
-    return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > least else None
+    return found.x[:-1] if found.status == 0 and found.x[-1] > least else None
 
 
 def _rounded(scaled: Floats) -> Iterator[Coefficients]:

@@ -166,7 +166,7 @@ def _grown_about(
 def _small_ring(slope: Floats) -> Floats:
     """An ellipse of size 1, counterclockwise: a level set of a V that falls about as fast as the slowest solutions."""
     ring = unit_vectors(np.linspace(0, 2 * np.pi, FIRST, endpoint=False)) @ unit_ball(slope, SLOWER).T
-    return np.asarray(ring / np.abs(ring).max())
+    return ring / np.abs(ring).max()
 
 
 def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) -> list[str]:
@@ -248,4 +248,4 @@ def on_lattice(ring: Floats, surfaces: Sequence[str]) -> Record:
 def ring_of(hypotheses: Record) -> Floats:
     """The corners of a polygon in floats: shape (corners, 2)."""
     places = np.array([own.split(" ") for own in hypotheses["corners"]], dtype=float)
-    return np.asarray(places * float(Fraction(hypotheses["unit"])))
+    return places * float(Fraction(hypotheses["unit"]))

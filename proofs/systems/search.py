@@ -190,13 +190,13 @@ def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> Floats:
     flow = _flow_in_rays(rays, cone)
     if not np.isfinite(flow).all():
         return np.full((2, 2), np.nan)
-    return np.asarray(flow / (np.abs(flow).max() or 1.0))
+    return flow / (np.abs(flow).max() or 1.0)
 
 
 def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
     basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
-    return np.asarray(np.linalg.solve(basis, float_slopes(cone.velocity) @ basis))
+    return np.linalg.solve(basis, float_slopes(cone.velocity) @ basis)
 
 
 def build_potential(

@@ -137,11 +137,11 @@ class Film:
         lengths = norms(arrows)
         longest = LONGEST_ARROW * self.rim
         cut = np.where(lengths > longest, longest / np.where(lengths > 0, lengths, 1.0), 1.0)
-        return np.asarray(arrows * cut[:, None])
+        return arrows * cut[:, None]
 
     def speed_arrows(self, k: int) -> Floats:
         """Speeds of the rims of frame k in the same way."""
-        return np.asarray(self.arrow_scale * self.frames.speeds[k][:, None] * self.rims)
+        return self.arrow_scale * self.frames.speeds[k][:, None] * self.rims
 
 
 def build_film(

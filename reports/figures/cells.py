@@ -279,7 +279,7 @@ def _rates(partition: Partition, cell: Cell, points: Floats) -> Floats:
     for twist in cell.twists:
         vx, vy, omega = (float(value) for value in twist)
         rates.append(2 * ((x - centre[0]) * (vx - omega * y) + (y - centre[1]) * (vy + omega * x)))
-    return np.asarray(np.max(rates, axis=0))
+    return np.max(rates, axis=0)
 
 
 def _draw_bands_of_cell(axes: Axes, partition: Partition, cell: Cell, levels: Floats) -> None:

@@ -39,7 +39,7 @@ def norm(vector: Iterable[Any]) -> float:
 
 def norms(vectors: Floats) -> Floats:
     """Lengths of vectors of the plane, shape (m, 2)."""
-    return np.asarray(np.hypot(*vectors.T))
+    return np.hypot(*vectors.T)
 
 
 def max_norm(entries: Floats) -> float:
@@ -49,7 +49,7 @@ def max_norm(entries: Floats) -> float:
 
 def unit_rows(vectors: Floats) -> Floats:
     """Vectors of any dimension, shape (m, n), divided by their lengths."""
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
+    return vectors / np.linalg.norm(vectors, axis=1)[:, None]
 
 
 def spread(points: Floats) -> float:
@@ -64,7 +64,7 @@ def turned(vectors: Floats) -> Floats:
 
 def point_velocities(twists: Floats, points: Floats) -> Floats:
     """``v + omega J c`` for spatial twists of shape (..., 3) and points c of shape (..., 2)."""
-    return np.asarray(twists[..., :2] + twists[..., 2:] * turned(points))
+    return twists[..., :2] + twists[..., 2:] * turned(points)
 
 
 def field_beside(velocity: Callable[[Floats], Floats], place: Floats, step: float) -> tuple[Floats, Floats]:
@@ -76,12 +76,12 @@ def field_beside(velocity: Callable[[Floats], Floats], place: Floats, step: floa
 
 def dot(a: Floats, b: Floats) -> Floats:
     """Inner products of vectors of shape (..., 2)."""
-    return np.asarray(plane.dot(_coordinates(a), _coordinates(b)))
+    return plane.dot(_coordinates(a), _coordinates(b))
 
 
 def cross(a: Floats, b: Floats) -> Floats:
     """``a_x b_y - a_y b_x`` for vectors of shape (..., 2)."""
-    return np.asarray(plane.cross(_coordinates(a), _coordinates(b)))
+    return plane.cross(_coordinates(a), _coordinates(b))
 
 
 def _coordinates(vectors: Floats) -> tuple[Floats, Floats]:

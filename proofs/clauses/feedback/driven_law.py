@@ -138,7 +138,7 @@ def least_products(twists: Floats) -> Floats:
     normals = np.cross(np.roll(twists, -1, axis=1), np.roll(twists, -2, axis=1))
     volumes = np.einsum("mr,mr->m", twists[:, 0], normals[:, 0])
     corners = np.einsum("sl,mlr->msr", np.array(CORNERS), normals)
-    return np.asarray(volumes**2 / np.maximum((corners**2).sum(axis=2).max(axis=1), np.finfo(float).tiny))
+    return volumes**2 / np.maximum((corners**2).sum(axis=2).max(axis=1), np.finfo(float).tiny)
 
 
 def certified_gain(twists: Sequence[Triple]) -> Fraction:

@@ -325,7 +325,7 @@ class PromisingTwists:
     def _off(self, span: Sequence[Triple]) -> Floats:
         """Sine of the angle of each candidate with the span."""
         basis = np.linalg.qr(float_points(span).T)[0] if span else np.zeros((3, 0))
-        return np.asarray(np.linalg.norm(self._edges - self._edges @ basis @ basis.T, axis=1))
+        return np.linalg.norm(self._edges - self._edges @ basis @ basis.T, axis=1)
 
     def _take(self, merit: Floats, usable: Mask) -> Triple | None:
         """The usable candidate of the largest merit; its multiples are not used again."""
@@ -365,7 +365,7 @@ class _Grip:
         slips[np.abs(slips) <= SAME * (np.abs(twists) @ np.abs(self.sides).T)] = 0
         signs = np.sign(slips)
         least = self.still + np.abs(signs) @ self.even - np.abs(signs @ self.odd)
-        return np.asarray((least / self.all).min(axis=1))
+        return (least / self.all).min(axis=1)
 
 
 def _least_grip(along: Floats, across: Floats) -> Floats:
@@ -380,7 +380,7 @@ def _least_grip(along: Floats, across: Floats) -> Floats:
     grip = np.divide(held, pushed, out=np.full(len(m), np.inf), where=pushed > 0)
     few = min(DIRECTIONS, len(grip))
     least = np.flatnonzero(grip <= np.partition(grip, few - 1)[few - 1])
-    return np.asarray(m[least[np.argsort(grip[least], kind="stable")[:few]]])
+    return m[least[np.argsort(grip[least], kind="stable")[:few]]]
 
 
 def _some_pairs(count: int) -> Indices:
