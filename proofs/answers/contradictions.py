@@ -18,6 +18,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, SupportsFloat, TypeAlias
 
+import numpy as np
+
 from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of
@@ -153,8 +155,6 @@ def sample_of(printed: Printed) -> tuple[ConstantField, Floats] | None:
     partition = printed.check.partition
     if partition is None or not partition.complete:
         return None
-    import numpy as np
-
     from nonsmooth.analysis.fields.constant_field import array_field
     from nonsmooth.analysis.fields.kinematics import Kinematics
 
@@ -245,8 +245,6 @@ def position_and_paths(printed: Printed) -> Iterator[Contradiction]:
 
 def heading_and_ends(printed: Printed) -> Iterator[Contradiction]:
     """A body that does not turn at rest, and one that does; one that turns all the time, and one that does not."""
-    import numpy as np
-
     ends, rotation = printed.sampled, printed.check.rotation
     if ends is None or not isinstance(printed.check, CellCheck):
         return
@@ -499,8 +497,6 @@ def contradictions_of_map(result: StabilityResult, seen: FollowedStarts) -> Iter
 
 def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator[Contradiction]:
     """A level set from which V falls, at a proved rate where there is one, and a start in it whose V does not."""
-    import numpy as np
-
     from nonsmooth.analysis.fields.stated_field import potential_values
 
     function, reach, rate = result.function, result.reach, result.reach.rate
@@ -528,8 +524,6 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
 
 def unstable_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator[Contradiction]:
     """An unstable point, and no start that does not arrive, neither of the map nor from much closer."""
-    import numpy as np
-
     if result.verdict is not Translation.UNSTABLE or seen.follow is None:
         return
     at_point = norms(seen.ends) <= AT_POINT * seen.half
@@ -625,8 +619,6 @@ class _Beside(NamedTuple):
 
 def _field_beside(scene: Scene) -> _Beside | None:
     """By the minimizers at the point and at four points beside it; None where they are not unique, or not proved."""
-    import numpy as np
-
     rule = rule_of(scene)
     if not isinstance(rule, SmoothRule) or scene.contact.loads_are_unknown:
         return None
@@ -648,8 +640,6 @@ def _field_beside(scene: Scene) -> _Beside | None:
 
 def _offset_and_growth(here: Floats, slope: Floats, bend: Floats, rounding: float) -> tuple[float | None, float | None]:
     """Of a field from its value, its derivative, and by how much one-sided derivatives differ."""
-    import numpy as np
-
     largest = max_norm(slope)
     if largest <= rounding or max_norm(bend) > SMOOTH * largest:
         return None, None
