@@ -26,7 +26,7 @@ from typing import Any, TypeAlias
 from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
@@ -253,7 +253,7 @@ def audited_cells(
         require_denominators(scene)
         domain = domains(scene, formula, plane_cells(scene))[0]
         cells = plane_cells(scene, domain.radius)
-    elif isinstance(rule_of(scene), CellRule):
+    elif has_cells(scene):
         domain, cells = Domain(scene.check.radius), partition_cells(build_partition(scene.recentred()))
     else:
         return None

@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.contact_set import standing
@@ -93,7 +93,7 @@ def why_not_sampled(scene: Scene) -> str:
     """Why tables of a scene are not drawn; empty where they are."""
     if scene.tolerances is None:
         return "the scene states no tolerances"
-    if not isinstance(rule_of(scene), SmoothRule):
+    if has_cells(scene):
         return f"places of rest are followed under rules with friction sets, not under {scene.contact.rule}"
     if scene.tolerances.centre_of_mass:
         return "the centre of mass is not drawn"

@@ -17,7 +17,7 @@ from typing import TypeVar
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, rule_of
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace, find_equilibria
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
@@ -161,7 +161,7 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     """
     if rule_of(check.scene).needs_loads and check.scene.contact.loads_are_unknown:
         return None
-    if isinstance(rule_of(check.scene), SmoothRule):
+    if not has_cells(check.scene):
         return sampled_destinations(check.scene)
     partition, places = check.partition, check.equilibria
     if partition is None or places is None or not partition.complete:
@@ -370,7 +370,7 @@ def best_point(scene: Scene) -> BestPoint:
     if rule_of(scene).needs_loads and scene.contact.loads_are_unknown:
         raise RefusalError("--at auto: required loads that are known, which say where a body rests under this rule")
     with affordable(scene, CHECK_UNITS, "the rest points of --at auto"):
-        if isinstance(rule_of(scene), SmoothRule):
+        if not has_cells(scene):
             return _best_proved_point(scene)
         return _best_of_cells(scene)
 

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.minimizers.sampling import sample_field
@@ -191,7 +191,7 @@ def fast_stage(array: Array, units: int | None = None) -> Stage:
         stands = standing(scene)
         contact = contact_set(stands)
         carrying = contact.wheels
-        if isinstance(rule_of(scene), CellRule):
+        if has_cells(scene):
             with _limited(scene, units):
                 partition = array.partition
             geometry |= {"cells": cells_record(partition), "edges": edges_record(partition), "geometry": "exact"}
@@ -266,7 +266,7 @@ def proved(array: Array, announce: Announce) -> CheckResult:
         RefusalError: where the motion is not determined.
         SceneError: where a wheel lies exactly under the edge of the body.
     """
-    built = array.partition if isinstance(rule_of(array.scene), CellRule) else None
+    built = array.partition if has_cells(array.scene) else None
     return check_scene(array.scene, ask_others=False, beside=False, announce=announce, built=built)
 
 
@@ -420,7 +420,7 @@ def equilibria_record(array: Array) -> Record:
 
     ``searched`` is false where there was no search: under a rule without cells, and where it would take too long.
     """
-    if not isinstance(rule_of(array.scene), CellRule):
+    if not has_cells(array.scene):
         return {"searched": False, "equilibria": []}
     try:
         partition = array.partition

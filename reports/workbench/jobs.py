@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, all_rules, rule_of
+from nonsmooth.analysis.cells.contact_rule import CellRule, all_rules, has_cells
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs import system_certificates
@@ -170,7 +170,7 @@ def _figure(document: Mapping[str, Any], made: Any) -> File:
     if made.kind is SceneKind.SYSTEM:
         content = PhasePortrait(made.exact).content(".svg")
     else:
-        show = "cells" if isinstance(rule_of(made.exact), CellRule) else "array"
+        show = "cells" if has_cells(made.exact) else "array"
         content = drawn(made.exact, ".svg", show)
     return File(".svg", "image/svg+xml", content)
 

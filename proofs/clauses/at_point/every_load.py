@@ -18,7 +18,7 @@ from itertools import combinations
 import numpy as np
 
 from nonsmooth.analysis.cells.box import build_box_partition
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, SpringLoads, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
@@ -240,7 +240,7 @@ def every_load_point(scene: Scene) -> EveryLoadPoint:
         LoadError: where the loads do not exist, or are too many.
     """
     loads = load_set(scene)
-    if isinstance(rule_of(scene), CellRule):
+    if has_cells(scene):
         return _box_point(scene, loads)
     return _smooth_point(scene, loads)
 
@@ -334,7 +334,7 @@ def _is_refuted(scene: Scene, load: Loads) -> bool:
     """Whether the point is no equilibrium under one load that may be, decided as for loads that are known."""
     if not is_admissible(scene, load):
         return False
-    if isinstance(rule_of(scene), CellRule):
+    if has_cells(scene):
         return is_driven_away(scene, load)
     return ellipse_point(scene, (under_load(scene, load),)).equilibrium is Equilibrium.FAILS
 

@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, beyond_floats, order
-from nonsmooth.analysis.cells.contact_rule import CellRule, friction_sets, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import friction_sets, has_cells, smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes, blocks
@@ -223,7 +223,7 @@ ImposedTwist: TypeAlias = BoxTwist | BalancedTwist
 
 def imposer(scene: Scene, region: LoadRegion) -> Callable[[Triple], ImposedTwist]:
     """What imposes a twist under the rule of the scene."""
-    if isinstance(rule_of(scene), CellRule):
+    if has_cells(scene):
         return Drives(scene, region).examine
     return partial(balance_twist, scene, region)
 
