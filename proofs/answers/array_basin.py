@@ -9,7 +9,7 @@ wheels.  How much of the square comes home is sampled.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
@@ -32,6 +32,7 @@ from nonsmooth.proofs.findings import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import (
+    Announce,
     BasinEffort,
     BuiltMesh,
     grown_mesh,
@@ -220,7 +221,7 @@ class NoBasin:
     why: str
 
 
-def find_array_basin(scene: Scene, asked: str, announce: Callable[[str, int, int], None]) -> ArrayBasin | NoBasin:
+def find_array_basin(scene: Scene, asked: str, announce: Announce) -> ArrayBasin | NoBasin:
     """A basin of triangles about the checked point that the checker has accepted, or why there is none.
 
     Args:
@@ -245,7 +246,7 @@ def find_array_basin(scene: Scene, asked: str, announce: Callable[[str, int, int
 
 
 def _around(
-    scene: Scene, partition: Partition, efforts: Sequence[BasinEffort], announce: Callable[[str, int, int], None]
+    scene: Scene, partition: Partition, efforts: Sequence[BasinEffort], announce: Announce
 ) -> ArrayBasin | NoBasin:
     """The search on the cells of a square."""
     field = FloatCells(partition)
@@ -272,7 +273,7 @@ def _around(
 
 
 def _meshes(
-    field: FloatCells, cells: Cells, efforts: Sequence[BasinEffort], announce: Callable[[str, int, int], None]
+    field: FloatCells, cells: Cells, efforts: Sequence[BasinEffort], announce: Announce
 ) -> tuple[list[tuple[BuiltMesh, Floats, int]], str]:
     """Meshes that floats propose, the largest first, and why there is none.
 

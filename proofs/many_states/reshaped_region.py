@@ -16,10 +16,10 @@ are shown on a cube around the region: V is positive and falls where ``V <= leve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from flint import fmpq
@@ -33,13 +33,12 @@ from nonsmooth.proofs.many_states.lyapunov_search import about_sum, hessian
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.basin_mesh import Announce
 from nonsmooth.proofs.systems.domain import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-Announce: TypeAlias = Callable[[str, int, int], None]
 
 DIRECTIONS, PLACES, FARTHEST = 3_000, 240, 64.0  # rays, places on each up to a multiple of the half-width
 LEVELS = (0.999, 0.99, 0.96, 0.9, 0.75, 0.5, 0.25, 1 / 16, 1 / 64, 1 / 1024)  # of what samples allow, in turn

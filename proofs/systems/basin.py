@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.outside import closed, place_of
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.systems.basin_mesh import (
+    Announce,
     BasinEffort,
     BuiltMesh,
     grown_mesh,
@@ -278,7 +279,7 @@ def find_basin(
     surfaces: list[str],
     effort: BasinEffort,
     limit: float | None,
-    announce: Callable[[str, int, int], None],
+    announce: Announce,
 ) -> CertifiedBasin | None:
     """A mesh around a level set; None where none is found.
 
@@ -332,7 +333,7 @@ def find_basin_in_space(
     surfaces: list[str],
     asked: str,
     limit: float,
-    announce: Callable[[str, int, int], None],
+    announce: Announce,
 ) -> CertifiedBasin | None:
     """A mesh around a level set in three states; None where none is found.
 

@@ -46,6 +46,7 @@ STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh 
 BITS = 26  # of coordinates
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
 
+Announce: TypeAlias = Callable[[str, int, int], None]  # what is done, how much of it, and of how much
 Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
 Triangle: TypeAlias = tuple[Corner, Corner, Corner]
 Band: TypeAlias = tuple[int, int]  # the rings on both sides
@@ -248,7 +249,7 @@ def grown_mesh(
     first: Floats,
     effort: BasinEffort,
     limit: float,
-    announce: Callable[[str, int, int], None],
+    announce: Announce,
     *,
     power: int = 2,
     is_first_whole: bool = False,
