@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, islice, permutations
-from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq_mat
@@ -24,15 +23,13 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_deriv
 from nonsmooth.proofs.checker.positivity import identity
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
-from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
+from nonsmooth.proofs.kernel.first_terms import MIDDLE, Field, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-Field: TypeAlias = tuple[Polynomial, ...]
 
 RADII = 6  # half-widths of cubes that are tried, each a quarter of the one before
 WIDTHS = tuple(Fraction(1, 1 << bits) for bits in (1, 3, 5, 7))  # of cones about a direction, over its length

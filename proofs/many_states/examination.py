@@ -198,7 +198,7 @@ RISES = "V increases"
 SLIDES_UP = "V increases along a solution that slides on a face"
 WORK = 4_000  # coefficients looked at for one claim beside sums of squares: a second or less
 SENSES = {Effort.HASTY: (), Effort.STRICT: (True,), Effort.FULL: (True, False), Effort.ALONE: ()}
-POSITIVE, CELL, FACE = "V", "cell", "face"  # what names of claims begin with
+POSITIVE, FACE = "V", "face"  # what names of claims begin with
 
 
 class NotZeroError(BeyondReachError):

@@ -33,6 +33,7 @@ from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
     Split,
+    Vector,
     smooth_fields,
     split_at,
     sum_text,
@@ -174,7 +175,6 @@ GAINS = (1, 16)  # k, tried in turn
 MOST_MONOMIALS = 20  # up to half of the degree of V': beyond that squares take too long
 NAMES = tuple("urstpqkmn")  # of a number along the curve, one more than a system has states
 
-Vector: TypeAlias = list[Polynomial]
 Matrix: TypeAlias = list[Vector]
 
 

@@ -31,7 +31,6 @@ from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rat
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 
-Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 Corners: TypeAlias = list[tuple[arb, arb]]
 Motion: TypeAlias = tuple[arb, arb, arb]  # (v_x, v_y, omega)
 

@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
-from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
+from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Place, shapes_about
 from nonsmooth.proofs.robust.rings import TouchingRings, root_above
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, rings_about
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
@@ -30,7 +30,6 @@ from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, float_points, norm, norms, places_of
 
-Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
 
 MOST_WHEELS = 400  # some ten seconds

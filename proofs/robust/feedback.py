@@ -24,14 +24,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb, ctx
 
-from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, Triple, load_box
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.robust.box import BoxBound, box_wheels
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS, BoxCorners
-from nonsmooth.proofs.robust.smooth_rules import FOLLOWED, ArrayBox, PieceForces, Triple, force_law
+from nonsmooth.proofs.robust.smooth_rules import FOLLOWED, ArrayBox, PieceForces, force_law
 from nonsmooth.symbolic.mechanics.contact_states import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, Triple, load_box
 from nonsmooth.proofs.boxes.enclosed_rest import Balance, EnclosedRest, isolated_rest
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
@@ -128,7 +128,6 @@ def force_law(scene: Scene) -> ForceLaw:
 
 
 Pair: TypeAlias = tuple[Intervals, Intervals]
-Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
 ROUNDED = arb(2) ** -40  # of a ray's angle: rays are rounded to doubles
 

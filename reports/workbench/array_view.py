@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -29,6 +29,7 @@ from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, Ti
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.output.facts import fact_lines, fact_record, floats
 from nonsmooth.reports.workbench.shapes import (
+    Announce,
     body_record,
     cells_record,
     contact_record,
@@ -48,7 +49,6 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
 
-Announce: TypeAlias = Callable[[str], None]
 Stage: TypeAlias = Record
 
 FAST_UNITS = 40_000  # of exact arithmetic for the cells of the first stage: a second or so

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Stage: TypeAlias = Record
 
 FIELD = 21  # arrows in a row
-MESH = 121  # points in a row at which V is evaluated for its level sets
 LEVELS = 6  # of V
 BORDERS = {
     "sliding": "sliding",
