@@ -40,7 +40,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_slopes
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
@@ -426,7 +426,7 @@ def linear_matrix(system: SwitchedSystem) -> Floats | None:
     if any(sum(exponents) != 1 for part in field for exponents in part.terms):
         return None
     matrix = float_slopes(field)
-    return matrix if np.isfinite(matrix).all() else None
+    return matrix if are_finite(matrix) else None
 
 
 def short_forms(matrix: Floats) -> Iterator[NDArray[np.int64]]:

@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import around
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points, norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points, norm, norms, squared_norms
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits
@@ -412,12 +412,12 @@ def polygon_wrench(matrix: Floats, speed: float, vertices: Floats, centroid: Flo
     start, end = vertices, np.roll(vertices, -1, axis=0)
     step = end - start
     image = step @ matrix.T
-    length = np.sqrt((image**2).sum(axis=1))
+    length = np.sqrt(squared_norms(image))
     direction, image = step / length[:, None], image / length[:, None]
     first = ((start @ matrix.T) * image).sum(axis=1)
     nearest = start - first[:, None] * direction
     push = nearest @ matrix.T
-    zeroth, linear, square = _root_integrals(first, first + length, np.sqrt((push**2).sum(axis=1)))
+    zeroth, linear, square = _root_integrals(first, first + length, np.sqrt(squared_norms(push)))
     along = (push * zeroth[:, None] + image * linear[:, None]) / length[:, None]
     mixed = cross(nearest, image) + cross(direction, push)
     turning = (cross(nearest, push) * zeroth + mixed * linear + cross(direction, image) * square) / length

@@ -21,7 +21,7 @@ from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norm, norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norm, norm, norms, squared_norms
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
@@ -177,7 +177,7 @@ class RestSearch:
         including[np.arange(len(met.wheels)), met.wheels] = True
         first, second = (self._motions.at(sets, met.centres) for sets in (met.pairs, including))
         along = second.rates - first.rates
-        square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+        square = np.maximum(squared_norms(along), np.finfo(float).tiny)
         share = np.clip(-(first.rates * along).sum(axis=1) / square, 0.0, 1.0)
         sizes = np.maximum(*(np.linalg.norm(found.rates, axis=1) for found in (first, second)))
         left = np.linalg.norm(first.rates + share[:, None] * along, axis=1) / np.maximum(sizes, np.finfo(float).tiny)

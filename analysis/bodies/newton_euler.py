@@ -39,7 +39,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.float_loads import affine_loads, hull_sides, loads_at
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, squared_norms, turned
 
 # ---- normal forces along a path ------------------------------------------------------------------
 #
@@ -183,7 +183,7 @@ def disc(model: ContactModel, mass: float) -> RigidBody:
 def array_size(model: ContactModel) -> float:
     """Root mean squared distance of the wheels from their middle; one for a single wheel (length)."""
     offsets = model.positions - model.positions.mean(axis=0)
-    return float(np.sqrt((offsets**2).sum(axis=1).mean())) or 1.0
+    return float(np.sqrt(squared_norms(offsets).mean())) or 1.0
 
 
 def speed_scale(model: ContactModel, velocity: Floats) -> float:

@@ -27,7 +27,7 @@ from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats, pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norms, spread
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, norms, spread
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
@@ -165,7 +165,7 @@ class SetMotion:
             twist = self.slope(pose, step, unknowns)[:3]
             columns.append(with_kinematics(twist, pose) + unknowns[2] * turning(step))
         found = np.column_stack(columns)
-        return found if np.isfinite(found).all() else None
+        return found if are_finite(found) else None
 
     def is_near_rest(self, pose: Floats, unknowns: Floats) -> bool:
         """Whether a contact nearly sticks by now that the regime does not know."""

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, float_points, turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class ContactRows:
         if self.targets.shape[-1:] != (count,) or self.targets.ndim > 2 or self.friction.shape != (count,):
             shapes = f"{self.targets.shape} and {self.friction.shape}"
             raise ValueError(f"required {count} targets and friction coefficients, received shapes {shapes}")
-        if not all(np.isfinite(a).all() for a in (self.rows, self.targets, self.friction)):
+        if not all(are_finite(a) for a in (self.rows, self.targets, self.friction)):
             raise ValueError("required finite rows, targets and friction, received nan or infinity")
         if (self.friction < 0).any():
             raise ValueError(f"required friction >= 0, received {self.friction.min()}")

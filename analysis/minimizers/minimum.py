@@ -31,7 +31,7 @@ from nonsmooth.analysis.minimizers.sum_of_supports import quadratic_parts
 from nonsmooth.symbolic.mechanics.contact_states import free_text, free_twists
 from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, squared_norms
 
 ROUNDING = 1e-14  # of D and of its gap, relative to the sum of the absolute terms they are made of
 
@@ -173,7 +173,7 @@ def optimal_face(
     rows, to_twist = row_frame(np.where(loaded[:, None], model.rows, 0.0))
     rows = np.einsum("nij,njk->nik", mix, rows.reshape(-1, 2, 3)).reshape(-1, 3)
     slips = np.einsum("nij,nj->ni", mix, model.slips(twist)).reshape(-1)
-    sizes = np.sqrt((rows**2).sum(axis=1))
+    sizes = np.sqrt(squared_norms(rows))
     used = ~idle.reshape(-1) & (sizes > 0)
     rows, slips = rows[used] / sizes[used, None], slips[used] / sizes[used]
     scale = max(max_norm(model.targets), float(np.abs(slips).max(initial=0.0)))

@@ -30,7 +30,16 @@ from nonsmooth.analysis.minimizers.minimum import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, norms, places_of, point_velocities, turned, unit_rows
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    norms,
+    places_of,
+    point_velocities,
+    squared_norms,
+    turned,
+    unit_rows,
+)
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -333,7 +342,7 @@ def relative_rates(model: ContactModel, functional: Functional, law: SampledLaw,
     products = (minima.twists * states).sum(axis=1)
     for k, face in minima.faces.items():
         products[k] = (face @ states[k]).max()
-    return np.where(proved(minima), 2 * products / (states**2).sum(axis=1), np.nan)
+    return np.where(proved(minima), 2 * products / squared_norms(states), np.nan)
 
 
 def paper_speeds(model: ContactModel, states: Floats) -> Floats:

@@ -27,7 +27,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, max_norm, norms, squared_norms
 
 # ---- regimes of friction -------------------------------------------------------------------------
 #
@@ -87,7 +87,7 @@ NOBODY = Regime(np.zeros(0, int), np.zeros(0, bool), np.zeros(0, bool))
 def changed(regime: Regime, unknowns: Floats, wrong: Mask) -> tuple[Regime, Floats]:
     """The regime and unknowns in which the wrong contacts (t,) slip instead of stick, and the other way round."""
     twist, forces, slips = regime.parts(unknowns)
-    lengths = np.sqrt((forces**2).sum(axis=1))
+    lengths = np.sqrt(squared_norms(forces))
     released = wrong & regime.sticks
     forces = np.where(released[:, None], forces / np.maximum(lengths, 1e-300)[:, None], forces)
     after = replace(regime, sticks=regime.sticks ^ wrong)
@@ -122,7 +122,7 @@ def smallest_forces(maps: Floats, forces: Floats) -> Floats:
 
 def _on_line(forces: Floats, way: Floats) -> Floats:
     """The best of ``forces + t way``: lowest point of one parabola, or where both meet."""
-    bends, slopes, values = (way**2).sum(axis=1), (forces * way).sum(axis=1), (forces**2).sum(axis=1)
+    bends, slopes, values = squared_norms(way), (forces * way).sum(axis=1), squared_norms(forces)
     lowest = [-slope / bend for slope, bend in zip(slopes, bends, strict=True) if bend > 0]
     meeting = np.roots([bends[0] - bends[1], 2 * (slopes[0] - slopes[1]), values[0] - values[1]])
     places = np.array([*lowest, *meeting[np.isreal(meeting)].real])
@@ -137,8 +137,8 @@ def _lawson(flat: Floats, forces: Floats) -> Floats:
     for _ in range(MOST_WEIGHTS):
         roots = np.repeat(1 / np.sqrt(np.maximum(weights, 1e-12)), 2)
         found = (roots * np.linalg.lstsq(flat * roots, total, rcond=1e-12)[0]).reshape(-1, 2)
-        sizes = np.sqrt((found**2).sum(axis=1))
-        if sizes.max() < np.sqrt((best**2).sum(axis=1)).max():
+        sizes = np.sqrt(squared_norms(found))
+        if sizes.max() < np.sqrt(squared_norms(best)).max():
             best = found
         if sizes.max() <= CLOSE * np.sqrt(weights @ sizes**2):
             return best
@@ -468,7 +468,7 @@ class CutNewton:
             return None
         unknown = np.zeros_like(slips)
         unknown[held] = found[3:] / np.broadcast_to(loads[:, None], slips.shape)[held]
-        return (found[:3], unknown) if np.isfinite(found).all() else None
+        return (found[:3], unknown) if are_finite(found) else None
 
     def _first_turned(self, slips: Floats, step: Floats, slipping: Mask) -> tuple[float, int, int] | None:
         """The share of a step at which a slip first leaves its side, of which contact, and along 0 or across 1.

@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.switched_field import FacedField, Velocity, lengt
 from nonsmooth.analysis.trajectories.faces import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, spread
 
 # ---- what is said where no periodic orbit is found, or nothing can be said of one ----------------
 
@@ -242,7 +242,7 @@ def _differences(first: Multipliers, second: Multipliers) -> Floats:
     with np.errstate(invalid="ignore"):
         distances = np.abs(first[:, None] - second[None, :])
     distances[np.isinf(first)[:, None] & np.isinf(second)[None, :]] = 0.0
-    if not np.isfinite(distances).all():
+    if not are_finite(distances):
         distances = np.where(np.isfinite(distances), distances, np.finfo(float).max / 4)
     own, partner = linear_sum_assignment(distances)
     return distances[own, partner]

@@ -29,7 +29,7 @@ from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode,
 from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajectory
 from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, squared_norms
 
 STEP = 0.02  # h, of the shortest time in which a twist answers: 1 over the gain and its squared size
 MOST_STEPS = 20_000
@@ -116,7 +116,7 @@ def follow_held(law: HeldLaw, start: Sequence[float], until: float, errors: Pose
     Returns:
         Method ``sampled``: states without events, as no switch is located.
     """
-    fastest = max(float((cone.twists**2).sum(axis=1).max()) for cone in law.cones)
+    fastest = max(float(squared_norms(cone.twists).max()) for cone in law.cones)
     step, errors = STEP / (law.gain * fastest), errors or PoseErrors()
     late = math.ceil(errors.delay / step)
     step = errors.delay / late if late > 1 else step

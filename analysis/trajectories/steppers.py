@@ -28,7 +28,7 @@ from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, name
 from nonsmooth.analysis.fields.switched_field import AffineVelocity, ScalarVelocity
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, PolynomialInterpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm
 
 # ---- Taylor series of affine motions -------------------------------------------------------------
 #
@@ -557,7 +557,7 @@ def jacobian_of(rate: Rate, size: float) -> Callable[[float, Floats], Floats]:
 def _eigenvalues(rate: Rate, t: float, x: Floats, steps: Floats) -> Floats:
     """Real parts of the eigenvalues of ``df/dx`` by forward differences; zeros where the field is not finite."""
     jacobian = _differences(rate, t, x, steps)
-    if not np.isfinite(jacobian).all():
+    if not are_finite(jacobian):
         return np.zeros(len(x))
     return np.asarray(np.linalg.eigvals(jacobian).real)
 

@@ -45,7 +45,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, norms
 from nonsmooth.symbolic.numbers.rounded import either_way, enclosed, plain
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
@@ -191,7 +191,7 @@ def _settled(maps: Sequence[tuple[ConstantField, Floats]]) -> list[SettleMap]:
         ValueError: for a start outside the cells.
         TrajectoryError: where paths cannot be followed, and for starts beyond the range of floats.
     """
-    if not all(np.isfinite(starts).all() for _, starts in maps):
+    if not all(are_finite(starts) for _, starts in maps):
         raise TrajectoryError("required starts within the range of floats")
     return settle_maps(maps)
 
@@ -239,7 +239,7 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
     x, y = scene.check.place
     side = np.linspace(-1, 1, FEW_STARTS) * scene.check.half_width * INSIDE
     starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)
-    if not np.isfinite(starts).all():
+    if not are_finite(starts):
         return None
     try:
         ends = smooth_ends(scene.recentred(), starts, (x, y))

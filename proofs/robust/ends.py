@@ -28,7 +28,15 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, float_points, norm, norms, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    are_finite,
+    field_beside,
+    float_points,
+    norm,
+    norms,
+    places_of,
+)
 
 Velocity: TypeAlias = Callable[[Floats], Floats]
 
@@ -161,12 +169,12 @@ def _shapes(scene: Scene, velocity: Velocity, centre: Place, accuracy: Fraction)
         return
     place = np.array([float(entry) for entry in centre])
     _, slope = field_beside(velocity, place, DIFFERENCE * scene.check.half_width)
-    if not np.isfinite(slope).all():
+    if not are_finite(slope):
         yield Distance()
         return
     yield from shapes_about(slope)
     _, coarse = field_beside(velocity, place, COARSE * float(accuracy))
-    if np.isfinite(coarse).all() and np.linalg.norm(slope - coarse) > np.linalg.norm(coarse):
+    if are_finite(coarse) and np.linalg.norm(slope - coarse) > np.linalg.norm(coarse):
         yield from (shape for shape in shapes_about(coarse) if not isinstance(shape, Distance))
 
 
@@ -359,7 +367,7 @@ def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats |
     for _ in range(DRIFT_STEPS // 2):
         here, slope = field_beside(velocity, place, DIFFERENCE * most)
         speed = norm(here)
-        if not np.isfinite(slope).all() or not np.isfinite(speed):
+        if not are_finite(slope) or not np.isfinite(speed):
             return None
         duration = duration * GROWTH or size / 4 / speed if speed else 0.0
         if not duration:

@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, field_beside, norm, norms
 
 PRECISION = 128  # bits of the balls
 PARTS = 8  # steps on the way out, at least
@@ -352,7 +352,7 @@ def _path_outward(forces: BalancedForces, radius: float) -> Floats | None:
     for _ in range(LONGEST * QUADRANGLES):
         here, slope = field_beside(forces.velocities, places[-1], DIFFERENCE * radius)
         speed = norm(here)
-        if not 0 < speed < math.inf or not np.isfinite(slope).all():
+        if not 0 < speed < math.inf or not are_finite(slope):
             return None
         time = length / speed
         move: Any = here

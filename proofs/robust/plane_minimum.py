@@ -22,7 +22,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm, norms, squared_norms
 
 # ---- the rows of an array and the limits of its friction forces ----------------------------------
 #
@@ -41,7 +41,7 @@ class ArrayRows:
 
     def __init__(self, scene: Scene) -> None:
         model = contact_model(scene)
-        self.length = float(np.sqrt((model.positions**2).sum(axis=1).mean())) or 1.0
+        self.length = float(np.sqrt(squared_norms(model.positions).mean())) or 1.0
         self.rows = model.rows / [1.0, 1.0, self.length]
         self.speeds, self.friction = model.targets, model.friction
         every = np.arange(model.wheels)
@@ -152,7 +152,7 @@ class PlaneMinima:
 
 def _curves(slope: Floats) -> bool:
     """Whether a Hessian shows curvature in every direction, beyond rounding."""
-    if not np.isfinite(slope).all():
+    if not are_finite(slope):
         return False
     least, largest = np.linalg.eigvalsh(slope)
     return bool(least > SINGULAR * largest)

@@ -51,7 +51,7 @@ from nonsmooth.proofs.systems.outer_ring import (
     places_of_rest,
     ring_of,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm
 
 # ---- lines beside the stable manifold of a saddle, beyond which no start comes to the point ------
 #
@@ -85,7 +85,7 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
     if any(field.plane.waves):
         return []
     half, found = max_norm(border), list[Beside]()
-    rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.isfinite(slope).all()]
+    rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if are_finite(slope)]
     saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < -CLEAR * np.sum(slope**2)]
     with np.errstate(all="ignore"):  # far out, and where velocities vanish
         for saddle, slope in saddles[:MOST_SADDLES]:

@@ -35,7 +35,7 @@ from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, unit_rows, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm, unit_rows, unit_vectors
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan}
 PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
@@ -470,7 +470,7 @@ def grow(
     for step in range(1, steps):
         announce(step, steps)
         ring = next_ring(field, ring, pace, limit, power)
-        if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
+        if not are_finite(ring) or np.abs(ring).max() > limit or area(ring) <= 0:
             return
         if len(ring) > most:
             return

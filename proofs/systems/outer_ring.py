@@ -39,7 +39,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     sines,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, spread, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, spread, unit_vectors
 
 Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
 
@@ -225,7 +225,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
     least, before = area(border), area(ring)
     for step in range(1, most):
         ring = next_ring(field, ring, pace, limit, POWER)
-        if not np.isfinite(ring).all() or np.abs(ring).max() > limit / 2 or area(ring) < least:
+        if not are_finite(ring) or np.abs(ring).max() > limit / 2 or area(ring) < least:
             return step, None
         if step % PAUSE == 0:
             if area(ring) > STILL * before:

@@ -41,7 +41,7 @@ from nonsmooth.proofs.systems.lyapunov_search import (
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import cross, plus, same_direction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -144,7 +144,7 @@ def solve_piecewise_quadratic(rays: Sequence[Point], cones: Sequence[LinearCone]
     ``X = [[0, 1], [1, 0]]``.  How fast a field is does not matter to the sign of a rate, so each is scaled to size one.
     """
     flows = np.array([_scaled_flow(rays, cone) for cone in cones])
-    if not np.isfinite(flows).all():
+    if not are_finite(flows):
         return None
     ends = tuple((cone.start, cone.end) for cone in cones)
     return _solve(len(rays), ends, flows.tobytes())
@@ -188,7 +188,7 @@ def _solve(count: int, ends: tuple[tuple[int, ...], ...], flows: bytes) -> Propo
 def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """The flow of a cone in its rays, of size one; no numbers beyond the range of floats."""
     flow = _flow_in_rays(rays, cone)
-    if not np.isfinite(flow).all():
+    if not are_finite(flow):
         return np.full((2, 2), np.nan)
     return flow / (np.abs(flow).max() or 1.0)
 

@@ -42,7 +42,7 @@ from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, norms
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -150,7 +150,7 @@ class SystemMap(MapResult):
     def facts(self) -> Record:
         """JSON with stable keys; starts run along the first state first."""
         system = self.portrait.system
-        ends = [end.tolist() if np.isfinite(end).all() else None for end in self.ends]
+        ends = [end.tolist() if are_finite(end) else None for end in self.ends]
         return {
             "schema": SCHEMA,
             "scene": system.name,
@@ -229,7 +229,7 @@ class SystemMap(MapResult):
 
 
 def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
-    if not np.isfinite(end).all():
+    if not are_finite(end):
         return Whereabouts.LOST
     if np.hypot(*end) <= SAME * half:
         return Whereabouts.ARRIVED

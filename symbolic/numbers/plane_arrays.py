@@ -42,6 +42,16 @@ def norms(vectors: Floats) -> Floats:
     return np.hypot(*vectors.T)
 
 
+def squared_norms(vectors: Floats) -> Floats:
+    """Squares of the lengths of vectors of any dimension, shape (m, n)."""
+    return (vectors**2).sum(axis=1)
+
+
+def are_finite(entries: Any) -> bool:
+    """Whether all entries are finite numbers."""
+    return bool(np.isfinite(entries).all())
+
+
 def max_norm(entries: Floats) -> float:
     """The largest absolute value of an entry."""
     return float(np.abs(entries).max())
