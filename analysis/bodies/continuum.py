@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import around
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points, norm, norms, squared_norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points, max_norm, norm, norms, squared_norms
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits
@@ -314,7 +314,7 @@ class PolygonOnField:
             return np.zeros(2)
         for _ in range(NEWTON_STEPS):
             wrench = self.wrench(theta, place)
-            if np.abs(wrench.force).max() <= SETTLED * self.area:
+            if max_norm(wrench.force) <= SETTLED * self.area:
                 return place
             if not np.linalg.det(wrench.stiffness):
                 return None
@@ -343,7 +343,7 @@ def _search(predicted: Callable[..., Prediction], body: PolygonOnField) -> Predi
     attracts = next((answer for answer in (False, None) if answer in returns), True)
     at_rest = partial(predicted, attracts, max(norm(place) for place in places))
     levels = np.array([wrench.moment for wrench in wrenches])
-    if np.abs(levels).max() <= NEGLIGIBLE * body.area * body.size:
+    if max_norm(levels) <= NEGLIGIBLE * body.area * body.size:
         return at_rest(HeadingEffect.KEEPS, (), "no moment beyond rounding at any heading")
     changes = np.flatnonzero(np.sign(levels[:-1]) * np.sign(levels[1:]) < 0)
     found = [_heading_between(body, thetas[k], thetas[k + 1], places[k + 1]) for k in changes]

@@ -147,7 +147,7 @@ class RestSearch:
         found = []
         for carrying in met.sets:
             place = self._balanced(carrying)
-            if place is None or np.abs(place - self._point).max() > self.reach:
+            if place is None or max_norm(place - self._point) > self.reach:
                 continue
             headings = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
             under = self._outline.depths(np.column_stack([np.tile(place, (HEADINGS, 1)), headings])) > 0
@@ -166,7 +166,7 @@ class RestSearch:
         """Whether two poses of rest are one: the same wheel under the edge, and nearly the same pose."""
         size = self._outline.size
         apart = [*np.subtract(first.place, second.place), (first.theta - second.theta) * size]
-        return first.edge == second.edge and bool(np.abs(apart).max() <= ALIKE * size)
+        return first.edge == second.edge and bool(max_norm(apart) <= ALIKE * size)
 
     def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Indices, Mask, Floats]:
         """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start at.

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.symbolic.mechanics.body import Body, Disc
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norm, norms, spread
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norm, norms, spread, turned
 
 SAME_SIDE = 1e-9  # of the body's size: sides this nearly as deep bound the depth together
 
@@ -30,7 +30,7 @@ class MovingOutline:
             return
         corners = float_points(body.vertices)
         along = np.roll(corners, -1, axis=0) - corners
-        self._normals = np.column_stack([along[:, 1], -along[:, 0]]) / norms(along)[:, None]
+        self._normals = -turned(along) / norms(along)[:, None]
         self._heights = (self._normals * corners).sum(axis=1)
         self.corners = corners
         self.size = float(norms(corners).max())
@@ -90,7 +90,7 @@ class MovingOutline:
         away = self.places[wheels] - [x, y]
         seen = _seen(self.places, pose)[wheels]
         c, s = np.cos(theta), np.sin(theta)
-        drift = -np.array([vx, vy]) - omega * np.column_stack([-away[:, 1], away[:, 0]])
+        drift = -np.array([vx, vy]) - omega * turned(away)
         moved = drift @ np.array([[c, -s], [s, c]])  # R^T on the left of every row
         if self._radius is not None:
             out = seen - self._middle

@@ -309,7 +309,7 @@ class NewtonEuler:
             loads, slope = self.loads.at(pressed)
             shift[:, :2] = np.eye(3, 2) + height * per_load.T @ slope
             missing = pressed + height * per_load[:, :2].T @ loads - centre
-            if np.abs(missing).max() <= BALANCED * height:
+            if max_norm(missing) <= BALANCED * height:
                 break
             pressed = pressed - np.linalg.solve(shift[:2, :2], missing)
         return pressed, shift

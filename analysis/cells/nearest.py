@@ -411,4 +411,4 @@ def distances_from(points: Floats, place: Floats) -> Floats:
     """``|p - q|`` for many points p, shape (n, 2), at once."""
     with np.errstate(over="ignore", invalid="ignore"):
         difference = points - place
-        return np.hypot(difference[..., 0], difference[..., 1])
+        return norms(difference)

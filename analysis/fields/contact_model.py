@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, float_points, norms, turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +200,7 @@ class ContactModel(ShortRepr, ContactRows):
             ValueError: for shapes that do not fit, values that are not finite, or a rim without direction.
         """
         p, d, u = (np.array(a, float) for a in (positions, rims, surface))
-        lengths = np.hypot(d[:, 0], d[:, 1])
+        lengths = norms(d)
         if not (lengths > 0).all():
             raise ValueError(f"required rims of nonzero length, received {d[~(lengths > 0)][0]}")
         with np.errstate(invalid="ignore"):  # of numbers that are not finite, which the class refuses

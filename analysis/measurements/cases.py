@@ -373,7 +373,7 @@ def _surface_points(measured: MeasuredField, field: SignField) -> Iterator[tuple
     for surface in field.surfaces:
         for seed in (START, (-0.5317, 0.4129)):
             point = onto(np.array(measured.place(*seed)), [surface], measured.radius)
-            if np.abs(point).max() <= measured.radius:
+            if max_norm(point) <= measured.radius:
                 gradient = surface.gradient(point)
                 yield point, gradient / np.hypot(*gradient)
                 break

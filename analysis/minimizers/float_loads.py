@@ -17,7 +17,7 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, norms, turned
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
@@ -167,5 +167,5 @@ def _hull_sides(corners: bytes) -> Floats:
     hull = support_polygon(outer_positions([(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()]))
     starts, ends = np.array(hull), np.array([*hull[1:], hull[0]])
     along = (ends - starts) / norms(ends - starts)[:, None]
-    normals = np.column_stack([along[:, 1], -along[:, 0]])
+    normals = -turned(along)
     return np.column_stack([normals, -(normals * starts).sum(axis=1)])

@@ -176,7 +176,7 @@ def optimal_face(
     sizes = np.sqrt(squared_norms(rows))
     used = ~idle.reshape(-1) & (sizes > 0)
     rows, slips = rows[used] / sizes[used, None], slips[used] / sizes[used]
-    scale = max(max_norm(model.targets), float(np.abs(slips).max(initial=0.0)))
+    scale = max(max_norm(model.targets), max_norm(slips))
     steps = _vertices(rows, slips, equation.reshape(-1)[used], scale)
     twists = twist + steps[distinct(steps, SAME_VERTEX * scale)] @ to_twist.T
     value = dissipation(functional, model, loads, twist)
@@ -233,7 +233,7 @@ def distinct(points: Floats, tolerance: float) -> list[int]:
     """Indices of points (k, d) without repetitions."""
     kept: list[int] = []
     for k, point in enumerate(points):
-        if all(np.abs(point - points[other]).max() > tolerance for other in kept):
+        if all(max_norm(point - points[other]) > tolerance for other in kept):
             kept.append(k)
     return kept
 

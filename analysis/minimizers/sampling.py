@@ -356,7 +356,7 @@ def paper_speeds(model: ContactModel, states: Floats) -> Floats:
     speeds = np.zeros((len(states), model.wheels))
     rows = np.arange(len(states))
     speeds[rows, second] = steering
-    speeds[rows, nearest] = np.abs(steering) + GAIN * np.hypot(states[:, 0], states[:, 1])
+    speeds[rows, nearest] = np.abs(steering) + GAIN * norms(states)
     return speeds
 
 

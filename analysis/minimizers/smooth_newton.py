@@ -237,7 +237,7 @@ class SmoothNewton:
             rows = np.concatenate([held, self._pairs[contact]])
             goals = np.concatenate([self._goals[stuck].ravel(), self._goals[contact]])
             together = np.linalg.lstsq(rows, goals, rcond=SINGULAR)[0]
-            pinned[k] = np.abs(rows @ together - goals).max() <= RESIDUAL * self._speed
+            pinned[k] = max_norm(rows @ together - goals) <= RESIDUAL * self._speed
             if pinned[k]:
                 along = self._pairs[contact] @ way
                 forces[k] = along / np.hypot(*along) * (1.0 if forces[k] @ along >= 0 else -1.0)
@@ -274,7 +274,7 @@ class SmoothNewton:
             if system is None or step is None:
                 return None
             unknowns = unknowns - step
-            small = np.abs(self._rows @ step[:3]).max() <= SETTLED * self._speed
+            small = max_norm(self._rows @ step[:3]) <= SETTLED * self._speed
             if small and np.abs(step[3 : regime.end]).max(initial=0.0) <= SETTLED:
                 return self._proved(regime, unknowns, loads, system[0][:3, :3])
         return None
@@ -431,7 +431,7 @@ class CutNewton:
             if excess.max() > 0:
                 contact, axis = divmod(int(excess.argmax()), 2)
                 self._sides[contact, axis] = np.sign(forces[contact, axis])
-            elif np.abs(self._pairs @ step).max() <= SETTLED * self._speed and np.array_equal(arcs, before):
+            elif max_norm(self._pairs @ step) <= SETTLED * self._speed and np.array_equal(arcs, before):
                 self.last = unknowns / self._scale
                 return self.last
         return None

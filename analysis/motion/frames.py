@@ -31,7 +31,7 @@ from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, norms, turned
 
 # ---- the spatial twist along a path, from the path alone -----------------------------------------
 #
@@ -232,7 +232,7 @@ def _sticks(slips: Floats, twists: Floats, model: ContactModel, speeds: Floats) 
     """Whether a slip is zero beside the largest speed of any rim or body point over a wheel, at each time."""
     moving = np.abs(twists @ model.rows.T).max(axis=1)
     largest = np.maximum(moving, np.nanmax(np.abs(speeds), axis=1, initial=0.0))
-    return np.nan_to_num(np.hypot(slips[..., 0], slips[..., 1]), nan=np.inf) <= STICKS * largest[:, None]
+    return np.nan_to_num(norms(slips), nan=np.inf) <= STICKS * largest[:, None]
 
 
 class _CellsAt:

@@ -23,7 +23,16 @@ from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, field_beside, norm, norms, point_velocities
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    Mask,
+    field_beside,
+    max_norm,
+    norm,
+    norms,
+    point_velocities,
+)
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -240,7 +249,7 @@ def _where_it_stands(field: _Field, place: Floats, radius: float) -> tuple[Float
     for _ in range(SHRINKING):
         for _ in range(TIMES):
             found = found + step * field.along(found[None], path)[0]
-            if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or np.abs(found).max() > radius:
+            if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or max_norm(found) > radius:
                 return vanishing, speed
         step /= 2
     return (np.round(found / (JUMPED * radius)) * JUMPED * radius), float("nan")
@@ -254,7 +263,7 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Flo
     step = STEP * radius
     best, least = place, float("inf")
     for _ in range(NEWTON_STEPS):
-        if np.abs(place).max() > radius:
+        if max_norm(place) > radius:
             break
         here, slope = field_beside(field, place, step)
         speed = norm(here)

@@ -51,7 +51,7 @@ from nonsmooth.proofs.systems.basin_rings import (
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, turned, unit_vectors
 
 COARSE = BasinEffort(Pace(0.12, 0.03, 0.02), 41, every=8)
 FINE = BasinEffort(Pace(0.04, 0.012, 0.02), 101, every=8)
@@ -158,7 +158,7 @@ def convex_outline(places: Floats) -> Floats:
 def half_planes(outline: Floats) -> Floats:
     """Of a convex polygon, counterclockwise: a, b, c with ``a x + b y + c`` the distance inward from each side."""
     along = np.roll(outline, -1, axis=0) - outline
-    normals = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    normals = turned(along)
     normals /= np.linalg.norm(normals, axis=1)[:, None] + np.finfo(float).tiny
     return np.column_stack([normals, -(normals * outline).sum(axis=1)])
 
@@ -308,7 +308,7 @@ def _first_rings(field: FloatCells) -> Iterator[Floats]:
         middle = field.resting.mean(axis=0)
         for wider in RESTING:
             ring = middle + wider * (field.resting - middle)
-            if np.abs(ring).max() < field.half and _leads_inward(field, ring):
+            if max_norm(ring) < field.half and _leads_inward(field, ring):
                 yield ring
         return
     for centre in (np.zeros(2), _end(field)):

@@ -38,7 +38,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, norm, norms
 
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
@@ -245,7 +245,7 @@ class BalancedForces:
             ROUNDINGS[-1] * self.fastest,
             hessian=False,
         )
-        return (gradient[:, :2] * slopes).sum(axis=1) / np.hypot(slopes[:, 0], slopes[:, 1])
+        return (gradient[:, :2] * slopes).sum(axis=1) / norms(slopes)
 
     def hessians(self, places: Floats, twists: Floats) -> Floats:
         """About those of D by the twist, (m, 3, 3), at places (m, 2) and twists (m, 3)."""
@@ -260,7 +260,7 @@ class BalancedForces:
             slopes: the covectors (m, 2).
             twists: about those of least D (m, 3).
         """
-        turns = (slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]) / self.length
+        turns = (cross(places, slopes)) / self.length
         pulls = np.column_stack([slopes, turns])
         bend = self.hessians(places, twists)
         bend = bend + 2.0**-40 * np.trace(bend, axis1=1, axis2=2)[:, None, None] * np.eye(3)

@@ -31,6 +31,7 @@ from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     are_finite,
+    cross,
     field_beside,
     float_points,
     norm,
@@ -287,10 +288,10 @@ def _standing(scene: Scene) -> float:
         return 0.0
     places = float_points(corners)
     along = np.roll(places, -1, axis=0) - places
-    lengths = np.hypot(along[:, 0], along[:, 1])
+    lengths = norms(along)
     if not lengths.all():  # floats do not tell corners apart that are far away
         return 0.0
-    distances = (places[:, 0] * along[:, 1] - places[:, 1] * along[:, 0]) / lengths
+    distances = (cross(places, along)) / lengths
     return float(distances.min()) * (1 - 2.0**-30)
 
 

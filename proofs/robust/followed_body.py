@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, field_beside, norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, cross, field_beside, norm, norms, turned
 
 PRECISION = 128  # bits of the balls
 PARTS = 8  # steps on the way out, at least
@@ -333,7 +333,7 @@ def leaves_by_funnel(scene: Scene, accuracy: Fraction) -> bool:
     if forces is None or path is None:
         return False
     ahead = np.diff(path, axis=0, append=2 * path[-1:] - path[-2:-1])
-    normals = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / norms(ahead)[:, None]
+    normals = turned(ahead) / norms(ahead)[:, None]
     widths = np.linspace(0.0, FAR * float(accuracy), len(path))[:, None] * normals
     for slope in SLOPES:
         left, right = path + slope * widths, path - slope * widths
@@ -392,7 +392,7 @@ def _are_convex(corners: Floats) -> bool:
     """Whether quadrangles, the first of which is a triangle, are convex and counterclockwise, beyond rounding."""
     along = np.roll(corners, -1, axis=1) - corners
     after = np.roll(along, -1, axis=1)
-    turns = along[..., 0] * after[..., 1] - along[..., 1] * after[..., 0]
+    turns = cross(along, after)
     clear = turns > 2.0**-30 * np.linalg.norm(along, axis=2) * np.linalg.norm(after, axis=2)
     return bool(clear[:, :2].all() and clear[1:].all())
 

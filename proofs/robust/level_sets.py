@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, norms, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles, norms, unit_vectors
 
 SECTORS = 24  # of each ring of circles
 VERTICES = 32
@@ -117,7 +117,7 @@ class Distance(LevelFunction):
     def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> RingPieces:
         """Neighbours share their corners to the last bit, so that no gap is between them."""
         count = SECTORS * parts
-        angles = 2 * math.pi * np.arange(count) / count
+        angles = even_angles(count)
         rays = unit_vectors(angles)
         far = outer * (1 + MARGIN) / math.cos(math.pi / count)
         corners = _quadrangles(rays, inner * (1 - MARGIN), far)
@@ -141,7 +141,7 @@ class SectorFunction(LevelFunction):
     @classmethod
     def of_ellipse(cls, matrix: Floats, count: int = VERTICES) -> SectorFunction:
         """Inscribed in the ellipse ``c . P c = 1``, made as large as holds the unit disc, for a definite P (2 x 2)."""
-        angles = 2 * math.pi * np.arange(count) / count
+        angles = even_angles(count)
         circle = np.stack([np.cos(angles), np.sin(angles)])
         vertices = np.linalg.solve(np.linalg.cholesky(matrix).T, circle).T
         found = cls(short_vertices(vertices), np.ones(count))

@@ -124,11 +124,11 @@ class PlaneMinima:
         for _ in range(STEPS):
             if not _curves(slope):
                 return None
-            if np.abs(pull).max() <= enough:
+            if max_norm(pull) <= enough:
                 break
             move, before = -np.linalg.solve(slope, pull), np.abs(pull).max()
             pull, slope = self._derivatives(fixed + (z + move) @ plane, plane, loads)
-            while np.abs(pull).max() > before and np.abs(move).max() > step:
+            while max_norm(pull) > before and max_norm(move) > step:
                 move /= 2
                 pull, slope = self._derivatives(fixed + (z + move) @ plane, plane, loads)
             z = z + move
@@ -229,12 +229,12 @@ class BoxCorners(ArrayRows):
         response = np.zeros((len(limits), 3))
         response[satisfied] = columns @ np.linalg.inv(square)
         shares[satisfied] = _within(columns, missing, response[satisfied] @ missing)
-        return Proposal(shares, satisfied, response) if np.abs(shares[satisfied]).max() < LARGEST_SHARE else None
+        return Proposal(shares, satisfied, response) if max_norm(shares[satisfied]) < LARGEST_SHARE else None
 
 
 def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
     """Shares of least square, or where one is too large those whose largest is least, by a linear program."""
-    if np.abs(shares).max() < LARGEST_SHARE or len(shares) == 3:
+    if max_norm(shares) < LARGEST_SHARE or len(shares) == 3:
         return shares
     count = len(shares)
     ones = np.ones((count, 1))

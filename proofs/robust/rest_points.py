@@ -42,7 +42,7 @@ from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
 #
@@ -267,7 +267,7 @@ def _rising(slope: Floats) -> Iterator[SectorFunction]:
     first, second = (modes[:, k].real for k in (int(roots.argmax()), int(roots.argmin())))
     if first[0] * second[1] < first[1] * second[0]:
         second = -second
-    angles = 2 * np.pi * np.arange(VERTICES) / VERTICES
+    angles = even_angles(VERTICES)
     x, y = np.cos(angles), np.sin(angles)
     if abs(first[0] * second[1] - first[1] * second[0]) > 2.0**-10:
         vertices = short_vertices(x[:, None] * first + y[:, None] * second)

@@ -50,7 +50,7 @@ from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles
 
 # ---- enclosures of friction forces over boxes of slips, for friction sets with a support function
 #
@@ -530,7 +530,7 @@ def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals,
 def _candidates(tilt: Floats, length: float) -> Floats:
     """Directions ``(along e, across e, rotation)``, (pieces, choices, 3); of the last ones ``tilt`` is along e."""
     leaning = [(1.0, across, turn / length) for across in LEANINGS for turn in LEANINGS]
-    angles = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    angles = even_angles(ANGLES)
     found = np.zeros((len(tilt), len(leaning) + ANGLES, 3))
     found[:, : len(leaning)] = leaning
     found[:, len(leaning) :, 0] = tilt[:, None]

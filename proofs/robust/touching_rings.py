@@ -26,7 +26,7 @@ from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, cross, norms
 
 RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
@@ -223,7 +223,7 @@ def least_rate(forces: BalancedForces, pieces: RingPieces) -> float:
 def falls_about(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
     """About ``-V'`` in the middle of each quadrangle, times its size, from the minimizers there."""
     slopes, places = pieces.middle_slopes, pieces.middles
-    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
+    moments = cross(places, slopes)
     return -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
 
 

@@ -147,7 +147,7 @@ class _Search:
             along: 1 where the line is passed as solutions pass, -1 where against them.
         """
         points, step = [start], self.half / 1024
-        while len(points) < MOST_POINTS and np.abs(points[-1]).max() < WINDOWS * self.half:
+        while len(points) < MOST_POINTS and max_norm(points[-1]) < WINDOWS * self.half:
             direction = self._direction(points[-1], along)
             end = self._half_line(points[-1], along)
             if end is not None:

@@ -35,7 +35,16 @@ from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm, unit_rows, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    are_finite,
+    cross,
+    max_norm,
+    turned,
+    unit_rows,
+    unit_vectors,
+)
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan}
 PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
@@ -364,7 +373,7 @@ def values(polynomial: Polynomial, x: Floats) -> Floats:
 def area(ring: Floats) -> float:
     """Of a polygon, positive where it is counterclockwise."""
     after = following(ring)
-    return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
+    return float(np.sum(cross(ring, after)) / 2)
 
 
 class Home:
@@ -470,7 +479,7 @@ def grow(
     for step in range(1, steps):
         announce(step, steps)
         ring = next_ring(field, ring, pace, limit, power)
-        if not are_finite(ring) or np.abs(ring).max() > limit or area(ring) <= 0:
+        if not are_finite(ring) or max_norm(ring) > limit or area(ring) <= 0:
             return
         if len(ring) > most:
             return
@@ -485,7 +494,7 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(lengths(ring).max())
     along = following(ring) - np.roll(ring, 1, axis=0)
-    normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    normals = -turned(along)
     chords = lengths(normals)
     normals /= np.where(chords == 0, 1, chords)[:, None]  # a ring may fold onto itself
     velocities = field.at(ring)
@@ -494,7 +503,7 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
     chosen = outward.argmax(axis=0)  # the one that leads least inward
     rows = np.arange(len(ring))
     v, speed = velocities[chosen, rows], speeds[chosen, rows]
-    turn = pace.angle * np.clip((v[:, 0] * normals[:, 1] - v[:, 1] * normals[:, 0]) / speed / FOLD, -1, 1)
+    turn = pace.angle * np.clip(cross(v, normals) / speed / FOLD, -1, 1)
     c, s = np.cos(turn), np.sin(turn)
 
     def backward(x: Floats) -> Floats:
@@ -568,7 +577,7 @@ def lengths(x: Floats) -> Floats:
 def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Floats:
     """The least sine of the angle at which velocities lead to the right over sides from corners, as floats see it."""
     sides = following(ring) - ring if sides is None else sides
-    normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+    normals = -turned(sides)
     places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
     velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
     across = (velocities * normals).sum(axis=-1)

@@ -128,7 +128,7 @@ def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]
     found: list[tuple[Floats, Floats]] = []
     for place in x[np.argsort(sizes, kind="stable")]:
         apart = all(np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(own for own, _ in found)))
-        if apart and np.abs(place).max() < half:
+        if apart and max_norm(place) < half:
             found.append((place, _slopes(field, place[None], width)[0]))
     return found
 
@@ -225,7 +225,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
     least, before = area(border), area(ring)
     for step in range(1, most):
         ring = next_ring(field, ring, pace, limit, POWER)
-        if not are_finite(ring) or np.abs(ring).max() > limit / 2 or area(ring) < least:
+        if not are_finite(ring) or max_norm(ring) > limit / 2 or area(ring) < least:
             return step, None
         if step % PAUSE == 0:
             if area(ring) > STILL * before:

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, norms, places_of, spread, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, max_norm, norms, places_of, spread, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -356,7 +356,7 @@ def _draw_arrows(
 
     None are drawn where all are rounding beside the scale.
     """
-    if parts is None or np.abs(parts).max() <= TOO_SMALL * scale:
+    if parts is None or max_norm(parts) <= TOO_SMALL * scale:
         return
     vectors = (parts[:, :, None] * frames).sum(axis=1)
     vectors *= reach / norms(vectors).max()

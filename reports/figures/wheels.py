@@ -34,7 +34,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of, spread, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, even_angles, float_points, places_of, spread, unit_vectors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -167,7 +167,7 @@ def outline_of(scene: Scene) -> Floats | None:
         return None
     outline = scene.body.outline
     if isinstance(outline, Disc):
-        angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
+        angles = even_angles(CORNERS)
         middle = np.array(scene.body.centroid, float)
         return middle + float(outline.radius) * unit_vectors(angles)
     return float_points(scene.body.vertices)

@@ -42,7 +42,7 @@ from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, norms
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -233,7 +233,7 @@ def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
         return Whereabouts.LOST
     if np.hypot(*end) <= SAME * half:
         return Whereabouts.ARRIVED
-    if np.abs(end).max() > (1 + SAME) * half:
+    if max_norm(end) > (1 + SAME) * half:
         return Whereabouts.OUTSIDE
     return Whereabouts.NEARER if ratio < 1 - SAME else Whereabouts.FARTHER
 

@@ -27,6 +27,11 @@ def places_of(wheels: Iterable[Any]) -> Floats:
     return float_points(wheel.position for wheel in wheels)
 
 
+def even_angles(count: int) -> Floats:
+    """Angles around a full turn from zero on (radian), all as far apart, shape (count,)."""
+    return 2 * np.pi * np.arange(count) / count
+
+
 def unit_vectors(angles: Floats | float) -> Floats:
     """Unit vectors at angles (radian), shape (..., 2)."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
@@ -38,8 +43,8 @@ def norm(vector: Iterable[Any]) -> float:
 
 
 def norms(vectors: Floats) -> Floats:
-    """Lengths of vectors of the plane, shape (m, 2)."""
-    return np.hypot(*vectors.T)
+    """Lengths of vectors of shape (..., 2); of longer ones those of their first two coordinates."""
+    return np.hypot(*_coordinates(vectors))
 
 
 def squared_norms(vectors: Floats) -> Floats:
@@ -52,9 +57,9 @@ def are_finite(entries: Any) -> bool:
     return bool(np.isfinite(entries).all())
 
 
-def max_norm(entries: Floats) -> float:
-    """The largest absolute value of an entry."""
-    return float(np.abs(entries).max())
+def max_norm(entries: Any) -> float:
+    """The largest absolute value of an entry; zero without any."""
+    return float(np.abs(entries).max(initial=0.0))
 
 
 def unit_rows(vectors: Floats) -> Floats:
