@@ -27,7 +27,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, 
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, squared_norms, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norms, squared_norms, unit_vectors
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane, with_known_numbers
 
@@ -149,7 +149,7 @@ def _outline(cells: SignCells) -> _Outline:
     radius = float(cells.radius)
     angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
     units = unit_vectors(angles)
-    border = radius / np.abs(units).max(axis=1)
+    border = radius / max_norms(units)
     shares = np.arange(1, DISTANCES + 1) / DISTANCES
     starts = (shares[:, None, None] * (border[:, None] * units)).reshape(-1, 2)
     back = _comes_back(cells, starts).reshape(DISTANCES, ANGLES)
@@ -173,7 +173,7 @@ def _comes_back(cells: SignCells, starts: Floats) -> Mask:
         third = _field(cells, x + STEP / 2 * second)
         last = _field(cells, x + STEP * third)
         places[going] = x + STEP / 6 * (first + 2 * second + 2 * third + last)
-        sizes = np.abs(places[going]).max(axis=1)
+        sizes = max_norms(places[going])
         back[going[sizes <= radius * ARRIVED]] = True
         going = going[(sizes > radius * ARRIVED) & (sizes <= radius * (1 + STEP)) & first.any(axis=1)]
     return back
@@ -182,7 +182,7 @@ def _comes_back(cells: SignCells, starts: Floats) -> Mask:
 def _field(cells: SignCells, places: Floats) -> Floats:
     """The field of a cell that holds each place; zero beyond the square."""
     found = np.zeros_like(places)
-    within = np.abs(places).max(axis=1) <= float(cells.radius)
+    within = max_norms(places) <= float(cells.radius)
     for cell in cells.cells:
         held = within.copy()
         for sign, surface in zip(cell.signs, cells.surfaces, strict=True):

@@ -21,7 +21,17 @@ from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norm, norm, norms, squared_norms
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    Mask,
+    max_norm,
+    max_norms,
+    norm,
+    norms,
+    row_norms,
+    squared_norms,
+)
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
@@ -129,9 +139,9 @@ class RestSearch:
         without, wheels, including, start = self._nearly_at_rest(met)
         unknowns, settled = self._newton(without, including, start)
         first, second = (self._motions.at(sets, unknowns[:, :2]) for sets in (without, including))
-        fast = np.minimum(*(np.abs(found.rates).max(axis=1) for found in (first, second))) > AT_REST * self._fastest
+        fast = np.minimum(*(max_norms(found.rates) for found in (first, second))) > AT_REST * self._fastest
         inside = (unknowns[:, 2] > 0) & (unknowns[:, 2] < 1)
-        near = np.abs(unknowns[:, :2] - self._point).max(axis=1) <= self.reach
+        near = max_norms(unknowns[:, :2] - self._point) <= self.reach
         kept: list[SeenRest] = []
         for k in np.flatnonzero(settled & fast & inside & near & first.known & second.known):
             x, y = (float(value) for value in unknowns[k, :2])
@@ -179,8 +189,8 @@ class RestSearch:
         along = second.rates - first.rates
         square = np.maximum(squared_norms(along), np.finfo(float).tiny)
         share = np.clip(-(first.rates * along).sum(axis=1) / square, 0.0, 1.0)
-        sizes = np.maximum(*(np.linalg.norm(found.rates, axis=1) for found in (first, second)))
-        left = np.linalg.norm(first.rates + share[:, None] * along, axis=1) / np.maximum(sizes, np.finfo(float).tiny)
+        sizes = np.maximum(*(row_norms(found.rates) for found in (first, second)))
+        left = row_norms(first.rates + share[:, None] * along) / np.maximum(sizes, np.finfo(float).tiny)
         left[~(first.known & second.known)] = np.inf
         chosen = _least(left, met)
         starts = np.column_stack([met.centres[chosen], share[chosen]])
@@ -198,14 +208,14 @@ class RestSearch:
                 break
             trial = unknowns[at] + steps[at]
             values, slopes, known, rates[:, at] = self._residuals((without[at], including[at]), trial, rates[:, at])
-            left = np.where(known, np.abs(values).max(axis=1) / self._fastest, np.inf)
+            left = np.where(known, max_norms(values) / self._fastest, np.inf)
             better = left < least[at]
             steps[at[~better]] *= SHORTENED
             gained = at[better]
             unknowns[gained], least[gained] = trial[better], left[better]
             steps[gained] = self._newton_steps(values[better], slopes[better])
-            lost = np.abs(unknowns[at, :2] - self._point).max(axis=1) > 2 * self.reach
-            lengths = np.abs(steps[at]).max(axis=1) / self._outline.size
+            lost = max_norms(unknowns[at, :2] - self._point) > 2 * self.reach
+            lengths = max_norms(steps[at]) / self._outline.size
             short = (lengths <= SHORTEST) | ((lengths <= SHORT) & (least[at] > STALLED))
             lost |= (least[at] > SLOWED) & (count >= PATIENCE)
             going[at] = np.isfinite(least[at]) & (least[at] > SETTLED) & ~lost & ~short

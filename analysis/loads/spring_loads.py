@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, squared_norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, max_norms, squared_norms
 
 MAX_STEPS = 60  # Newton steps; random arrays of 3 to 100 wheels need at most 15
 MAX_HALVINGS = 40  # a step halved that often no longer changes a double
@@ -36,7 +36,7 @@ def spring_loads(moments: Floats, goals: Floats, start: Floats | None = None) ->
     for _ in range(MAX_STEPS):
         at, aims, forces = y[waiting], goals[waiting], np.maximum(values[waiting], 0.0)
         gradient = _balance(carried, forces) - aims
-        left = np.abs(gradient).max(axis=1) > RESIDUAL * (1 + np.abs(at).max(axis=1))
+        left = max_norms(gradient) > RESIDUAL * (1 + max_norms(at))
         solved[waiting[~left]] = True
         if not left.any():
             break

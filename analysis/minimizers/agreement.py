@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norms, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norms, places_of, row_norms
 
 RulePair: TypeAlias = tuple[str, str]
 
@@ -156,8 +156,8 @@ def _difference(scene: Scene, points: Floats, first: Floats, second: Floats, mis
     centre = np.array(scene.check.place)
     wheels = places_of(scene.wheels)
     scale = np.array([1.0, 1.0, norms(wheels - centre).max()])
-    sizes = np.maximum(np.linalg.norm(first * scale, axis=1), np.linalg.norm(second * scale, axis=1))
-    apart = np.linalg.norm((first - second) * scale, axis=1)
+    sizes = np.maximum(row_norms(first * scale), row_norms(second * scale))
+    apart = row_norms((first - second) * scale)
     relative = np.divide(apart, sizes, out=np.zeros_like(apart), where=sizes > 0)
     # Mirror images differ by rounding alone: the first of them is named, on every machine.
     worst = int(np.argmax(np.round(relative / (relative.max() or 1.0), ALIKE)))

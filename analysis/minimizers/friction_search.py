@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, max_norms
 
 STARTS = 256
 STEPS = 15
@@ -56,7 +56,7 @@ class RimDemand:
         """The speed of the fastest rim, (m,), by the cotangents of phi (m, k) of the wheels that slip across."""
         speeds = np.tile(self.rolling, (len(cotangents), 1))
         speeds[:, slips] -= self.turning[slips] * cotangents
-        return np.abs(speeds).max(axis=1)
+        return max_norms(speeds)
 
 
 class FrictionForces(NamedTuple):
@@ -89,7 +89,7 @@ def search_forces(
     for _ in range(STEPS):
         unknowns = balance.stepped(unknowns)
     forces = balance.forces(unknowns)
-    balanced = np.abs(balance.total(forces)).max(axis=1) < BALANCED
+    balanced = max_norms(balance.total(forces)) < BALANCED
     margin = np.minimum(balance.slipping_margin(forces.sines), balance.sticking_margin(forces.sticking))
     inside = balanced & ((forces.angles > 0) & (forces.angles < np.pi)).all(axis=1)
     best = balance.slowest(np.where(inside, margin, -1), forces, demand)

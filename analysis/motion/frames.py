@@ -31,7 +31,7 @@ from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, norms, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norms, norms, turned
 
 # ---- the spatial twist along a path, from the path alone -----------------------------------------
 #
@@ -230,7 +230,7 @@ def wheel_slips(model: ContactModel, twists: Floats, speeds: Floats) -> Floats:
 
 def _sticks(slips: Floats, twists: Floats, model: ContactModel, speeds: Floats) -> Mask:
     """Whether a slip is zero beside the largest speed of any rim or body point over a wheel, at each time."""
-    moving = np.abs(twists @ model.rows.T).max(axis=1)
+    moving = max_norms(twists @ model.rows.T)
     largest = np.maximum(moving, np.nanmax(np.abs(speeds), axis=1, initial=0.0))
     return np.nan_to_num(norms(slips), nan=np.inf) <= STICKS * largest[:, None]
 

@@ -29,6 +29,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     Mask,
     field_beside,
     max_norm,
+    max_norms,
     norm,
     norms,
     point_velocities,
@@ -192,7 +193,7 @@ def _follow_all(field: _Field, points: Floats, reached: Indices, still: Mask, ra
                 return
             tell_count(len(points) - int(moving.sum()), len(points), "starts of the square")
             points[moving] = _followed(field, points[moving], np.flatnonzero(moving), until / pieces, radius)
-            reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
+            reached[moving & (max_norms(points) > radius)] = LEFT
             inside = np.flatnonzero(moving & (reached == MOVING))
             if len(inside):
                 speeds = norms(field.along(points[inside], inside)) / fastest
@@ -213,7 +214,7 @@ def _followed(field: _Field, starts: Floats, paths: Indices, until: float, radiu
 
     def rates(t: float, flat: Floats) -> Any:
         points = flat.reshape(-1, 2)
-        inside = np.abs(points).max(axis=1) <= radius
+        inside = max_norms(points) <= radius
         found = np.zeros_like(points)
         if inside.any():
             found[inside] = field.along(points[inside], paths[inside])

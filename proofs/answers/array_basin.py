@@ -51,7 +51,7 @@ from nonsmooth.proofs.systems.basin_rings import (
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, turned, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, row_norms, turned, unit_vectors
 
 COARSE = BasinEffort(Pace(0.12, 0.03, 0.02), 41, every=8)
 FINE = BasinEffort(Pace(0.04, 0.012, 0.02), 101, every=8)
@@ -159,7 +159,7 @@ def half_planes(outline: Floats) -> Floats:
     """Of a convex polygon, counterclockwise: a, b, c with ``a x + b y + c`` the distance inward from each side."""
     along = np.roll(outline, -1, axis=0) - outline
     normals = turned(along)
-    normals /= np.linalg.norm(normals, axis=1)[:, None] + np.finfo(float).tiny
+    normals /= row_norms(normals)[:, None] + np.finfo(float).tiny
     return np.column_stack([normals, -(normals * outline).sum(axis=1)])
 
 
@@ -339,7 +339,7 @@ def _end(field: FloatCells) -> Floats:
     x = _circle(np.zeros(2), field.half / 2)
     for step in np.geomspace(field.half / 50, field.half / 10_000, 400):
         v = field.at(x)[0]
-        x = x + step * v / (np.linalg.norm(v, axis=1)[:, None] + np.finfo(float).tiny)
+        x = x + step * v / (row_norms(v)[:, None] + np.finfo(float).tiny)
     return x.mean(axis=0)
 
 

@@ -38,7 +38,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, max_norms, norm, norms
 
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
@@ -207,7 +207,7 @@ class BalancedForces:
                     break
                 size[long] /= 2
             twists[open_ones] = now + size * step
-            left = np.abs(gradient).max(axis=1) > settled * scale
+            left = max_norms(gradient) > settled * scale
             open_ones = open_ones[left]
             if not len(open_ones):
                 break

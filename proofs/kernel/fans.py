@@ -54,7 +54,7 @@ from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import plus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norms
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -414,7 +414,7 @@ def _coefficients(inclusion: Inclusion, *, grows: bool) -> list[float]:
         grows: whether V must not fall.
     """
     rates = _rates(inclusion) * (-1.0 if grows else 1.0)
-    sizes = np.maximum(np.abs(rates).max(axis=1), np.finfo(float).tiny)
+    sizes = np.maximum(max_norms(rates), np.finfo(float).tiny)
     rows = rates / sizes[:, None]
     positive = np.array([[-1.0, 1.0], [-1.0, -1.0]])
     table = np.vstack([rows[:, :2], positive])

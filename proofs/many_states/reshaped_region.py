@@ -36,7 +36,7 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.basin_mesh import Announce
 from nonsmooth.proofs.systems.domain import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, max_norms, row_norms
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -250,7 +250,7 @@ class _Iteration:
         border = _border(own)
         if border is None:
             return None
-        distances = np.linalg.norm(border, axis=1)
+        distances = row_norms(border)
         reach = float(np.log(distances).mean()) + float(np.log(float(self.radius)))
         # -V' - s (level - V) >= 0 says of V / level the same, with the same s
         return None if squares is None else _Level(own, squares, border, reach)
@@ -261,7 +261,7 @@ class _Iteration:
         along = _along(shape.terms, rays)
         rates = [_along(condition.constant, rays) for condition in conditions]
         guards = [[_along(guard, rays) for guard in condition.guards] for condition in conditions]
-        widest = np.abs(rays).max(axis=1) * float(self.radius)
+        widest = max_norms(rays) * float(self.radius)
         for length in np.geomspace(1 / FARTHEST, FARTHEST, PLACES):
             value = _at(along, length)
             bad = value <= 0

@@ -42,7 +42,7 @@ from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles, max_norms
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
 #
@@ -156,7 +156,7 @@ def _affine_twists(
     loads = one + by_x * Intervals.of(places[:, :1]) + by_y * Intervals.of(places[:, 1:])
     off = -_times(inverse, _weighed(loads, pull))
     by_place = Intervals.stacked([-_times(inverse, _weighed(form, pull)) for form in (by_x, by_y)])
-    reach = [np.abs(pieces.corners[:, :, k] - places[:, None, k]).max(axis=1) * (1 + 2.0**-40) for k in range(2)]
+    reach = [max_norms(pieces.corners[:, :, k] - places[:, None, k]) * (1 + 2.0**-40) for k in range(2)]
     sides = [Intervals(-size, size)[:, None] for size in reach]
     change = off + by_place[:, :, 0] * sides[0] + by_place[:, :, 1] * sides[1]
     size = GROWTH * np.maximum(np.abs(change.low), np.abs(change.high)) + TINY

@@ -51,7 +51,7 @@ from nonsmooth.proofs.systems.outer_ring import (
     places_of_rest,
     ring_of,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm, row_norms
 
 # ---- lines beside the stable manifold of a saddle, beyond which no start comes to the point ------
 #
@@ -380,5 +380,5 @@ def _ends(starts: Floats) -> tuple[tuple[float, float], ...]:
 
 def _come(field: FieldInCells, is_home: Callable[[Floats], Mask], border: Floats, starts: Floats) -> int:
     """How many of some starts come to the first ring in floats."""
-    far = 20 * float(np.linalg.norm(border, axis=1).max())
+    far = 20 * float(row_norms(border).max())
     return int(np.sum(followed_home(field, starts, is_home, far)))

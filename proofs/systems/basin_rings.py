@@ -41,6 +41,8 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     are_finite,
     cross,
     max_norm,
+    max_norms,
+    row_norms,
     turned,
     unit_rows,
     unit_vectors,
@@ -360,7 +362,7 @@ def falls(field: FieldInCells, places: Floats, slopes: Floats, margin: float, ex
     for cell, here in field.meeting(places, exact):
         for velocities, points in field.velocities(cell, places[here]):
             rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes[here]))
-            sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes[here], axis=1)
+            sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * row_norms(slopes[here])
             good[here] &= rates.max(axis=1) < -margin * sizes
     return good
 
@@ -391,13 +393,13 @@ class Home:
 
     def __call__(self, x: Floats) -> Mask:
         """Which places are there."""
-        return (self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within)
+        return (self.potential(x) < self.level) & (max_norms(x) <= self.within)
 
     def reach(self, rays: Floats) -> Floats:
         """How many times vectors lead to where V first is the level; NaN where it is not on the way out of the cube."""
         near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
         for share in np.linspace(0, 1, 65)[1:]:
-            here = share * self.within / np.abs(rays).max(axis=1)
+            here = share * self.within / max_norms(rays)
             above = self.potential(rays * here[:, None]) >= self.level
             far = np.where(np.isnan(far) & above, here, far)
             near = np.where(np.isnan(far), here, near)
@@ -444,7 +446,7 @@ def level_ring(field: FloatField, home: Home) -> Floats | None:
     if np.isnan(ring).any():
         return None
     _, rows, places = field.crossings(ring)
-    gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - following(ring)[rows], axis=1)
+    gaps = row_norms(places - ring[rows]), row_norms(places - following(ring)[rows])
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
     own = (unit_rows(places))[apart]
     rays = np.insert(unit_rows(ring), rows[apart] + 1, own, axis=0)
@@ -581,7 +583,7 @@ def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Flo
     places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
     velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
     across = (velocities * normals).sum(axis=-1)
-    sizes = np.linalg.norm(velocities, axis=-1) * np.linalg.norm(normals, axis=1)
+    sizes = np.linalg.norm(velocities, axis=-1) * row_norms(normals)
     return (across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1))
 
 
@@ -599,13 +601,13 @@ def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], 
             break
         here = x[todo]
         first = field.at(here)[0]
-        step = 0.02 * np.linalg.norm(here, axis=1) / (np.linalg.norm(first, axis=1) + np.finfo(float).tiny)
+        step = 0.02 * row_norms(here) / (row_norms(first) + np.finfo(float).tiny)
         second = field.at(here + step[:, None] / 2 * first)[0]
         x[todo] = here + step[:, None] * second
         came[todo] = home(x[todo])
-        alive[todo] = np.isfinite(x[todo]).all(axis=1) & (np.linalg.norm(x[todo], axis=1) < far)
+        alive[todo] = np.isfinite(x[todo]).all(axis=1) & (row_norms(x[todo]) < far)
         if not field.surfaces:
-            sizes = np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)
+            sizes = row_norms(first) * row_norms(second)
             turns[todo] += (first * second).sum(axis=1) < SHARP * sizes
             alive &= turns < TURNS
     return came

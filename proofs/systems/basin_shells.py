@@ -37,7 +37,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     mixtures,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, unit_rows
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, max_norms, row_norms, unit_rows
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
@@ -297,7 +297,7 @@ class Front:
             step[meets, 0] = np.minimum(step[meets, 0], -away[meets] / speed[meets])
         middle = z + step / 2 * course
         end = z + step * self._course(middle, normals, part)
-        return np.log(np.linalg.norm(end, axis=1)) - self._toward(before, end)
+        return np.log(row_norms(end)) - self._toward(before, end)
 
     def _course(self, z: Floats, normals: Floats, part: float) -> Floats:
         """The disturbed field, of a speed that is the distance from the point, less near the limit."""
@@ -307,9 +307,9 @@ class Front:
             mixed, slides = sliding(self.field, places[held], np.array(normal, dtype=float))
             field[held] = np.where(slides[:, None], mixed, field[held])
         field = field @ self.back.T
-        course = field / (np.linalg.norm(field, axis=1)[:, None] + np.finfo(float).tiny) + part * normals
-        room = np.clip(1 - (np.abs(places).max(axis=1) / self.limit) ** 4, 0, 1)
-        return course * (room * np.linalg.norm(z, axis=1))[:, None]
+        course = field / (row_norms(field)[:, None] + np.finfo(float).tiny) + part * normals
+        room = np.clip(1 - (max_norms(places) / self.limit) ** 4, 0, 1)
+        return course * (room * row_norms(z))[:, None]
 
     def _normals(self, logarithms: Floats) -> Floats:
         """Outward at each corner, in the units of the sphere: the mean over its sides by their areas."""
@@ -423,10 +423,9 @@ class Front:
             middle = tetrahedra[:, k].mean(axis=1)
             at = corners[sides[:, corner]]
             for velocities in self.field.beside(middle, at):
-                speeds = np.linalg.norm(velocities, axis=1)
+                speeds = row_norms(velocities)
                 rate, other = (
-                    (velocities * slope).sum(axis=1) + margin * speeds * np.linalg.norm(slope, axis=1)
-                    for slope in (first, second)
+                    (velocities * slope).sum(axis=1) + margin * speeds * row_norms(slope) for slope in (first, second)
                 )
                 rise = other - rate
                 bound = -rate / np.where(rise == 0, 1, rise)
@@ -500,7 +499,7 @@ def slopes_along(at: Callable[[Floats], Floats], directions: Floats, size: float
 
 def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]:
     """The mixtures along a plane of velocities of both sides at places in it, and where both lead to it."""
-    width = WIDTH * np.linalg.norm(x, axis=1)[:, None] * normal / np.linalg.norm(normal)
+    width = WIDTH * row_norms(x)[:, None] * normal / np.linalg.norm(normal)
     there = x - np.outer(x @ normal, normal) / (normal @ normal)
     above, below = (field.at(there + own)[0] for own in (width, -width))
     return mixtures(below, above, normal[None])
@@ -512,7 +511,7 @@ def reach(home: Home, rays: Floats) -> Floats:
     To a part of the way, nearer than :meth:`Home.reach`: polyhedra that begin elsewhere grow to others, larger and
     smaller ones by a factor, without an order.
     """
-    shares = np.linspace(0, 1, 513)[1:, None] * home.within / np.abs(rays).max(axis=1)
+    shares = np.linspace(0, 1, 513)[1:, None] * home.within / max_norms(rays)
     left = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)
     last = np.where(left.any(axis=0), np.maximum(left.argmax(axis=0) - 1, 0), -1)
     return shares[last, np.arange(len(rays))]

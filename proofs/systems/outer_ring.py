@@ -39,7 +39,15 @@ from nonsmooth.proofs.systems.basin_rings import (
     sines,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, spread, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    are_finite,
+    max_norm,
+    max_norms,
+    row_norms,
+    spread,
+    unit_vectors,
+)
 
 Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
 
@@ -119,12 +127,12 @@ def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]
             slopes, velocities = _slopes(field, x, width), field.at(x)[0]
         known = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(velocities).all(axis=1)
         x = x[known] - np.einsum("kij,kj->ki", np.linalg.pinv(slopes[known]), velocities[known])
-        x = x[np.abs(x).max(axis=1) < 4 * half]
+        x = x[max_norms(x) < 4 * half]
         if not len(x):
             return []
-    settled = np.linalg.norm(field.at(x)[0], axis=1) < SETTLED * half
+    settled = row_norms(field.at(x)[0]) < SETTLED * half
     x = np.round(x[settled] / width) * width + 0.0
-    sizes = np.linalg.norm(x, axis=1)
+    sizes = row_norms(x)
     found: list[tuple[Floats, Floats]] = []
     for place in x[np.argsort(sizes, kind="stable")]:
         apart = all(np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(own for own, _ in found)))
@@ -199,7 +207,7 @@ def _with_fewer_corners(field: FloatField, ring: Floats, longest: float) -> Floa
     for _ in range(COARSENINGS):
         longer = following(ring) - np.roll(ring, 1, axis=0)
         left_out = sines(field, np.roll(ring, 1, axis=0), longer) > least
-        left_out &= np.linalg.norm(longer, axis=1) < longest
+        left_out &= row_norms(longer) < longest
         left_out[::2] = left_out[-1] = False  # never two neighbours
         if not left_out.any():
             break

@@ -47,6 +47,16 @@ def norms(vectors: Floats) -> Floats:
     return np.hypot(*_coordinates(vectors))
 
 
+def row_norms(vectors: Floats) -> Floats:
+    """Lengths of vectors of any dimension, shape (m, n)."""
+    return np.linalg.norm(vectors, axis=1)
+
+
+def max_norms(vectors: Floats) -> Floats:
+    """The largest absolute value of an entry of each vector, shape (m, n)."""
+    return np.abs(vectors).max(axis=1)
+
+
 def squared_norms(vectors: Floats) -> Floats:
     """Squares of the lengths of vectors of any dimension, shape (m, n)."""
     return (vectors**2).sum(axis=1)
@@ -64,7 +74,7 @@ def max_norm(entries: Any) -> float:
 
 def unit_rows(vectors: Floats) -> Floats:
     """Vectors of any dimension, shape (m, n), divided by their lengths."""
-    return vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    return vectors / row_norms(vectors)[:, None]
 
 
 def spread(points: Floats) -> float:

@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 from nonsmooth.symbolic.mechanics.friction_set import Box, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, row_norms
 
 # ---- realizable twists: the motions that some speeds of the wheels impose under rule ``box`` -----
 #
@@ -325,7 +325,7 @@ class PromisingTwists:
     def _off(self, span: Sequence[Triple]) -> Floats:
         """Sine of the angle of each candidate with the span."""
         basis = np.linalg.qr(float_points(span).T)[0] if span else np.zeros((3, 0))
-        return np.linalg.norm(self._edges - self._edges @ basis @ basis.T, axis=1)
+        return row_norms(self._edges - self._edges @ basis @ basis.T)
 
     def _take(self, merit: Floats, usable: Mask) -> Triple | None:
         """The usable candidate of the largest merit; its multiples are not used again."""
@@ -372,7 +372,7 @@ def _least_grip(along: Floats, across: Floats) -> Floats:
     """Of the normals of pairs of rims, and the axes, those in which the rims hold least of what sides may push."""
     pairs = _some_pairs(len(along))
     normals = np.concatenate([np.cross(along[pairs[:, 0]], along[pairs[:, 1]]), np.eye(3)])
-    lengths = np.linalg.norm(normals, axis=1)
+    lengths = row_norms(normals)
     m = normals[lengths > lengths.max() * SAME] / lengths[lengths > lengths.max() * SAME, None]
     held, pushed = (
         np.concatenate([np.abs(block @ rows.T).sum(axis=1) for block in blocks(m)]) for rows in (along, across)
