@@ -35,7 +35,17 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import around
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points, max_norm, norm, norms, squared_norms
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    cross,
+    float_points,
+    following,
+    max_norm,
+    norm,
+    norms,
+    row_products,
+    squared_norms,
+)
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits
@@ -409,12 +419,12 @@ def polygon_wrench(matrix: Floats, speed: float, vertices: Floats, centroid: Flo
         vertices: (n, 2), counterclockwise, measured from the field's centre.
         centroid: c, (2,).
     """
-    start, end = vertices, np.roll(vertices, -1, axis=0)
+    start, end = vertices, following(vertices)
     step = end - start
     image = step @ matrix.T
     length = np.sqrt(squared_norms(image))
     direction, image = step / length[:, None], image / length[:, None]
-    first = ((start @ matrix.T) * image).sum(axis=1)
+    first = row_products(start @ matrix.T, image)
     nearest = start - first[:, None] * direction
     push = nearest @ matrix.T
     zeroth, linear, square = _root_integrals(first, first + length, np.sqrt(squared_norms(push)))

@@ -30,6 +30,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     norm,
     norms,
     row_norms,
+    row_products,
     squared_norms,
 )
 
@@ -188,7 +189,7 @@ class RestSearch:
         first, second = (self._motions.at(sets, met.centres) for sets in (met.pairs, including))
         along = second.rates - first.rates
         square = np.maximum(squared_norms(along), np.finfo(float).tiny)
-        share = np.clip(-(first.rates * along).sum(axis=1) / square, 0.0, 1.0)
+        share = np.clip(-row_products(first.rates, along) / square, 0.0, 1.0)
         sizes = np.maximum(*(row_norms(found.rates) for found in (first, second)))
         left = row_norms(first.rates + share[:, None] * along) / np.maximum(sizes, np.finfo(float).tiny)
         left[~(first.known & second.known)] = np.inf
@@ -285,7 +286,7 @@ class RestSearch:
     def _forces_at_rest(self) -> Floats:
         """Force and moment of every wheel under a body at rest, for each unit of load, (n, 3)."""
         forces = np.column_stack(self.model.sets.gradient(*self.model.targets.reshape(-1, 2).T))
-        return (forces[:, :, None] * self.model.rows.reshape(-1, 2, 3)).sum(axis=1)
+        return row_products(forces[:, :, None], self.model.rows.reshape(-1, 2, 3))
 
 
 def _least(left: Floats, met: MetSets) -> Indices:

@@ -11,7 +11,17 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.symbolic.mechanics.body import Body, Disc
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norm, norms, spread, turned
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    float_points,
+    following,
+    norm,
+    norms,
+    row_products,
+    spread,
+    turned,
+)
 
 SAME_SIDE = 1e-9  # of the body's size: sides this nearly as deep bound the depth together
 
@@ -29,9 +39,9 @@ class MovingOutline:
             self.size = self._radius + norm(self._middle)
             return
         corners = float_points(body.vertices)
-        along = np.roll(corners, -1, axis=0) - corners
+        along = following(corners) - corners
         self._normals = -turned(along) / norms(along)[:, None]
-        self._heights = (self._normals * corners).sum(axis=1)
+        self._heights = row_products(self._normals, corners)
         self.corners = corners
         self.size = float(norms(corners).max())
 
@@ -94,7 +104,7 @@ class MovingOutline:
         moved = drift @ np.array([[c, -s], [s, c]])  # R^T on the left of every row
         if self._radius is not None:
             out = seen - self._middle
-            return -(out * moved).sum(axis=1) / norms(out)
+            return -row_products(out, moved) / norms(out)
         depths = self._heights - seen @ self._normals.T
         deepest = depths.min(axis=1, keepdims=True)
         slopes = np.where(depths <= deepest + SAME_SIDE * self.size, -(moved @ self._normals.T), np.inf)

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, float_points, norms, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, float_points, norms, row_products, turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +232,7 @@ class ContactModel(ShortRepr, ContactRows):
     @property
     def speeds(self) -> Floats:
         """Surface speeds ``u_i`` along the rims, shape (n,)."""
-        return (self.targets.reshape(-1, 2) * self.heads).sum(axis=1)
+        return row_products(self.targets.reshape(-1, 2), self.heads)
 
     def targets_of(self, speeds: ArrayLike) -> Floats:
         """Right sides ``b_k`` for other speeds along the rims: (..., n) to (..., 2n).

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, max_norms, squared_norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, max_norms, row_products, squared_norms
 
 MAX_STEPS = 60  # Newton steps; random arrays of 3 to 100 wheels need at most 15
 MAX_HALVINGS = 40  # a step halved that often no longer changes a double
@@ -111,4 +111,4 @@ def _descended(moments: Floats, goals: Floats, y: Floats, forces: Floats, step: 
 
 def _energy(goals: Floats, y: Floats, forces: Floats) -> Floats:
     """``1/2 sum_i max(0, m_i . y)^2 - goal . y``."""
-    return 0.5 * squared_norms(forces) - (goals * y).sum(axis=1)
+    return 0.5 * squared_norms(forces) - row_products(goals, y)

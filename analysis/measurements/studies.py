@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, Row, scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import XY
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, row_products
 
 # ---- the upper derivative ------------------------------------------------------------------------
 #
@@ -122,7 +122,7 @@ def _largest_sampled(rule: CellRule, scene: Scene, points: Floats, clock: Clock)
     for start in range(0, len(points), block):
         clock.check()
         part = points[start : start + block]
-        largest = max(largest, float(2 * (rule.literal_twists(scene, part)[:, :2] * part).sum(axis=1).max()))
+        largest = max(largest, float(2 * row_products(rule.literal_twists(scene, part)[:, :2], part).max()))
     return largest
 
 

@@ -17,7 +17,7 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, norms, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, finite_rows, norms, row_products, turned
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
@@ -109,7 +109,7 @@ def elastic_loads(model: ContactModel, points: ArrayLike) -> Floats:
             f"required three wheels that are not collinear, received {model.wheels} wheels on one line: "
             "elastic loads are undetermined"
         )
-    finite = np.isfinite(centres).all(axis=1)
+    finite = finite_rows(centres)
     goals = np.linalg.solve(triangle.T, _affine((np.where(finite[:, None], centres, middle) - middle) / radius).T).T
     tips = ~finite | _outside(moments[:, 1:], goals[:, 1:])
     if tips.any():
@@ -168,4 +168,4 @@ def _hull_sides(corners: bytes) -> Floats:
     starts, ends = np.array(hull), np.array([*hull[1:], hull[0]])
     along = (ends - starts) / norms(ends - starts)[:, None]
     normals = -turned(along)
-    return np.column_stack([normals, -(normals * starts).sum(axis=1)])
+    return np.column_stack([normals, -row_products(normals, starts)])

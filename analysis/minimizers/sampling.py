@@ -36,6 +36,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     norms,
     places_of,
     point_velocities,
+    row_products,
     squared_norms,
     turned,
     unit_rows,
@@ -71,7 +72,7 @@ def _random_points(scene: Scene, samples: int) -> Floats:
 
 def _rates(points: Floats, twists: Floats) -> Floats:
     """``2 c . v``."""
-    return 2 * (twists[:, :2] * points).sum(axis=1)
+    return 2 * row_products(twists[:, :2], points)
 
 
 def _largest_rates(points: Floats, rates: Floats, not_certified: str = "") -> SampledDerivative:
@@ -202,7 +203,7 @@ class SampledField:
     def upper_derivative(self) -> Floats:
         """``V* = 2 (c - c*) . c'`` of ``V = |c - c*|^2`` (m,); zero where it is what rounding leaves of zero."""
         centre = np.array(self.scene.check.place)
-        found = 2 * ((self.points - centre) * self.velocities).sum(axis=1)
+        found = 2 * row_products(self.points - centre, self.velocities)
         least = RESTS * self.scene.check.half_width * float(np.nanmax(self.speeds, initial=0.0))
         return np.where(np.abs(found) <= least, 0.0, found)
 
@@ -339,7 +340,7 @@ def relative_rates(model: ContactModel, functional: Functional, law: SampledLaw,
     """
     speeds = _LAWS[law](model, states)
     minima = _minimizers(model, functional, states[:, :2], speeds)
-    products = (minima.twists * states).sum(axis=1)
+    products = row_products(minima.twists, states)
     for k, face in minima.faces.items():
         products[k] = (face @ states[k]).max()
     return np.where(proved(minima), 2 * products / squared_norms(states), np.nan)

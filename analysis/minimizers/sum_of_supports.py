@@ -34,7 +34,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSets, UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, row_products
 
 TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
@@ -306,7 +306,7 @@ def _least_slipping(sums: SupportSums, y: Floats) -> Held:
 
 def _along_way(sums: SupportSums, held: Held, y: Floats) -> tuple[Floats, Floats, Floats]:
     """The best unknowns that hold the contacts, the forces of all others (2, n, m), and the last step (3, m)."""
-    y = y - (held.back * sums.slips(y)[:, *held.at]).sum(axis=1)
+    y = y - row_products(held.back, sums.slips(y)[:, *held.at])
     (r, s), (along, across) = sums.slips(y), sums.moved(held.way)
     weights, square = sums.weights.copy(), along * along + across * across
     weights[held.at] = 0.0
@@ -333,10 +333,10 @@ def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, fo
     rates = _turns(units) / np.maximum(sums.sets.support(*slips), TINY)
     rates[:, *held.at] = 0.0
     hessian = sums.hessian(rates)[_SQUARE].reshape(3, 3, -1)
-    bent = (hessian * held.way).sum(axis=1)
+    bent = row_products(hessian, held.way)
     bend = np.maximum((held.way * bent).sum(axis=0), TINY)
     coupled = _transposed(held.back, bent)
-    first, second = (_transposed(held.back, (hessian * held.back[:, k]).sum(axis=1)) for k in range(2))
+    first, second = (_transposed(held.back, row_products(hessian, held.back[:, k])) for k in range(2))
     xx, xy = (first - coupled[0] * coupled / bend) / held.weights
     yy = (second - coupled[1] * coupled / bend)[1] / held.weights
     s = np.zeros(force.shape[1])
@@ -346,7 +346,7 @@ def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, fo
         size = np.sqrt((q * q).sum(axis=0))
         s = np.maximum(s + size * size * (size - 1) / np.maximum((q * turned).sum(axis=0), TINY), 0.0)
     slip = s * q
-    return (held.back * slip).sum(axis=1) - held.way * ((coupled * slip).sum(axis=0) / bend)
+    return row_products(held.back, slip) - held.way * ((coupled * slip).sum(axis=0) / bend)
 
 
 def _turns(units: Floats) -> Floats:

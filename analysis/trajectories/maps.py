@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, following, norms
 
 
 @dataclass(frozen=True, repr=False)
@@ -192,7 +192,7 @@ def _distance(points: Floats, corners: Sequence[Point]) -> Floats:
     shape = float_points(corners)
     nearest = np.full(len(points), np.inf)
     inside = np.full(len(points), len(shape) > 2)
-    for start, end in zip(shape, np.roll(shape, -1, axis=0), strict=True):
+    for start, end in zip(shape, following(shape), strict=True):
         along, away = end - start, points - start
         length = max(float(along @ along), np.finfo(float).tiny)
         foot = np.clip(away @ along / length, 0, 1)

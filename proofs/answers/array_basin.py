@@ -51,7 +51,16 @@ from nonsmooth.proofs.systems.basin_rings import (
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, row_norms, turned, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    following,
+    max_norm,
+    row_norms,
+    row_products,
+    turned,
+    unit_vectors,
+)
 
 COARSE = BasinEffort(Pace(0.12, 0.03, 0.02), 41, every=8)
 FINE = BasinEffort(Pace(0.04, 0.012, 0.02), 101, every=8)
@@ -157,10 +166,10 @@ def convex_outline(places: Floats) -> Floats:
 
 def half_planes(outline: Floats) -> Floats:
     """Of a convex polygon, counterclockwise: a, b, c with ``a x + b y + c`` the distance inward from each side."""
-    along = np.roll(outline, -1, axis=0) - outline
+    along = following(outline) - outline
     normals = turned(along)
     normals /= row_norms(normals)[:, None] + np.finfo(float).tiny
-    return np.column_stack([normals, -(normals * outline).sum(axis=1)])
+    return np.column_stack([normals, -row_products(normals, outline)])
 
 
 def _velocities(twists: Floats, x: Floats) -> Floats:

@@ -31,7 +31,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
-from nonsmooth.symbolic.numbers.plane_arrays import max_norm, norm, norms, point_velocities, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import finite_rows, max_norm, norm, norms, point_velocities, unit_vectors
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.constant_field import ConstantField
@@ -511,7 +511,7 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
         finite = rate.decay.name == "FINITE"
         bound = np.maximum(bound - kappa * seen.until, 0) if finite else bound * np.exp(-kappa * seen.until)
     high = ~np.isfinite(after) | (after > bound * (1 + ELSEWHERE) + ELSEWHERE * level)
-    grown = (before < level) & np.isfinite(seen.ends).all(axis=1) & high
+    grown = (before < level) & finite_rows(seen.ends) & high
     for k in np.flatnonzero(grown)[:1]:
         fast = "" if rate is None else f", {rate}"
         said = f"{result.verdict}: every start with {region} reaches the point{fast}"

@@ -45,7 +45,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, finite_rows, norms
 from nonsmooth.symbolic.numbers.rounded import either_way, enclosed, plain
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
@@ -123,7 +123,7 @@ class SampledEnds:
     @property
     def stays(self) -> Mask:
         """Whether it is known where the body stays, (m,)."""
-        return np.asarray(np.isfinite(self.ends).all(axis=1))
+        return finite_rows(self.ends)
 
     @property
     def distances(self) -> tuple[Floats, Floats]:

@@ -38,7 +38,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, max_norms, norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, finite_rows, max_norms, norm, norms, row_products
 
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
@@ -198,11 +198,11 @@ class BalancedForces:
             length = np.maximum(np.abs(step).max(axis=1, keepdims=True), TINY)
             size = np.minimum(LONGEST * self.fastest, length) / length
             # D is convex along the step: its slope there must not be steeper ahead than it was behind
-            steepest = 0.5 * np.abs((gradient * step).sum(axis=1)) + 2.0**-44 * scale * np.abs(step).sum(axis=1)
+            steepest = 0.5 * np.abs(row_products(gradient, step)) + 2.0**-44 * scale * np.abs(step).sum(axis=1)
             long = np.arange(len(now))
             for _ in range(HALVINGS):
                 ahead, _ = self._gradient((now + size * step)[long], load[long], pull[long], width, hessian=False)
-                long = long[(ahead * step[long]).sum(axis=1) > steepest[long]]
+                long = long[row_products(ahead, step[long]) > steepest[long]]
                 if not len(long):
                     break
                 size[long] /= 2
@@ -245,7 +245,7 @@ class BalancedForces:
             ROUNDINGS[-1] * self.fastest,
             hessian=False,
         )
-        return (gradient[:, :2] * slopes).sum(axis=1) / norms(slopes)
+        return row_products(gradient[:, :2], slopes) / norms(slopes)
 
     def hessians(self, places: Floats, twists: Floats) -> Floats:
         """About those of D by the twist, (m, 3, 3), at places (m, 2) and twists (m, 3)."""
@@ -264,7 +264,7 @@ class BalancedForces:
         pulls = np.column_stack([slopes, turns])
         bend = self.hessians(places, twists)
         bend = bend + 2.0**-40 * np.trace(bend, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        return (pulls * np.linalg.solve(bend, pulls[:, :, None])[:, :, 0]).sum(axis=1)
+        return row_products(pulls, np.linalg.solve(bend, pulls[:, :, None])[:, :, 0])
 
     def forces(self, twists: Floats) -> tuple[Floats, Floats]:
         """Inside the friction sets, per unit of load, (m, wheels) each."""
@@ -328,7 +328,7 @@ class BalancedForces:
             along, across = self.against(places[:, :2], middle[first], beside).forces
             shown = self.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
             shown = shown + 2.0**-40 * np.abs(shown)
-            best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
+            best = np.fmin(best, np.where(finite_rows(shown), shown.max(axis=1), np.inf))
         return best
 
     @property

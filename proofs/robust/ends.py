@@ -34,6 +34,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     cross,
     field_beside,
     float_points,
+    following,
     norm,
     norms,
     places_of,
@@ -287,7 +288,7 @@ def _standing(scene: Scene) -> float:
     if len(corners) < 3:
         return 0.0
     places = float_points(corners)
-    along = np.roll(places, -1, axis=0) - places
+    along = following(places) - places
     lengths = norms(along)
     if not lengths.all():  # floats do not tell corners apart that are far away
         return 0.0

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, cross, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, cross, finite_rows, norms, row_products
 
 RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
@@ -224,7 +224,7 @@ def falls_about(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Flo
     """About ``-V'`` in the middle of each quadrangle, times its size, from the minimizers there."""
     slopes, places = pieces.middle_slopes, pieces.middles
     moments = cross(places, slopes)
-    return -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
+    return -row_products(slopes, free[:, :2]) - moments * free[:, 2] / forces.length
 
 
 def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, Mask]:
@@ -266,7 +266,7 @@ def piece_rates(
         shown = forces.powers(some.corners, pulls, against.forces, free[left])
         with np.errstate(invalid="ignore"):
             rates = -shown / (chosen[:, None] * some.sizes) * (1 - 2.0**-40)
-        rates = np.where(np.isfinite(rates).all(axis=1), rates.min(axis=1), -np.inf)
+        rates = np.where(finite_rows(rates), rates.min(axis=1), -np.inf)
         best[left] = np.fmax(best[left], rates)
     return best
 
@@ -293,4 +293,4 @@ def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Flo
 def _friction(forces: BalancedForces, pieces: RingPieces) -> Floats:
     """The largest friction of all wheels together, in the middle of each quadrangle."""
     loads = forces.float_loads(pieces.middles)
-    return (loads * forces.largest_friction).sum(axis=1)
+    return row_products(loads, forces.largest_friction)

@@ -31,12 +31,11 @@ from nonsmooth.proofs.systems.basin_rings import (
     Pace,
     area,
     falls,
-    following,
     gradients,
     grow,
     lengths,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, following, max_norm
 
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
 ROUNDS = 8  # in which a band is refined

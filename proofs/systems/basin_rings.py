@@ -40,9 +40,12 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     Mask,
     are_finite,
     cross,
+    finite_rows,
+    following,
     max_norm,
     max_norms,
     row_norms,
+    row_products,
     turned,
     unit_rows,
     unit_vectors,
@@ -267,7 +270,7 @@ def mixtures(below: Floats, above: Floats, normals: Floats) -> tuple[Floats, Mas
 
     With the parts a and b of velocities f and h along the normal, which leads upward, it is ``(b f - a h) / (b - a)``.
     """
-    a, b = (normals * below).sum(axis=1), (normals * above).sum(axis=1)
+    a, b = row_products(normals, below), row_products(normals, above)
     slides = (a > 0) & (b < 0)
     return (b[:, None] * below - a[:, None] * above) / np.where(slides, b - a, 1)[:, None], slides
 
@@ -345,7 +348,7 @@ def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
     rises[:states] = (heights[:, 1:] - heights[:, :1]).T
     normals = np.stack([np.cross(edges[k - 2], edges[k - 1]) for k in range(3)])
     slopes = (rises[:, :, None] * normals).sum(axis=0)
-    return (edges[0] * normals[0]).sum(axis=1), slopes[:, :states]
+    return row_products(edges[0], normals[0]), slopes[:, :states]
 
 
 def falls(field: FieldInCells, places: Floats, slopes: Floats, margin: float, exact: Mapping[int, Floats]) -> Mask:
@@ -537,7 +540,7 @@ def _unfolded(ring: Floats, is_tip: Mask) -> tuple[Floats, Mask]:
     """
     for _ in range(UNFOLDED):
         after = following(ring) - ring
-        turns_back = ((after * np.roll(after, 1, axis=0)).sum(axis=1) < 0) & ~is_tip
+        turns_back = (row_products(after, np.roll(after, 1, axis=0)) < 0) & ~is_tip
         if not turns_back.any() or turns_back.sum() > len(ring) - 3:
             break
         ring, is_tip = ring[~turns_back], is_tip[~turns_back]
@@ -564,11 +567,6 @@ def _spaced(ring: Floats, is_tip: Mask, gap: float) -> Floats:
 
 def _sides(ring: Floats) -> Floats:
     return lengths(following(ring) - ring)
-
-
-def following(ring: Floats) -> Floats:
-    """The next of each corner."""
-    return np.roll(ring, -1, axis=0)
 
 
 def lengths(x: Floats) -> Floats:
@@ -605,10 +603,10 @@ def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], 
         second = field.at(here + step[:, None] / 2 * first)[0]
         x[todo] = here + step[:, None] * second
         came[todo] = home(x[todo])
-        alive[todo] = np.isfinite(x[todo]).all(axis=1) & (row_norms(x[todo]) < far)
+        alive[todo] = finite_rows(x[todo]) & (row_norms(x[todo]) < far)
         if not field.surfaces:
             sizes = row_norms(first) * row_norms(second)
-            turns[todo] += (first * second).sum(axis=1) < SHARP * sizes
+            turns[todo] += row_products(first, second) < SHARP * sizes
             alive &= turns < TURNS
     return came
 

@@ -37,7 +37,15 @@ from nonsmooth.proofs.systems.basin_rings import (
     mixtures,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, max_norms, row_norms, unit_rows
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    max_norm,
+    max_norms,
+    row_norms,
+    row_products,
+    unit_rows,
+)
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
@@ -341,7 +349,7 @@ class Front:
         chosen = weights.min(axis=2).argmax(axis=1)
         own = np.clip(weights[rows, chosen], 0, None)
         corners = self.triangles[near[rows, chosen]]
-        return (logarithms[corners] * own).sum(axis=1) / own.sum(axis=1)
+        return row_products(logarithms[corners], own) / own.sum(axis=1)
 
     def _bad_sides(self, logarithms: Floats) -> Mask:
         """Over which sides the field is not seen to lead inward."""
@@ -425,7 +433,7 @@ class Front:
             for velocities in self.field.beside(middle, at):
                 speeds = row_norms(velocities)
                 rate, other = (
-                    (velocities * slope).sum(axis=1) + margin * speeds * row_norms(slope) for slope in (first, second)
+                    row_products(velocities, slope) + margin * speeds * row_norms(slope) for slope in (first, second)
                 )
                 rise = other - rate
                 bound = -rate / np.where(rise == 0, 1, rise)

@@ -32,7 +32,6 @@ from nonsmooth.proofs.systems.basin_rings import (
     FloatField,
     Pace,
     area,
-    following,
     grow,
     lattice_unit,
     next_ring,
@@ -42,6 +41,8 @@ from nonsmooth.proofs.systems.basin_rings import (
 from nonsmooth.symbolic.numbers.plane_arrays import (
     Floats,
     are_finite,
+    finite_rows,
+    following,
     max_norm,
     max_norms,
     row_norms,
@@ -125,7 +126,7 @@ def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]
     for _ in range(NEWTON):
         with np.errstate(all="ignore"):
             slopes, velocities = _slopes(field, x, width), field.at(x)[0]
-        known = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(velocities).all(axis=1)
+        known = np.isfinite(slopes).all(axis=(1, 2)) & finite_rows(velocities)
         x = x[known] - np.einsum("kij,kj->ki", np.linalg.pinv(slopes[known]), velocities[known])
         x = x[max_norms(x) < 4 * half]
         if not len(x):

@@ -34,7 +34,15 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, even_angles, float_points, places_of, spread, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    even_angles,
+    float_points,
+    following,
+    places_of,
+    spread,
+    unit_vectors,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -315,7 +323,7 @@ def _points_on(rings: Sequence[Floats]) -> Floats:
     if not rings:
         return np.empty((0, 2))
     shares = np.linspace(0, 1, ON_SIDE)[:, None, None]
-    return np.concatenate([(ring + shares * (np.roll(ring, -1, axis=0) - ring)).reshape(-1, 2) for ring in rings])
+    return np.concatenate([(ring + shares * (following(ring) - ring)).reshape(-1, 2) for ring in rings])
 
 
 def _covered(points: Floats, middle: XY, name: str, size: float) -> int:

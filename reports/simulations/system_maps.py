@@ -42,7 +42,7 @@ from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, finite_rows, max_norm, norms
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -194,7 +194,7 @@ class SystemMap(MapResult):
         """Every start as a square in the color of its ratio, with the borders of the cells and the region of V."""
         from matplotlib.colors import LogNorm
 
-        ratios = np.where(np.isfinite(self.ends).all(axis=1), np.clip(self.ratios, NEAREST, FARTHEST), np.nan)
+        ratios = np.where(finite_rows(self.ends), np.clip(self.ratios, NEAREST, FARTHEST), np.nan)
         axes.set_facecolor(LOST)
         image = draw_grid(axes, self.starts, ratios, cmap=TIMES, norm=LogNorm(NEAREST, FARTHEST), zorder=0)
         self.portrait.draw_borders(axes)

@@ -47,6 +47,21 @@ def norms(vectors: Floats) -> Floats:
     return np.hypot(*_coordinates(vectors))
 
 
+def following(corners: Floats) -> Floats:
+    """The next of each corner around a polygon, shape (m, n)."""
+    return np.roll(corners, -1, axis=0)
+
+
+def row_products(a: Floats, b: Floats) -> Floats:
+    """Inner products of vectors of any dimension, shape (m, n)."""
+    return (a * b).sum(axis=1)
+
+
+def finite_rows(vectors: Floats) -> Mask:
+    """Which vectors, shape (m, n), have finite entries alone."""
+    return np.asarray(np.isfinite(vectors).all(axis=1))
+
+
 def row_norms(vectors: Floats) -> Floats:
     """Lengths of vectors of any dimension, shape (m, n)."""
     return np.linalg.norm(vectors, axis=1)
