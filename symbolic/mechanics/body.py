@@ -6,7 +6,6 @@ every pose: the paper's idealization.
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -267,11 +266,14 @@ def _parts_of_size(corners: Sequence[Vector], size: Number, point: Vector) -> in
 
 
 def _least_multiple(step: Number, value: Number) -> int:
-    """The least whole n with ``n step >= value``, both positive."""
-    most = 1
-    while most * step < value:
-        most *= 2
-    return bisect_left(range(most), True, key=lambda n: n * step >= value)
+    """The least whole n with ``n step >= value``, for a positive step; it may be longer than ``bisect`` takes."""
+    low, high = 0, 1
+    while high * step < value:
+        low, high = high, 2 * high
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if middle * step < value else (low, middle)
+    return high
 
 
 def extent(points: Sequence[Vector], axis: int) -> Number:
