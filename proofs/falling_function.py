@@ -57,7 +57,7 @@ from nonsmooth.proofs.systems.findings import ExaminedFunction, PotentialPiece
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, row_norms
 from nonsmooth.symbolic.numbers.polynomial import Exponents, float_values
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -305,7 +305,7 @@ class FallingFunction:
                 value = with_values(condition_of(claim, own, shapes), dict(enumerate(mu))).constant
                 points, ratio = kept(own, points_near(claim.count)), partial(ratios_at, value, terms_of(size))
                 ratios = ratio(points)
-                samples.append(np.array([ratios, np.linalg.norm(points, axis=1)])[:, np.isfinite(ratios)])
+                samples.append(np.array([ratios, row_norms(points)])[:, np.isfinite(ratios)])
                 searched.append((float(ratios.min(initial=np.inf)), own, points, ratio))
         found = slowest_ratio(*np.hstack(samples))
         if not found:

@@ -7,7 +7,7 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from itertools import chain
@@ -22,7 +22,6 @@ from nonsmooth.proofs.inequalities.subdivision import shared_effort
 from nonsmooth.proofs.kernel.bases import quadratic_text
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.quotients import find_quotient, find_weighted_function, quotient_text
-from nonsmooth.proofs.kernel.search import Entry, NotShownError
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, cube_text
@@ -41,7 +40,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_slopes
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, with_known_numbers
 
@@ -173,23 +172,29 @@ def decide_by_stated_quotient(point: CheckedPoint) -> Finding | None:
 
 def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
     found = find_quotient(with_known_numbers(point.system), stated=stated)
-    return None if found is None else _of_entry(point, found[0])
+    return _of_entry(point, found and found[0])
 
 
 def decide_by_weights(point: CheckedPoint) -> Finding | None:
     """A V with terms of higher weight beside an energy, which to first order is kept."""
     found = find_weighted_function(with_known_numbers(point.system))
-    return None if found is None else _of_entry(point, found[0])
+    return _of_entry(point, found and found[0])
 
 
-def _of_entry(point: CheckedPoint, entry: Record) -> Finding:
-    """What a V shows with its evidence: that the point attracts, or is unstable."""
-    facts = entry_facts(point.system, entry)
-    if entry["theorem"] == "instability":
-        reason = "V falls along every solution, from negative values at all distances"
-        return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
-    reason = "V is positive and falls along every solution"
-    return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, reason, entry=entry, facts=facts)
+def _of_entry(point: CheckedPoint, entry: Record | None, *, directed: bool = False) -> Finding | None:
+    """What a V shows with its evidence: that the point attracts, or is unstable; see :func:`entry_facts`."""
+    if entry is None:
+        return None
+    facts = entry_facts(point.system, entry, directed=directed)
+    if entry["theorem"] != "instability":
+        reason = "V is positive and falls along every solution"
+        return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, reason, entry=entry, facts=facts)
+    reason = "V falls along every solution, from negative values at all distances"
+    if "speed" in entry["hypotheses"]:
+        reason = "where V is negative, at points at all distances, it falls along every solution"
+    elif entry["hypotheses"]["second"] is not None:
+        reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
+    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
 def decide_by_energy(point: SpacePoint) -> Finding | None:
@@ -251,24 +256,14 @@ def decide_by_growth(point: CheckedPoint) -> Finding | None:
     from nonsmooth.proofs.many_states.lyapunov_search import find_growing_product, find_growth
 
     system = with_known_numbers(point.system)
-    return _by_growth(point, find_growth(system) or find_growing_product(system))
+    return _of_entry(point, find_growth(system) or find_growing_product(system), directed=True)
 
 
 def decide_by_large_growth(point: CheckedPoint) -> Finding | None:
     """The same in large programs, after all that takes less time."""
     from nonsmooth.proofs.many_states.lyapunov_search import LARGE, find_growth
 
-    return _by_growth(point, find_growth(point.system, LARGE))
-
-
-def _by_growth(point: CheckedPoint, entry: Record | None) -> Finding | None:
-    if entry is None:
-        return None
-    reason = "V falls along every solution, from negative values at all distances"
-    if "speed" in entry["hypotheses"]:
-        reason = "where V is negative, at points at all distances, it falls along every solution"
-    facts = entry_facts(point.system, entry, directed=True)
-    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
+    return _of_entry(point, find_growth(point.system, LARGE), directed=True)
 
 
 def decide_by_solution(point: CheckedPoint) -> Finding | None:
@@ -278,10 +273,7 @@ def decide_by_solution(point: CheckedPoint) -> Finding | None:
         return None
     from nonsmooth.proofs.kernel.escapes import show_escape_of
 
-    try:
-        entry, _ = show_escape_of(system, str(Translation.UNSTABLE))
-    except NotShownError:
-        return None
+    entry, _ = show_escape_of(system, str(Translation.UNSTABLE))
     direction = ", ".join(entry["hypotheses"]["direction"])
     reason = f"from as near the point as one likes a solution leaves, at first along ({direction})"
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, entry=entry)
@@ -294,22 +286,17 @@ def decide_by_choice(point: CheckedPoint) -> Finding | None:
         return None
     from nonsmooth.proofs.theorem_searches import choice_words, show_choice_of
 
-    try:
-        entry, _ = show_choice_of(system)
-    except NotShownError:
-        return None
+    entry, _ = show_choice_of(system)
     reason = "under one of the fields that may act, or one on each side of a surface, the point is unstable"
     facts = (row_fact("choice", choice_words(entry["hypotheses"]["choice"])),)
     return Finding(Method.CHOICE, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
-def decide_by_symmetry(point: CheckedPoint) -> Finding | None:
+def decide_by_symmetry(point: CheckedPoint) -> Finding:
     """A reflection that reverses time, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import reflection_text, show_reversible_of
 
-    entry = _centre(point, show_reversible_of)
-    if entry is None:
-        return None
+    entry, _ = show_reversible_of(point.system)
     image = reflection_text(entry["hypotheses"]["mirror"], point.system.states)
     return _closed_orbits(point, Method.SYMMETRY, entry, f"the reflection to {image} reverses them")
 
@@ -323,23 +310,13 @@ def decide_enclosed_centre(point: CheckedPoint) -> Finding | None:
     return None if found is None else decide_by_circles(point) or found
 
 
-def decide_by_integral(point: CheckedPoint) -> Finding | None:
+def decide_by_integral(point: CheckedPoint) -> Finding:
     """An integral of motion that an integrating factor defines, where all solutions turn about the point."""
     from nonsmooth.proofs.kernel.centres import factor_text, show_integral_of
 
-    entry = _centre(point, show_integral_of)
-    if entry is None:
-        return None
+    entry, _ = show_integral_of(point.system)
     factor = row_fact("integrating factor", factor_text(entry["hypotheses"]))
     return _closed_orbits(point, Method.INTEGRAL, entry, "an integral of motion is kept", factor)
-
-
-def _centre(point: CheckedPoint, show: Callable[[SwitchedSystem], Entry]) -> Record | None:
-    """The entry of a theorem on centres; None where it is not shown."""
-    try:
-        return show(point.system)[0]
-    except NotShownError:
-        return None
 
 
 def _closed_orbits(point: CheckedPoint, method: Method, entry: Record, why: str, *more: Fact) -> Finding:
@@ -356,12 +333,7 @@ def decide_by_turned_energy(point: CheckedPoint) -> Finding | None:
     from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 
     found = find_weak_growth(with_known_numbers(point.system))
-    if found is None:
-        return None
-    entry, _ = found
-    reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
-    facts = entry_facts(point.system, entry, directed=True)
-    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
+    return _of_entry(point, found and found[0], directed=True)
 
 
 def decide_by_circles(point: CheckedPoint) -> Finding | None:
@@ -454,7 +426,7 @@ def linear_matrix(system: SwitchedSystem) -> Floats | None:
     if any(sum(exponents) != 1 for part in field for exponents in part.terms):
         return None
     matrix = float_slopes(field)
-    return matrix if np.isfinite(matrix).all() else None
+    return matrix if are_finite(matrix) else None
 
 
 def short_forms(matrix: Floats) -> Iterator[NDArray[np.int64]]:
@@ -485,7 +457,7 @@ def _rounded(solution: Floats, multiple: int) -> Floats:
     """2 P with the coefficients of V as whole numbers, the largest of which is given."""
     coefficients = 2 * solution - np.diag(np.diag(solution))
     rounded = np.round(coefficients / np.abs(coefficients).max() * multiple)
-    return np.asarray(rounded + np.diag(np.diag(rounded)))
+    return rounded + np.diag(np.diag(rounded))
 
 
 def rate_of(form: NDArray[Any], matrix: Floats) -> float:

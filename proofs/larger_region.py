@@ -27,7 +27,7 @@ from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, no_sign, 
 from nonsmooth.symbolic.messages.notebook import html_table
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import brief_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norms, squared_norms, unit_vectors
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane, with_known_numbers
 
@@ -111,7 +111,7 @@ def _seen_area(system: SwitchedSystem, found: LargerRegion, outline: _Outline) -
     potential = found.formula.polynomial(system.named(), no_sign)
     places = _Outline(outline.units, outline.border, outline.border).inside
     below = float_values(potential.terms, places) < float(found.region.level)
-    return float((below * (places**2).sum(axis=1) ** 0.5).sum())
+    return float((below * squared_norms(places) ** 0.5).sum())
 
 
 # ---- floats: what to ask for ---------------------------------------------------------------------
@@ -135,13 +135,13 @@ class _Outline:
     @property
     def inside(self) -> Floats:
         shares = np.concatenate([np.arange(1, DISTANCES + 1) / DISTANCES, NEAREST])
-        return np.asarray((shares[:, None, None] * self.rim).reshape(-1, 2))
+        return (shares[:, None, None] * self.rim).reshape(-1, 2)
 
     @property
     def outside(self) -> Floats:
         shares = (np.arange(1, BEYOND + 1) / BEYOND)[:, None]
         distances = self.reach + shares * (self.border - self.reach)
-        return np.asarray((distances[:, :, None] * self.units).reshape(-1, 2))
+        return (distances[:, :, None] * self.units).reshape(-1, 2)
 
 
 def _outline(cells: SignCells) -> _Outline:
@@ -149,7 +149,7 @@ def _outline(cells: SignCells) -> _Outline:
     radius = float(cells.radius)
     angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False)
     units = unit_vectors(angles)
-    border = radius / np.abs(units).max(axis=1)
+    border = radius / max_norms(units)
     shares = np.arange(1, DISTANCES + 1) / DISTANCES
     starts = (shares[:, None, None] * (border[:, None] * units)).reshape(-1, 2)
     back = _comes_back(cells, starts).reshape(DISTANCES, ANGLES)
@@ -173,7 +173,7 @@ def _comes_back(cells: SignCells, starts: Floats) -> Mask:
         third = _field(cells, x + STEP / 2 * second)
         last = _field(cells, x + STEP * third)
         places[going] = x + STEP / 6 * (first + 2 * second + 2 * third + last)
-        sizes = np.abs(places[going]).max(axis=1)
+        sizes = max_norms(places[going])
         back[going[sizes <= radius * ARRIVED]] = True
         going = going[(sizes > radius * ARRIVED) & (sizes <= radius * (1 + STEP)) & first.any(axis=1)]
     return back
@@ -182,7 +182,7 @@ def _comes_back(cells: SignCells, starts: Floats) -> Mask:
 def _field(cells: SignCells, places: Floats) -> Floats:
     """The field of a cell that holds each place; zero beyond the square."""
     found = np.zeros_like(places)
-    within = np.abs(places).max(axis=1) <= float(cells.radius)
+    within = max_norms(places) <= float(cells.radius)
     for cell in cells.cells:
         held = within.copy()
         for sign, surface in zip(cell.signs, cells.surfaces, strict=True):
@@ -238,19 +238,19 @@ def _solved(conditions: Functions, inside: Floats, outline: _Outline) -> tuple[F
 
     for cell in inclusion.cells:
         near = sampled(whole_domain(inclusion), [cell], inside / radius)
-        ask(slopes_along(near, functions) / radius, 0, -MARGIN * (near.points**2).sum(axis=1) * radius**2)
+        ask(slopes_along(near, functions) / radius, 0, -MARGIN * squared_norms(near.points) * radius**2)
     values = [
         np.column_stack([float_values(own.terms, points / radius) for own in functions])
         for points in (inside, outline.rim, outline.outside)
     ]
-    ask(-values[0], 0, -MARGIN * (inside**2).sum(axis=1))
+    ask(-values[0], 0, -MARGIN * squared_norms(inside))
     ask(values[1], -1, np.zeros(len(outline.rim)))
     for points in values[1:]:
         ask(-points, 0, -np.ones(len(points)))
     costs = np.append(np.zeros(len(functions)), 1.0)
     limits = [(None, None)] * len(functions) + [(1, LARGEST)]
     system, right = np.vstack(rows), np.concatenate(bounds)
-    if not (np.isfinite(system).all() and np.isfinite(right).all()):
+    if not (are_finite(system) and are_finite(right)):
         return None
     found = solve_program(costs, A_ub=system, b_ub=right, bounds=limits)
     return (np.asarray(found.x[:-1]), float(found.x[-1])) if found.status == 0 else None

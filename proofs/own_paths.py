@@ -59,7 +59,7 @@ def paths_from(partition: Partition, starts: Sequence[XY]) -> Iterator[OwnPath]:
     from nonsmooth.analysis.trajectories.result import TrajectoryError
     from nonsmooth.analysis.trajectories.trajectory import simulate
 
-    radius = float(partition.scene.check.radius)
+    radius = partition.scene.check.half_width
     speeds = [math.hypot(float(t.vx), float(t.vy)) for cell in partition.cells for t in cell.twists if any(t.velocity)]
     if not speeds:
         return
@@ -76,7 +76,7 @@ def paths_from(partition: Partition, starts: Sequence[XY]) -> Iterator[OwnPath]:
 
 def starts_around(partition: Partition, distance: float, count: int = STARTS) -> list[XY]:
     """Starts evenly around the equilibrium, at a distance in units of the half side of the square."""
-    radius = distance * float(partition.scene.check.radius)
+    radius = distance * partition.scene.check.half_width
     angles = [2 * math.pi * (k + 0.3) / count for k in range(count)]
     return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
 
@@ -86,7 +86,7 @@ def starts_on_borders(partition: Partition) -> list[XY]:
 
     A solution that leaves may do so along such a border only.
     """
-    radius, found = CLOSER * float(partition.scene.check.radius), []
+    radius, found = CLOSER * partition.scene.check.half_width, []
     for cell in partition.cells:
         corners = [(float(x), float(y)) for x, y in cell.polygon.vertices]
         if (0.0, 0.0) in corners:

@@ -26,7 +26,7 @@ from typing import Any, TypeAlias
 from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, require_denominators
@@ -47,11 +47,11 @@ from nonsmooth.proofs.systems.domain import Domain, domains, plane_cells
 from nonsmooth.proofs.systems.findings import ExaminedFunction, PlaneFunction
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.files.system_document import with_parameters
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
-from nonsmooth.symbolic.messages.scene_error import SceneError, requirement
+from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
@@ -253,7 +253,7 @@ def audited_cells(
         require_denominators(scene)
         domain = domains(scene, formula, plane_cells(scene))[0]
         cells = plane_cells(scene, domain.radius)
-    elif isinstance(rule_of(scene), CellRule):
+    elif has_cells(scene):
         domain, cells = Domain(scene.check.radius), partition_cells(build_partition(scene.recentred()))
     else:
         return None
@@ -317,12 +317,11 @@ def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
     formula, radius = _formula(scene, lyapunov), scene.check.radius
     scene = with_known_numbers(scene)
     try:
-        function = many.examine(scene, formula, radius)
+        with formula_refused(scene.origin, KEY, lyapunov):
+            function = many.examine(scene, formula, radius)
     except BeyondReachError as error:
         verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED
         return AuditResult(scene, lyapunov, verdict, None, str(error), None, None)
-    except ExpressionError as error:
-        raise SceneError(scene.origin, KEY, requirement(error), lyapunov) from None
     verdict, proves, reason, witness = _judged_in_space(scene, function)
     return AuditResult(scene, lyapunov, verdict, proves, reason, witness, function)
 

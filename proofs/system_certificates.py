@@ -46,6 +46,7 @@ from nonsmooth.proofs.system_facts import (
     rewriting_words,
 )
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
+from nonsmooth.proofs.systems.basin_mesh import Announce
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import DecayKind, Domain, ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, Reach
@@ -470,9 +471,7 @@ def _shown_region(system: System, local: Record, search: Search) -> Record:
     return local
 
 
-def find_region_of_simplices(
-    result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
-) -> CertifiedBasin | None:
+def find_region_of_simplices(result: DecidedSystem, asked: str, announce: Announce) -> CertifiedBasin | None:
     """A mesh around the certified level set of V, which the checker has accepted; None without one.
 
     Where formulas are known on the checked square or cube alone, because of denominators, so is the mesh.
@@ -491,7 +490,7 @@ def find_region_of_simplices(
         result = replace(result, scene=in_rational_numbers(result.scene))
         system, scene = read_subject(about(result.scene)), result.scene
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
-        radius, further = float(scene.check.radius), result.reach.reshaped
+        radius, further = scene.check.half_width, result.reach.reshaped
         search = Search(known=_known_of(further))
         stated = _stated_region(result, region) if further is None else further.hypotheses
         local = _shown_region(system, stated, search)
@@ -509,9 +508,7 @@ def find_region_of_simplices(
     return found
 
 
-def find_region_of_another_function(
-    result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
-) -> ReshapedRegion | None:
+def find_region_of_another_function(result: DecidedSystem, asked: str, announce: Announce) -> ReshapedRegion | None:
     """A larger region by a V that is reshaped, which the checker has accepted; None without one.
 
     Args:

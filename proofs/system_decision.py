@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.proofs.falling_function import FallingFunction, claims_about
 from nonsmooth.proofs.findings import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
+from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, are_about_forms
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -120,7 +121,7 @@ def _without_far_surfaces(system: SwitchedSystem) -> SwitchedSystem | None:
         sizes = {exponents: abs(float(c)) for exponents, c in own.terms.items()}
         centre = sizes.pop((0,) * len(system.states), 0.0)
         while centre and share < MOST_HALVINGS:
-            radius = float(system.check.radius) / 2**share
+            radius = system.check.half_width / 2**share
             if sum(size * radius ** sum(exponents) for exponents, size in sizes.items()) < centre:
                 break
             share += 1
@@ -199,7 +200,7 @@ def _ask_strategies(point: CheckedPoint) -> None:
         tell(strategy.name)
         try:
             found = strategy.decide(point)
-        except BeyondReachError:
+        except (BeyondReachError, NotShownError):
             continue
         if found is not None:
             point.known = Known((*point.known.findings, found))
@@ -304,7 +305,6 @@ def _parts(blocks: Sequence[CascadeBlock], found: Sequence[StabilityResult]) -> 
 def _if_accepted(point: CheckedPoint, finding: Finding) -> Finding | None:
     """A finding by parts; where one is carried by others, or jumps with these, only if the checker accepts it."""
     from nonsmooth.proofs.checker.roots import read_subject
-    from nonsmooth.proofs.kernel.search import NotShownError
     from nonsmooth.proofs.kernel.subject import NoCertificateError, about
     from nonsmooth.proofs.parts import Parts
     from nonsmooth.proofs.system_certificates import by_parts
@@ -495,10 +495,10 @@ def _falling(system: SwitchedSystem, function: ExaminedFunction, radius: Number)
 #
 # A strategy asks one theorem.  It is a function from the checked point, with what is known, to a finding, and a line of
 # :data:`STRATEGIES`, which says for how many states it speaks and where the function is: a module is imported when the
-# first of its strategies is asked.  What a strategy finds it has confirmed exactly, or in balls.  The last finding
-# decides, as a strategy is asked only for more than is known: some while nothing is, some while whether the point
-# attracts is open.  A V that does not increase decides only where there is no other.
-
+# first of its strategies is asked.  What a strategy finds it has confirmed exactly, or in balls; one that raises
+# NotShownError or BeyondReachError finds nothing.  The last finding decides, as a strategy is asked only for more than
+# is known: some while nothing is, some while whether the point attracts is open.  A V that does not increase decides
+# only where there is no other.
 
 ONE, TWO, MORE, SEVERAL = range(1, 2), range(2, 3), range(3, 9), range(2, 9)  # states
 KERNEL = "nonsmooth.proofs.kernel_strategies"

@@ -48,6 +48,7 @@ from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.messages.scene_error import SceneError
+from nonsmooth.symbolic.numbers.plane import cross
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 Show: TypeAlias = Callable[[SwitchedSystem, str], Entry]
@@ -252,7 +253,7 @@ def parallel_lines(system: SwitchedSystem, subject: System, search: Search) -> l
     slopes = []
     for cell in inclusion.cells:
         for (_, f), (_, g) in combinations(cell.fields, 2):
-            slopes += [own for own in _zeros(f[0] * g[1] - f[1] * g[0]) if _touches(inclusion, cell.signs, own)]
+            slopes += [own for own in _zeros(cross(f, g)) if _touches(inclusion, cell.signs, own)]
     if any(at and own != name for own, name, at in zip(subject.coordinates, subject.states, subject.at, strict=True)):
         return []
     x, y = map(_written, subject.coordinates, subject.states, subject.at)

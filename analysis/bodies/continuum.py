@@ -35,7 +35,17 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers import plane
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import around
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    cross,
+    float_points,
+    following,
+    max_norm,
+    norm,
+    norms,
+    row_products,
+    squared_norms,
+)
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits
@@ -212,10 +222,10 @@ def predict(field: ContinuousField, footprint: Footprint) -> Prediction:
             return predicted(None, math.nan, HeadingEffect.UNKNOWN, (), "no position at rest was found")
         if c:
             reason = "the field is the same from every side, and its moment never vanishes"
-            return predicted(attracts, float(np.hypot(*place)), HeadingEffect.TURNS, (), reason)
+            return predicted(attracts, norm(place), HeadingEffect.TURNS, (), reason)
         reason = "the field is the same from every side, and it has a potential: no moment at rest"
         reason = of_disc if has_size and isinstance(footprint, Disc) else reason
-        return predicted(attracts, float(np.hypot(*place)), HeadingEffect.KEEPS, (), reason)
+        return predicted(attracts, norm(place), HeadingEffect.KEEPS, (), reason)
     if has_size and isinstance(footprint, PolygonShape):
         return _search(predicted, PolygonOnField(field, footprint))
     second = moments(footprint)
@@ -299,7 +309,7 @@ class PolygonOnField:
         self._sense = 1.0 if field.speed is None else float(field.speed.sign())
         self._vertices = float_points(footprint.vertices)
         self._settles_at_centre = footprint.is_centrally_symmetric
-        self.size = float(np.hypot(*self._vertices.T).max())
+        self.size = float(norms(self._vertices).max())
         self.area = float(moments(footprint).area)
 
     def wrench(self, theta: float, place: Floats) -> FieldWrench:
@@ -314,12 +324,12 @@ class PolygonOnField:
             return np.zeros(2)
         for _ in range(NEWTON_STEPS):
             wrench = self.wrench(theta, place)
-            if np.abs(wrench.force).max() <= SETTLED * self.area:
+            if max_norm(wrench.force) <= SETTLED * self.area:
                 return place
             if not np.linalg.det(wrench.stiffness):
                 return None
             step = np.linalg.solve(wrench.stiffness, wrench.force)
-            place = place - step * min(1.0, self.size / (2 * float(np.hypot(*step))))
+            place = place - step * min(1.0, self.size / (2 * norm(step)))
         return None
 
     def level(self, theta: float, near: Floats) -> float:
@@ -341,9 +351,9 @@ def _search(predicted: Callable[..., Prediction], body: PolygonOnField) -> Predi
         wrenches.append(body.wrench(theta, place))
     returns = {_is_restoring(wrench.stiffness) for wrench in wrenches}
     attracts = next((answer for answer in (False, None) if answer in returns), True)
-    at_rest = partial(predicted, attracts, max(float(np.hypot(*place)) for place in places))
+    at_rest = partial(predicted, attracts, max(norm(place) for place in places))
     levels = np.array([wrench.moment for wrench in wrenches])
-    if np.abs(levels).max() <= NEGLIGIBLE * body.area * body.size:
+    if max_norm(levels) <= NEGLIGIBLE * body.area * body.size:
         return at_rest(HeadingEffect.KEEPS, (), "no moment beyond rounding at any heading")
     changes = np.flatnonzero(np.sign(levels[:-1]) * np.sign(levels[1:]) < 0)
     found = [_heading_between(body, thetas[k], thetas[k + 1], places[k + 1]) for k in changes]
@@ -409,15 +419,15 @@ def polygon_wrench(matrix: Floats, speed: float, vertices: Floats, centroid: Flo
         vertices: (n, 2), counterclockwise, measured from the field's centre.
         centroid: c, (2,).
     """
-    start, end = vertices, np.roll(vertices, -1, axis=0)
+    start, end = vertices, following(vertices)
     step = end - start
     image = step @ matrix.T
-    length = np.sqrt((image**2).sum(axis=1))
+    length = np.sqrt(squared_norms(image))
     direction, image = step / length[:, None], image / length[:, None]
-    first = ((start @ matrix.T) * image).sum(axis=1)
+    first = row_products(start @ matrix.T, image)
     nearest = start - first[:, None] * direction
     push = nearest @ matrix.T
-    zeroth, linear, square = _root_integrals(first, first + length, np.sqrt((push**2).sum(axis=1)))
+    zeroth, linear, square = _root_integrals(first, first + length, np.sqrt(squared_norms(push)))
     along = (push * zeroth[:, None] + image * linear[:, None]) / length[:, None]
     mixed = cross(nearest, image) + cross(direction, push)
     turning = (cross(nearest, push) * zeroth + mixed * linear + cross(direction, image) * square) / length

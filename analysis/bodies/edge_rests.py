@@ -20,8 +20,19 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.minimizers.many_twists import MotionsOnSets
 from nonsmooth.symbolic.mechanics.edge_headings import BallOutline
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane import XY
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane import XY, in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    Mask,
+    max_norm,
+    max_norms,
+    norm,
+    norms,
+    row_norms,
+    row_products,
+    squared_norms,
+)
 
 PLACES = 25  # along each side of the square of places
 HEADINGS = 360  # over a full turn: to see whether a set of wheels carries at a place
@@ -91,7 +102,7 @@ class RestSearch:
         self._outline = MovingOutline(scene.body, self.model.positions)
         self._balls = BallOutline(scene.body)
         self._point = np.array(scene.check.place)
-        self._fastest = float(np.abs(self.model.speeds).max()) or 1.0
+        self._fastest = max_norm(self.model.speeds) or 1.0
         self._motions = MotionsOnSets(self.model, self._outline.size)
         self._pulls = self._forces_at_rest()
         self.reach = self._outline.spacing
@@ -103,7 +114,7 @@ class RestSearch:
         sets: dict[bytes, Mask] = {}
         pairs: dict[tuple[bytes, int, int], tuple[Mask, Floats]] = {}
         places = [self._point + np.add((x, y), np.multiply(GENERIC, width)) for x in steps for y in steps]
-        for number, place in enumerate(sorted(places, key=lambda at: float(np.hypot(*(at - self._point))))):
+        for number, place in enumerate(sorted(places, key=lambda at: norm(at - self._point))):
             wheels, headings = self._outline.headings_under_edge(self.model.positions - place)
             poses = np.column_stack([np.tile(place, (len(headings), 1)), headings])
             under = self._outline.depths(poses) > 0
@@ -129,9 +140,9 @@ class RestSearch:
         without, wheels, including, start = self._nearly_at_rest(met)
         unknowns, settled = self._newton(without, including, start)
         first, second = (self._motions.at(sets, unknowns[:, :2]) for sets in (without, including))
-        fast = np.minimum(*(np.abs(found.rates).max(axis=1) for found in (first, second))) > AT_REST * self._fastest
+        fast = np.minimum(*(max_norms(found.rates) for found in (first, second))) > AT_REST * self._fastest
         inside = (unknowns[:, 2] > 0) & (unknowns[:, 2] < 1)
-        near = np.abs(unknowns[:, :2] - self._point).max(axis=1) <= self.reach
+        near = max_norms(unknowns[:, :2] - self._point) <= self.reach
         kept: list[SeenRest] = []
         for k in np.flatnonzero(settled & fast & inside & near & first.known & second.known):
             x, y = (float(value) for value in unknowns[k, :2])
@@ -147,28 +158,26 @@ class RestSearch:
         found = []
         for carrying in met.sets:
             place = self._balanced(carrying)
-            if place is None or np.abs(place - self._point).max() > self.reach:
+            if place is None or max_norm(place - self._point) > self.reach:
                 continue
             headings = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
             under = self._outline.depths(np.column_stack([np.tile(place, (HEADINGS, 1)), headings])) > 0
             same = np.flatnonzero((under == carrying).all(axis=1))
             if len(same):
                 wheels = tuple(int(k) for k in np.flatnonzero(carrying))
-                found.append(
-                    SeenRest((float(place[0]), float(place[1])), float(headings[same[len(same) // 2]]), wheels)
-                )
+                found.append(SeenRest(in_floats(place), float(headings[same[len(same) // 2]]), wheels))
         away = [rest for rest in found if self._distance(rest) > ALIKE * self._outline.size]
         return sorted(away, key=lambda rest: (self._distance(rest), rest.wheels))
 
     def _distance(self, rest: SeenRest) -> float:
         """From the point."""
-        return float(np.hypot(*(np.array(rest.place) - self._point)))
+        return norm(np.array(rest.place) - self._point)
 
     def _alike(self, first: SeenRest, second: SeenRest) -> bool:
         """Whether two poses of rest are one: the same wheel under the edge, and nearly the same pose."""
         size = self._outline.size
         apart = [*np.subtract(first.place, second.place), (first.theta - second.theta) * size]
-        return first.edge == second.edge and bool(np.abs(apart).max() <= ALIKE * size)
+        return first.edge == second.edge and bool(max_norm(apart) <= ALIKE * size)
 
     def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Indices, Mask, Floats]:
         """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start at.
@@ -179,10 +188,10 @@ class RestSearch:
         including[np.arange(len(met.wheels)), met.wheels] = True
         first, second = (self._motions.at(sets, met.centres) for sets in (met.pairs, including))
         along = second.rates - first.rates
-        square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
-        share = np.clip(-(first.rates * along).sum(axis=1) / square, 0.0, 1.0)
-        sizes = np.maximum(*(np.linalg.norm(found.rates, axis=1) for found in (first, second)))
-        left = np.linalg.norm(first.rates + share[:, None] * along, axis=1) / np.maximum(sizes, np.finfo(float).tiny)
+        square = np.maximum(squared_norms(along), np.finfo(float).tiny)
+        share = np.clip(-row_products(first.rates, along) / square, 0.0, 1.0)
+        sizes = np.maximum(*(row_norms(found.rates) for found in (first, second)))
+        left = row_norms(first.rates + share[:, None] * along) / np.maximum(sizes, np.finfo(float).tiny)
         left[~(first.known & second.known)] = np.inf
         chosen = _least(left, met)
         starts = np.column_stack([met.centres[chosen], share[chosen]])
@@ -200,14 +209,14 @@ class RestSearch:
                 break
             trial = unknowns[at] + steps[at]
             values, slopes, known, rates[:, at] = self._residuals((without[at], including[at]), trial, rates[:, at])
-            left = np.where(known, np.abs(values).max(axis=1) / self._fastest, np.inf)
+            left = np.where(known, max_norms(values) / self._fastest, np.inf)
             better = left < least[at]
             steps[at[~better]] *= SHORTENED
             gained = at[better]
             unknowns[gained], least[gained] = trial[better], left[better]
             steps[gained] = self._newton_steps(values[better], slopes[better])
-            lost = np.abs(unknowns[at, :2] - self._point).max(axis=1) > 2 * self.reach
-            lengths = np.abs(steps[at]).max(axis=1) / self._outline.size
+            lost = max_norms(unknowns[at, :2] - self._point) > 2 * self.reach
+            lengths = max_norms(steps[at]) / self._outline.size
             short = (lengths <= SHORTEST) | ((lengths <= SHORT) & (least[at] > STALLED))
             lost |= (least[at] > SLOWED) & (count >= PATIENCE)
             going[at] = np.isfinite(least[at]) & (least[at] > SETTLED) & ~lost & ~short
@@ -217,8 +226,8 @@ class RestSearch:
         """Solutions of the linearized equations (m, 3), none longer than a share of the square."""
         steps = np.array([np.linalg.lstsq(a, -b, rcond=None)[0] for a, b in zip(slopes, values, strict=True)])
         steps = steps.reshape(-1, 3)
-        size = np.maximum(np.hypot(*steps[:, :2].T) / (LONGEST * self.reach), 1.0)
-        return np.asarray(steps / size[:, None])
+        size = np.maximum(norms(steps[:, :2]) / (LONGEST * self.reach), 1.0)
+        return steps / size[:, None]
 
     def _residuals(
         self, sets: tuple[Mask, Mask], unknowns: Floats, near: Floats
@@ -277,7 +286,7 @@ class RestSearch:
     def _forces_at_rest(self) -> Floats:
         """Force and moment of every wheel under a body at rest, for each unit of load, (n, 3)."""
         forces = np.column_stack(self.model.sets.gradient(*self.model.targets.reshape(-1, 2).T))
-        return (forces[:, :, None] * self.model.rows.reshape(-1, 2, 3)).sum(axis=1)
+        return row_products(forces[:, :, None], self.model.rows.reshape(-1, 2, 3))
 
 
 def _least(left: Floats, met: MetSets) -> Indices:

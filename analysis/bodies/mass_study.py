@@ -47,7 +47,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norms
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before
@@ -235,7 +235,7 @@ def path_distance(
     samples = samples or PathSamples()
     last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
     apart = samples.until(path, last) - samples.until(other, last)
-    return PathDistance(rule, float(np.hypot(apart[:, 0], apart[:, 1]).max()), float(np.abs(apart[:, 2]).max()), last)
+    return PathDistance(rule, float(norms(apart).max()), max_norm(apart[:, 2]), last)
 
 
 # ---- a body --------------------------------------------------------------------------------------
@@ -282,7 +282,7 @@ def build_masses(scene: Scene) -> StudyPlan:
         LeftOut: where nothing drives the body, or the rule that is the limit has no path.
     """
     rule = massless_rule(scene)
-    model, radius = contacts_under(rule, scene), float(scene.check.radius)
+    model, radius = contacts_under(rule, scene), scene.check.half_width
     speed = float(abs(model.speeds).max())
     if not speed:
         raise LeftOut("no wheel is driven")

@@ -11,7 +11,17 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.symbolic.mechanics.body import Body, Disc
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    float_points,
+    following,
+    norm,
+    norms,
+    row_products,
+    spread,
+    turned,
+)
 
 SAME_SIDE = 1e-9  # of the body's size: sides this nearly as deep bound the depth together
 
@@ -26,14 +36,14 @@ class MovingOutline:
         self._radius: float | None = None
         if isinstance(body.outline, Disc):
             self._radius = float(body.outline.radius)
-            self.size = self._radius + float(np.hypot(*self._middle))
+            self.size = self._radius + norm(self._middle)
             return
         corners = float_points(body.vertices)
-        along = np.roll(corners, -1, axis=0) - corners
-        self._normals = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
-        self._heights = (self._normals * corners).sum(axis=1)
+        along = following(corners) - corners
+        self._normals = -turned(along) / norms(along)[:, None]
+        self._heights = row_products(self._normals, corners)
         self.corners = corners
-        self.size = float(np.hypot(*corners.T).max())
+        self.size = float(norms(corners).max())
 
     @property
     def spacing(self) -> float:
@@ -63,11 +73,11 @@ class MovingOutline:
 
         ``theta = arg(q) - arg(n) +- acos(h/|q|)`` for a side, ``arg(q) - arg(m) +- acos(...)`` for a disc about m.
         """
-        reach = np.hypot(*away.T)
+        reach = norms(away)
         if self._radius is None:
             directions, shares = self._normals, self._heights / reach[:, None]
         else:
-            offset = float(np.hypot(*self._middle))
+            offset = norm(self._middle)
             directions = self._middle[None]
             shares = ((reach**2 + offset**2 - self._radius**2) / (2 * reach * offset))[:, None]
         rows, sides = np.nonzero(np.abs(shares) < 1)
@@ -90,15 +100,15 @@ class MovingOutline:
         away = self.places[wheels] - [x, y]
         seen = _seen(self.places, pose)[wheels]
         c, s = np.cos(theta), np.sin(theta)
-        drift = -np.array([vx, vy]) - omega * np.column_stack([-away[:, 1], away[:, 0]])
+        drift = -np.array([vx, vy]) - omega * turned(away)
         moved = drift @ np.array([[c, -s], [s, c]])  # R^T on the left of every row
         if self._radius is not None:
             out = seen - self._middle
-            return np.asarray(-(out * moved).sum(axis=1) / np.hypot(*out.T))
+            return -row_products(out, moved) / norms(out)
         depths = self._heights - seen @ self._normals.T
         deepest = depths.min(axis=1, keepdims=True)
         slopes = np.where(depths <= deepest + SAME_SIDE * self.size, -(moved @ self._normals.T), np.inf)
-        return np.asarray(slopes.min(axis=1))
+        return slopes.min(axis=1)
 
     def gradient(self, pose: Floats, wheel: int) -> Floats:
         """``(R n_e, -n_e x q_i)``, the derivative of ``g_i`` by ``(x, y, theta)``, n_e of the deepest side; (3,)."""
@@ -118,7 +128,7 @@ class WholePlane(MovingOutline):
     def __init__(self, places: Floats) -> None:
         """For wheels at places (n, 2)."""
         self.places = np.asarray(places, float)
-        self.size = float(np.ptp(self.places, axis=0).max(initial=0.0)) or 1.0
+        self.size = spread(self.places) or 1.0
 
     def depths(self, pose: Floats) -> Floats:
         """Infinite."""

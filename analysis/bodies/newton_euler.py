@@ -39,7 +39,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.float_loads import affine_loads, hull_sides, loads_at
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, squared_norms, turned
 
 # ---- normal forces along a path ------------------------------------------------------------------
 #
@@ -116,7 +116,7 @@ class MovingLoads:
 
 def _least(forms: Floats, centres: Floats) -> Floats:
     """The least of affine forms (k, 3) of (1, c) at centres (m, 2)."""
-    return np.asarray((forms[:, :1] + forms[:, 1:] @ centres.T).min(axis=0))
+    return (forms[:, :1] + forms[:, 1:] @ centres.T).min(axis=0)
 
 
 # ---- the equations -------------------------------------------------------------------------------
@@ -183,13 +183,13 @@ def disc(model: ContactModel, mass: float) -> RigidBody:
 def array_size(model: ContactModel) -> float:
     """Root mean squared distance of the wheels from their middle; one for a single wheel (length)."""
     offsets = model.positions - model.positions.mean(axis=0)
-    return float(np.sqrt((offsets**2).sum(axis=1).mean())) or 1.0
+    return float(np.sqrt(squared_norms(offsets).mean())) or 1.0
 
 
 def speed_scale(model: ContactModel, velocity: Floats) -> float:
     """The largest speed that drives: of a wheel's surface, or of the body at the start; one if all stands still."""
     at_rim = array_size(model) * abs(velocity[2])
-    return max(float(np.abs(model.targets).max()), float(np.hypot(*velocity[:2])), at_rim) or 1.0
+    return max(max_norm(model.targets), norm(velocity[:2]), at_rim) or 1.0
 
 
 # ---- friction ------------------------------------------------------------------------------------
@@ -228,11 +228,11 @@ class EllipseFriction:
 
     def forces(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Forces along and across every rim, shape (n, 2)."""
-        return np.asarray(loads[:, None] * self._shares(*self._slips(self.rows(centre), velocity)))
+        return loads[:, None] * self._shares(*self._slips(self.rows(centre), velocity))
 
     def total(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Force and torque about the centre of mass ``(F_x, F_y, tau)``, in units of the body's weight."""
-        return np.asarray(self.rows(centre).T @ self.forces(centre, velocity, loads).reshape(-1))
+        return self.rows(centre).T @ self.forces(centre, velocity, loads).reshape(-1)
 
     def per_load(self, centre: Floats, velocity: Floats) -> Floats:
         """Force and torque of every wheel per unit of its load, shape (n, 3)."""
@@ -266,7 +266,7 @@ class EllipseFriction:
 
     def _slips(self, rows: Floats, velocity: Floats) -> Floats:
         """Along and across the axes, shape (2, n)."""
-        return np.asarray((rows @ velocity - self._model.targets).reshape(-1, 2).T)
+        return (rows @ velocity - self._model.targets).reshape(-1, 2).T
 
 
 # ---- equations ---------------------------------------------------------------------------------------
@@ -309,7 +309,7 @@ class NewtonEuler:
             loads, slope = self.loads.at(pressed)
             shift[:, :2] = np.eye(3, 2) + height * per_load.T @ slope
             missing = pressed + height * per_load[:, :2].T @ loads - centre
-            if np.abs(missing).max() <= BALANCED * height:
+            if max_norm(missing) <= BALANCED * height:
                 break
             pressed = pressed - np.linalg.solve(shift[:2, :2], missing)
         return pressed, shift
@@ -353,7 +353,7 @@ class DynamicPath:
 
     def state(self, t: float) -> Floats:
         """State at a time within the path, shape (6,)."""
-        return np.asarray(self.dense(t))
+        return self.dense(t)
 
 
 def absolute_tolerances(size: float, speed: float) -> Floats:

@@ -33,7 +33,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.similar_scenes import counted_in_own_length
 from nonsmooth.symbolic.numbers.number_text import numbers_text
 from nonsmooth.symbolic.numbers.plane import around, cross
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, places_of
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 # ---- cells on one set of wheels ------------------------------------------------------------------
@@ -60,7 +60,7 @@ class Lines:
 
     def side(self, normal: Floats, offset: float) -> Side:
         """The line ``normal . c = offset`` and the side on which ``normal . c < offset``."""
-        length = float(np.hypot(*normal))
+        length = norm(normal)
         row = np.array([*normal / length, offset / length / self._size])
         for sign in (-1, 1):
             same = np.flatnonzero(np.abs(self._known + sign * row).max(axis=1, initial=0.0) <= SAME_LINE)
@@ -151,7 +151,7 @@ class CellsBySet:
             scene = replace(scene, contact=replace(scene.contact, loads=None))
         self._scene, self._rule = scene, rule
         places = places_of(scene.wheels)
-        self.size = float(np.abs(places).max())
+        self.size = max_norm(places)
         self._lines = Lines(self.size)
         self._known: dict[frozenset[int], SetCells] = {}
 

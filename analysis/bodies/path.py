@@ -61,7 +61,7 @@ from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import numbers_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, places_of
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
 # Work along a path in evaluations of pose rates, steps in regimes and minimizers by multipliers counted as some: twenty
@@ -123,7 +123,7 @@ class BodyPath(CarriedBody):
         super().__init__(model, scene)
         self._sets = ContactSets(model)
         self._switching = Switching(self._sets, self.outline)
-        fastest = float(np.abs(model.speeds).max())
+        fastest = max_norm(model.speeds)
         self._slow = RESTS * fastest
         self._scale = self.outline.size / (fastest or 1.0)
         self._support: CarryingWheels | None = None
@@ -324,7 +324,7 @@ class SupportRate:
     def validities(self, whole: Floats) -> Floats:
         """Negative where some regime has ended, at states (n, m); shape (m,)."""
         pairs = zip(self.motions, self._cuts, strict=True)
-        return np.asarray(np.min([motion.validities(whole[:3].T, whole[cut].T) for motion, cut in pairs], axis=0))
+        return np.min([motion.validities(whole[:3].T, whole[cut].T) for motion, cut in pairs], axis=0)
 
 
 class Regimes:
@@ -384,7 +384,7 @@ class Regimes:
 
     def _end_of_regime(self, rate: SupportRate, step: DenseStep) -> float | None:
         """The time within a step at which some regime ends; that of the step's end where none does."""
-        if not np.isfinite(step.last).all():
+        if not are_finite(step.last):
             return None
         guard = _Valid(rate)
         found = first_event(guard, guard.at(step.start, step.first), guard.at(step.end, step.last), step)

@@ -22,14 +22,14 @@ from functools import cached_property
 import numpy as np
 
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.contact_set import standing
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, norms, turned
 
 RESTS = 1e-7  # of the fastest rim
 STEPS = 40  # of Broyden's method
@@ -80,7 +80,7 @@ class SampledTables:
 
 def _distances(places: Floats, point: Floats) -> Floats:
     """Of places (m, 2) from a point, (m,); infinite of what is no number."""
-    away = np.hypot(*(places - point).T)
+    away = norms(places - point)
     return np.where(np.isfinite(away), away, np.inf)
 
 
@@ -93,7 +93,7 @@ def why_not_sampled(scene: Scene) -> str:
     """Why tables of a scene are not drawn; empty where they are."""
     if scene.tolerances is None:
         return "the scene states no tolerances"
-    if not isinstance(rule_of(scene), SmoothRule):
+    if has_cells(scene):
         return f"places of rest are followed under rules with friction sets, not under {scene.contact.rule}"
     if scene.tolerances.centre_of_mass:
         return "the centre of mass is not drawn"
@@ -183,7 +183,7 @@ def find_rest(
         slope: of a table nearby (2, 2); by differences at the start unless given.
     """
     sets, wheels = ContactSets(model), frozenset(range(model.wheels))
-    fastest, step = float(np.abs(model.speeds).max()), DIFFERENCE * length
+    fastest, step = max_norm(model.speeds), DIFFERENCE * length
 
     def rate(place: Floats) -> Floats:
         return sets.rate(wheels, np.array([*place, 0.0]))[:2]
@@ -199,7 +199,7 @@ def find_rest(
                 found = slope_at(place)
                 return (place, found) if (np.linalg.eigvals(found).real < 0).all() else None
             move = -np.linalg.solve(jacobian, value)
-            move *= min(1.0, length / (4 * float(np.hypot(*move)) or 1.0))
+            move *= min(1.0, length / (4 * norm(move) or 1.0))
             place = place + move
             after = rate(place)
             jacobian += np.outer(after - value - jacobian @ move, move) / (move @ move)

@@ -26,8 +26,8 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane import XY, pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane import XY, in_floats, pose_in_floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, norms, spread
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
@@ -58,7 +58,7 @@ class SetMotion:
         self._regime = NOBODY
         self._resisted: dict[bytes, bool] = {}
         self._beside_drag = 0  # minimizers that multipliers found with drag
-        self._near_border = NEAR_BORDER * float(np.ptp(model.positions, axis=0).max())
+        self._near_border = NEAR_BORDER * spread(model.positions)
         self._proved: Floats | None = None  # the last twist
 
     @property
@@ -108,7 +108,7 @@ class SetMotion:
         self._beside_drag += self._quick is None
         twist = self._minimizer.minimize(loads)
         if twist is None or not self._resists_every_motion(loads):
-            place = place_text((float(pose[0]), float(pose[1])))
+            place = place_text(in_floats(pose))
             raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
         if self._quick is not None:
             self._quick.start_from(twist)
@@ -165,7 +165,7 @@ class SetMotion:
             twist = self.slope(pose, step, unknowns)[:3]
             columns.append(with_kinematics(twist, pose) + unknowns[2] * turning(step))
         found = np.column_stack(columns)
-        return found if np.isfinite(found).all() else None
+        return found if are_finite(found) else None
 
     def is_near_rest(self, pose: Floats, unknowns: Floats) -> bool:
         """Whether a contact nearly sticks by now that the regime does not know."""
@@ -293,8 +293,8 @@ class DraggedMinimizer(WarmMinimizer):
     def __init__(self, model: ContactModel) -> None:
         """For contacts of which a strip cuts some friction sets."""
         # three contacts more: along x, along y and around, each with a slip g across that never vanishes
-        size = float(np.hypot(*(model.positions - model.positions.mean(axis=0)).T).max())
-        speed = float(np.abs(model.targets).max()) or 1.0
+        size = float(norms(model.positions - model.positions.mean(axis=0)).max())
+        speed = max_norm(model.targets) or 1.0
         rows = np.zeros((6, 3))
         rows[[0, 2, 4], [0, 1, 2]] = 1.0, 1.0, size
         self.dragged = ContactRows(
@@ -345,7 +345,7 @@ class SetGuesses:
     def __init__(self, scene: Scene, rule: SmoothRule) -> None:
         """For all wheels of a scene; its body is not looked at."""
         self.model: ContactModel = contacts_under(rule, scene)
-        self._size = float(np.ptp(self.model.positions, axis=0).max()) or 1.0
+        self._size = spread(self.model.positions) or 1.0
         self._motions = MotionsOnSets(self.model, self._size)
 
     def of(self, wheels: Sequence[int], place: XY) -> SetGuess | None:
@@ -364,7 +364,7 @@ class SetGuesses:
 
 def _nearly_stuck(model: ContactModel, twist: Floats, wheels: Sequence[int]) -> tuple[bool, ...]:
     """Which wheels hardly slip."""
-    fastest = float(np.abs(model.speeds).max()) or 1.0
+    fastest = max_norm(model.speeds) or 1.0
     slips = np.abs(model.slips(twist)).max(axis=-1)[list(wheels)]
     limit = STICKS_BESIDE_ROLLERS if (model.cuts < 1).any() else STICKS
     return tuple(bool(slip <= limit * fastest) for slip in slips)

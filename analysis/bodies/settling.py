@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Pose
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
 
 # Tolerances beside those of a path that is shown; still larger ones take more steps where bodies are light.
 COARSER = 1e3
@@ -116,7 +116,7 @@ def settle(scene: Scene, body: RigidBody, start: Pose, accuracy: float, chunk: f
     end = float(ends_at[0]), float(ends_at[1]), float(state[2])
     after, swings = None, None
     if kind is Settling.AT_REST:
-        distances = np.hypot(*(np.concatenate(places) - ends_at).T)
+        distances = norms(np.concatenate(places) - ends_at)
         after, swings = arrival(np.concatenate(times), distances, accuracy), swings_of(distances, accuracy)
     amplitude = swing.later if kind is Settling.LIMIT_CYCLE else None
     return Settled(start, kind, end, begin, after, swings, amplitude, work)
@@ -152,7 +152,7 @@ class _Swing:
         late = path.times >= path.times[-1] / 2
         places = path.states[:, :2]
         middle = (places[late].max(axis=0) + places[late].min(axis=0)) / 2
-        distances = np.hypot(*(places - middle).T)
+        distances = norms(places - middle)
         return cls(middle, float(distances[~late].max(initial=0.0)), float(distances[late].max()))
 
 
@@ -238,4 +238,4 @@ def massless_holds_to(
 def _are_alike(places: Floats | None, others: Floats | None, accuracy: float) -> bool:
     if places is None or others is None:
         return False
-    return bool(np.hypot(*(places - others).T).max() <= accuracy)
+    return bool(norms(places - others).max() <= accuracy)

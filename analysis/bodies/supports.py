@@ -27,7 +27,7 @@ from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.contact_set import whole
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.plane import Vector, around
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 
 LOOKS = 8  # parts of a step at whose ends wheels are looked at
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
@@ -188,7 +188,7 @@ def finite_start(start: Sequence[float], until: float) -> Floats:
         ValueError: for a last time that is not positive, or numbers that are not finite.
     """
     state = np.array(start, float)
-    if np.isfinite(state).all() and 0 < until < math.inf:
+    if are_finite(state) and 0 < until < math.inf:
         return state
     raise ValueError(f"required a finite start and a positive last time, received {state.tolist()} and {until}")
 

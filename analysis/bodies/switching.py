@@ -19,7 +19,7 @@ from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, TippedError, Wheels
 from nonsmooth.analysis.bodies.supports import CarryingWheels
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 
 # ---- products of weights that mix the motions of all subsets of some wheels ----------------------
 #
@@ -46,7 +46,7 @@ def _shares(weights: Floats) -> Floats:
 
 def mixed_of(corners: Floats, weights: Floats) -> Floats:
     """The motions (2^k, d) of all subsets of k wheels, mixed."""
-    return np.asarray(_shares(weights) @ corners)
+    return _shares(weights) @ corners
 
 
 def balancing_weights(rates: Floats, count: int, start: Floats) -> Floats | None:
@@ -55,7 +55,7 @@ def balancing_weights(rates: Floats, count: int, start: Floats) -> Floats | None
     scale = np.abs(rates).max() or 1.0
     for _ in range(STEPS):
         here = mixed_of(rates, weights)
-        if np.abs(here).max() <= WEIGHT_ERROR * scale:
+        if max_norm(here) <= WEIGHT_ERROR * scale:
             return weights
         slopes = np.empty((count, count))
         for k in range(count):  # linear in each weight

@@ -311,11 +311,11 @@ class Arrangement:
 
     def directions(self, first: Indices | list[int], second: Indices | list[int]) -> Floats:
         """``a_k x a_l`` of pairs of rows by their numbers, in floats, shape (m, 3)."""
-        return np.asarray((self.crossing.take(first, 0) @ self.normals.take(second, 0)[:, :, None])[:, :, 0])
+        return (self.crossing.take(first, 0) @ self.normals.take(second, 0)[:, :, None])[:, :, 0]
 
     def direction_sizes(self, first: Indices | list[int], second: Indices | list[int]) -> Floats:
         """Their sums of absolute terms, which bound the errors."""
-        return np.asarray((self.crossing_sizes.take(first, 0) @ self.sizes.take(second, 0)[:, :, None])[:, :, 0])
+        return (self.crossing_sizes.take(first, 0) @ self.sizes.take(second, 0)[:, :, None])[:, :, 0]
 
     def rates(self, pair: tuple[int, int]) -> tuple[Floats, Floats]:
         """How fast residuals change along an edge, in floats with the sums of absolute terms (cached)."""

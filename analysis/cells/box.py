@@ -35,7 +35,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion, at_least_zero, load_regio
 from nonsmooth.analysis.cells.nearest import preferred_rows
 from nonsmooth.analysis.cells.outline import ROUNDING, Filtered, Outline, OutlineSide, between
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, checked_square
 from nonsmooth.analysis.cells.slopes import FEW, Slopes
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist, rows_with_friction, wheel_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -78,7 +78,7 @@ def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partitio
         nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
     """
     require_rank(rows_with_friction(scene), "friction: required rows")
-    domain = domain or square(scene.check.equilibrium, scene.check.radius)
+    domain = domain or checked_square(scene)
     cells: list[Cell] = []
     before: Vertex | None = None
     with affordable(scene, PARTITION_UNITS, STEP):
@@ -110,7 +110,7 @@ def build_rest_partition(scene: Scene) -> Partition | None:
     inner = [cell for cell in cells if _surrounds(cell.polygon, (zero, zero))]
     if len(cells) != len(inner):
         return None
-    domain = square(scene.check.equilibrium, scene.check.radius)
+    domain = checked_square(scene)
     return Partition(scene, "box", domain, tuple(inner), len(scene.wheels), complete=False) if inner else None
 
 

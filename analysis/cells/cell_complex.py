@@ -21,8 +21,8 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon
 from nonsmooth.symbolic.numbers import plane_arrays
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, minus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points
+from nonsmooth.symbolic.numbers.plane import XY, around, cross, dot, in_floats, minus
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norm
 
 # Relative to the size of the domain: corners farther apart as floats are different, nearer ones are compared exactly.
 SAME_CORNER_DOUBT = 2.0**-29
@@ -108,7 +108,7 @@ class CellComplex:
         along = minus(self.points[self.edges[edge].end], self.points[self.edges[edge].start])
         if not self.slack:
             return along
-        length = float(np.hypot(*along))
+        length = norm(along)
         return along[0] / length, along[1] / length
 
     def active_sides(self, cell: int, corner: int) -> tuple[int, ...]:
@@ -187,7 +187,7 @@ def float_polygon(polygon: Polygon) -> Polygon:
     """The same with float coordinates and sides of unit normals."""
     sides = []
     for side in polygon.sides:
-        a, b = float(side.normal[0]), float(side.normal[1])
+        a, b = in_floats(side.normal)
         length = float(np.hypot(a, b))
         sides.append(HalfPlane((a / length, b / length), float(side.offset) / length, side.label))
     return Polygon(tuple((float(x), float(y)) for x, y in polygon.vertices), tuple(sides))
@@ -253,7 +253,7 @@ def _corners(polygons: Sequence[Polygon], size: float) -> tuple[list[Point], lis
     for polygon in polygons:
         own: list[int] = []
         for point in polygon.vertices:
-            place = float(point[0]), float(point[1])
+            place = in_floats(point)
             close = places.close(place)
             known = next((k for k in close if points[k][0] == point[0] and points[k][1] == point[1]), None)
             if known is None:

@@ -147,6 +147,11 @@ def rule_of(scene: Scene) -> Rule:
     return contact_rule(scene.contact.rule)
 
 
+def has_cells(scene: Scene) -> bool:
+    """Whether the contact rule of a scene has cells; else it is a :class:`SmoothRule`."""
+    return isinstance(rule_of(scene), CellRule)
+
+
 def rule_notes(scene: Scene) -> list[str]:
     """What a reader must know of a scene's contact rule: which wheels name one, and where it is a poor model."""
     named: dict[str, list[int]] = {}

@@ -18,7 +18,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import brief_text, float_text
-from nonsmooth.symbolic.numbers.plane import around, cross, dot, same_direction, turned
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, plus, same_direction, turned
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Cell, Partition
@@ -41,7 +41,7 @@ class Wedge:
     @property
     def inner(self) -> Point:
         """A ray between both of a wedge of less than a half turn."""
-        return self.start[0] + self.end[0], self.start[1] + self.end[1]
+        return plus(self.start, self.end)
 
     @property
     def inward_normals(self) -> tuple[Point, ...]:

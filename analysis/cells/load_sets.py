@@ -33,7 +33,7 @@ from math import comb
 from typing import NamedTuple, TypeAlias
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at, require_support
-from nonsmooth.analysis.cells.polygon import square
+from nonsmooth.analysis.cells.polygon import checked_square
 from nonsmooth.symbolic.mechanics.contact_states import Triple, inner
 from nonsmooth.symbolic.mechanics.load_model import LoadScatter, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import Scene
@@ -188,7 +188,7 @@ def load_set(scene: Scene) -> LoadSet:
     unknown = scene.contact.loads
     if not isinstance(unknown, UnknownLoads):
         raise TypeError(f"required a scene with unknown loads, received {unknown}")
-    require_support(scene, square(scene.check.equilibrium, scene.check.radius))
+    require_support(scene, checked_square(scene))
     if unknown.scatter is None:
         every = admissible_loads(scene)
         return LoadSet(every, every)

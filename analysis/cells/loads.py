@@ -21,7 +21,7 @@ import numpy as np
 from flint import fmpq, fmpz
 
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, checked_square
 from nonsmooth.analysis.loads.spring_loads import loaded_wheels
 from nonsmooth.symbolic.mechanics.body import square_rooms, support_polygon
 from nonsmooth.symbolic.mechanics.contact_states import Triple
@@ -93,7 +93,7 @@ def load_regions(scene: Scene, holding: Point | None = None, domain: Polygon | N
     Raises:
         LoadError: where the body tips, wheels are collinear, a table gives a negative load, or loads are unknown.
     """
-    domain = square(scene.check.equilibrium, scene.check.radius) if domain is None else domain
+    domain = checked_square(scene) if domain is None else domain
     if isinstance(scene.contact.loads, UnknownLoads):
         raise LoadError(UNKNOWN.format(scene.contact.loads.words))
     model = load_model(scene)
@@ -213,7 +213,7 @@ class _Regions:
         try:
             return _loads_at(self.model, self.moments, start)[0]
         except CollinearLoadError:
-            centre, reach = np.array(start, float), float(self.scene.check.radius)
+            centre, reach = np.array(start, float), self.scene.check.half_width
             for step, way in product(STEPS_BESIDE, WAYS):
                 active = loaded_wheels(self.positions, centre + step * reach * np.array(way))
                 region = self.of(active)

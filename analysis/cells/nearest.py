@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, checked_square
 from nonsmooth.symbolic.mechanics.contact_states import (
     ContactState,
     Row,
@@ -40,7 +40,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.plane import dot, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norms, places_of
 
 
 def build_nearest_partition(scene: Scene, *, prune: bool = True, domain: Polygon | None = None) -> Partition:
@@ -55,7 +55,7 @@ def build_nearest_partition(scene: Scene, *, prune: bool = True, domain: Polygon
         RefusalError: where the rows with friction leave a motion free.
     """
     _require_friction(scene)
-    domain = domain or square(scene.check.equilibrium, scene.check.radius)
+    domain = domain or checked_square(scene)
     search = _Search(scene, prune)
     cells: list[Cell] = []
     with affordable(scene, PARTITION_UNITS, "cells of rule nearest"):
@@ -92,7 +92,7 @@ def _rational_places(scene: Scene) -> list[Any] | None:
 def relevant_wheels(scene: Scene) -> tuple[Wheel, ...]:
     """The wheels that can have a say in the checked square."""
     search = _Search(scene, prune=True)
-    for _ in search.chains(square(scene.check.equilibrium, scene.check.radius)):
+    for _ in search.chains(checked_square(scene)):
         pass
     return tuple(scene.wheels[i] for i in sorted(search.considered))
 
@@ -209,13 +209,13 @@ def _contenders(positions: Floats, among: Indices, region: Polygon, rank: int) -
     vertices = float_points(region.vertices)
     rank = min(rank, len(among))
     with np.errstate(over="ignore", invalid="ignore"):
-        reach = np.max(np.hypot(*(vertices - centre).T))
-        distances = np.hypot(*(positions[among] - centre).T)
+        reach = np.max(norms(vertices - centre))
+        distances = norms(positions[among] - centre)
         bound = np.partition(distances, rank - 1)[rank - 1] + 2 * reach
         slack = CANDIDATE_MARGIN * (bound + np.hypot(*centre)) + SMALLEST_NORMAL
         near = np.flatnonzero(~(distances > bound + slack))
     order = near[np.argsort(distances[near], kind="stable")]
-    return np.asarray(among[order])
+    return among[order]
 
 
 def _region(
@@ -411,4 +411,4 @@ def distances_from(points: Floats, place: Floats) -> Floats:
     """``|p - q|`` for many points p, shape (n, 2), at once."""
     with np.errstate(over="ignore", invalid="ignore"):
         difference = points - place
-        return np.asarray(np.hypot(difference[..., 0], difference[..., 1]))
+        return norms(difference)

@@ -115,7 +115,7 @@ class Partition(ShortRepr):
     @property
     def size(self) -> float:
         """Half-width of the checked square plus the largest coordinate of its centre (length)."""
-        return float(self.scene.check.radius) + max(map(abs, self.scene.check.place))
+        return self.scene.check.half_width + max(map(abs, self.scene.check.place))
 
     @cached_property
     def area_error(self) -> Number | arb:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol, Self, TypeAlias, TypeVar
 
+from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import clear_sign, sure_float
 from nonsmooth.symbolic.numbers.number import Tower, sign
@@ -163,6 +164,11 @@ def square(centre: Point, radius: Any) -> Polygon:
         HalfPlane((-one, zero), r - x, "domain"),
     )
     return Polygon(((x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)), sides)
+
+
+def checked_square(scene: Scene) -> Polygon:
+    """The square about its point that a scene asks about."""
+    return square(scene.check.equilibrium, scene.check.radius)
 
 
 def convex_polygon(corners: Sequence[Point]) -> Polygon:

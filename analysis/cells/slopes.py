@@ -179,7 +179,7 @@ def certainty(values: Floats, bounds: Floats, points: Floats, sizes: Floats | No
         sizes: bounds of the points' entries, where these err by as little of them.
     """
     doubt = bounds @ np.abs(points if sizes is None else sizes).T * FLOAT_DOUBT + SMALLEST_NORMAL
-    return np.asarray(values @ points.T / doubt)
+    return values @ points.T / doubt
 
 
 class _PairTable:

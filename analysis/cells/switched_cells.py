@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.polygon import Point, clipped_by
 from nonsmooth.analysis.cells.region import Region, Triple, polygon_region, quadrants
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import formula_refused
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import (
@@ -215,9 +215,8 @@ def lyapunov_cells(
             return lyapunov.polynomial(values, sign_of)
 
         try:
-            pieces = smooth_pieces([cell.region], evaluate, MAX_CELLS - len(found))
-        except ExpressionError as error:
-            raise SceneError(file, key, requirement(error), lyapunov.text) from None
+            with formula_refused(file, key, lyapunov.text):
+                pieces = smooth_pieces([cell.region], evaluate, MAX_CELLS - len(found))
         except TooManyCells:
             expected = f"a V that cuts the plane into at most {MAX_CELLS} cells"
             raise SceneError(file, key, expected, StatedFact("more")) from None

@@ -29,6 +29,7 @@ from nonsmooth.analysis.fields.switched_field import Member, ScalarVelocity, Vel
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number_text import place_text
+from nonsmooth.symbolic.numbers.plane import in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 
 Entry: TypeAlias = Any  # int, float, Fraction or a field element
@@ -129,7 +130,7 @@ class ConstantField(ShortRepr, PolygonField):
     def floats(self) -> ConstantField:
         """The same field in floats."""
         flows = tuple(tuple(flow.floats() for flow in own) for own in self.flows)
-        centre = (float(self.centre[0]), float(self.centre[1]))
+        centre = in_floats(self.centre)
         return replace(self, cells=self.cells.floats, flows=flows, centre=centre)
 
     def number(self, value: Entry) -> Entry:

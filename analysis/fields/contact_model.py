@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.load_model import LoadModel, UnknownLoads
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene
 from nonsmooth.symbolic.mechanics.springs import EqualSprings, load_model
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, float_points, norms, row_products, turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class ContactRows:
         if self.targets.shape[-1:] != (count,) or self.targets.ndim > 2 or self.friction.shape != (count,):
             shapes = f"{self.targets.shape} and {self.friction.shape}"
             raise ValueError(f"required {count} targets and friction coefficients, received shapes {shapes}")
-        if not all(np.isfinite(a).all() for a in (self.rows, self.targets, self.friction)):
+        if not all(are_finite(a) for a in (self.rows, self.targets, self.friction)):
             raise ValueError("required finite rows, targets and friction, received nan or infinity")
         if (self.friction < 0).any():
             raise ValueError(f"required friction >= 0, received {self.friction.min()}")
@@ -200,7 +200,7 @@ class ContactModel(ShortRepr, ContactRows):
             ValueError: for shapes that do not fit, values that are not finite, or a rim without direction.
         """
         p, d, u = (np.array(a, float) for a in (positions, rims, surface))
-        lengths = np.hypot(d[:, 0], d[:, 1])
+        lengths = norms(d)
         if not (lengths > 0).all():
             raise ValueError(f"required rims of nonzero length, received {d[~(lengths > 0)][0]}")
         with np.errstate(invalid="ignore"):  # of numbers that are not finite, which the class refuses
@@ -232,7 +232,7 @@ class ContactModel(ShortRepr, ContactRows):
     @property
     def speeds(self) -> Floats:
         """Surface speeds ``u_i`` along the rims, shape (n,)."""
-        return np.asarray((self.targets.reshape(-1, 2) * self.heads).sum(axis=1))
+        return row_products(self.targets.reshape(-1, 2), self.heads)
 
     def targets_of(self, speeds: ArrayLike) -> Floats:
         """Right sides ``b_k`` for other speeds along the rims: (..., n) to (..., 2n).
@@ -250,7 +250,7 @@ class ContactModel(ShortRepr, ContactRows):
     @property
     def mu_side(self) -> Floats:
         """Friction across the friction axes, shape (n,)."""
-        return np.asarray(self.friction[1::2] * self.cuts)
+        return self.friction[1::2] * self.cuts
 
 
 def _friction_axes(rims: Floats, axes: Sequence[ArrayLike | None] | None) -> tuple[Floats, Floats]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, max_norm
 
 # Relative to the largest vector: singular values below belong to directions in which nothing points.
 RANK_SLACK = 1e-10
@@ -58,7 +58,7 @@ def central_weights(vectors: Floats) -> Floats | None:
 
 def _columns(vectors: Floats) -> Floats:
     """Coordinates of some vectors in an orthonormal basis of what they span (none if all are zero), and a last one."""
-    scale = float(np.abs(vectors).max(initial=0.0))
+    scale = max_norm(vectors)
     if not scale:
         return np.ones((len(vectors), 1))
     _, values, directions = np.linalg.svd(vectors / scale, full_matrices=False)
@@ -91,10 +91,10 @@ def nearest_weights(points: Floats, target: Floats) -> Floats:
     """
     from scipy.optimize import nnls
 
-    scale = float(np.abs(points).max(initial=0.0)) or 1.0
+    scale = max_norm(points) or 1.0
     weights, _ = nnls(np.vstack([points.T / scale, np.ones(len(points))]), np.append(target / scale, 1.0))
     total = float(weights.sum())
-    return np.asarray(weights / total) if total > 0 else np.full(len(points), 1 / len(points))
+    return (weights / total) if total > 0 else np.full(len(points), 1 / len(points))
 
 
 def origin_distance(points: Floats) -> float:

@@ -18,7 +18,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Member, Surface, Velocity, affine_surface
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import cross, dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
 
 
 class CellSides:
@@ -32,7 +32,7 @@ class CellSides:
     def depths(self, points: Floats) -> Floats:
         """How far points (..., 2) lie from the nearest side of every cell, negative outside; shape (..., cells)."""
         gaps = self._offsets - (self._normals @ points.T).T
-        return np.asarray(np.minimum.reduceat(gaps, self._starts, axis=-1))
+        return np.minimum.reduceat(gaps, self._starts, axis=-1)
 
 
 class PolygonField(ABC):
@@ -64,7 +64,7 @@ class PolygonField(ABC):
     def faces_at(self, x: Floats) -> list[Face]:
         """Corners, edges and cells whose closure holds the position."""
         slack = SURFACE_SLACK * self.size
-        at_corner = np.hypot(*(self._points - x[:2]).T) <= slack
+        at_corner = norms(self._points - x[:2]) <= slack
         found = [self._corners[k] for k in np.flatnonzero(at_corner)]
         found += [edge for edge in self._edges if self._holds(edge, x, slack)]
         return found + [cell for cell in self._cells if self._holds(cell, x, slack)]

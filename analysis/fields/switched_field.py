@@ -230,4 +230,4 @@ def sign_patterns(normals: Sequence[Floats]) -> tuple[tuple[int, ...], ...]:
 def span(columns: Floats) -> Floats:
     """Orthonormal basis of the span of some columns."""
     basis, values, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(basis[:, values > CONE_SLACK])
+    return basis[:, values > CONE_SLACK]

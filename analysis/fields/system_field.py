@@ -61,7 +61,7 @@ def system_field(system: SwitchedSystem, start: Sequence[float] = (), *, centred
             return _as_stated(system, sign_of, states)
         return _Polynomials(system.velocity(sign_of, states)).velocity
 
-    size = max(float(system.check.radius), *(abs(float(value)) for value in start), 0.0)
+    size = max(system.check.half_width, *(abs(float(value)) for value in start), 0.0)
     return SignField(system.states, tuple(_surface(surface) for surface in surfaces), flow, size)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, max_norms, row_products, squared_norms
 
 MAX_STEPS = 60  # Newton steps; random arrays of 3 to 100 wheels need at most 15
 MAX_HALVINGS = 40  # a step halved that often no longer changes a double
@@ -36,7 +36,7 @@ def spring_loads(moments: Floats, goals: Floats, start: Floats | None = None) ->
     for _ in range(MAX_STEPS):
         at, aims, forces = y[waiting], goals[waiting], np.maximum(values[waiting], 0.0)
         gradient = _balance(carried, forces) - aims
-        left = np.abs(gradient).max(axis=1) > RESIDUAL * (1 + np.abs(at).max(axis=1))
+        left = max_norms(gradient) > RESIDUAL * (1 + max_norms(at))
         solved[waiting[~left]] = True
         if not left.any():
             break
@@ -64,7 +64,7 @@ def loaded_wheels(positions: Floats, point: Floats) -> frozenset[int] | None:
         point: the centre of mass, shape (2,).
     """
     levers = positions - point
-    scale = float(np.abs(levers).max()) or 1.0
+    scale = max_norm(levers) or 1.0
     loads, solved = spring_loads(np.column_stack([np.ones(len(levers)), levers / scale]), np.array([[1.0, 0.0, 0.0]]))
     return frozenset(np.flatnonzero(loads[0] > LOADED).tolist()) if solved[0] else None
 
@@ -111,4 +111,4 @@ def _descended(moments: Floats, goals: Floats, y: Floats, forces: Floats, step: 
 
 def _energy(goals: Floats, y: Floats, forces: Floats) -> Floats:
     """``1/2 sum_i max(0, m_i . y)^2 - goal . y``."""
-    return np.asarray(0.5 * (forces**2).sum(axis=1) - (goals * y).sum(axis=1))
+    return 0.5 * squared_norms(forces) - row_products(goals, y)

@@ -49,7 +49,7 @@ from nonsmooth.symbolic.mechanics.similar_scenes import moved, scaled, with_fric
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import power_text
 from nonsmooth.symbolic.numbers.plane import Pose
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, max_norm, norms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, scaled_system
 
 POWERS = (-9, -6, -3, 3, 6, 9)  # of ten: other units of length or time
@@ -77,7 +77,7 @@ UNPROVEN = "its forces do not certify the minimum: they are so large that their 
 
 def friction_rows(scene: Scene) -> Rows:
     """The least dissipation of both functionals at every ratio; a refusal where there are no loads."""
-    (x, y), radius = scene.check.place, float(scene.check.radius)
+    (x, y), radius = scene.check.place, scene.check.half_width
     point = [[x + 0.3171 * radius, y + 0.2443 * radius]]  # a place of no symmetry
     for name, ratio in RATIOS.items():
         model = contact_model(with_friction_ratio(scene, ratio))
@@ -119,7 +119,7 @@ def support_rows(scene: Scene) -> Rows:
         yield from _tipping(model, middle, "wheels on one line")
         return
     following = np.roll(hull, -1, axis=0)
-    k = int(np.argmax(np.hypot(*(following - hull).T)))
+    k = int(np.argmax(norms(following - hull)))
     edge = hull[k] + ALONG * (following[k] - hull[k])
     for depth in DEPTHS:
         yield _load_row(EDGE, power_text(depth), scene, edge + depth * (middle - edge))
@@ -204,7 +204,7 @@ def collinear_rows(scene: Scene) -> Rows:
             raise ValueError("required independent rows, received dependent ones")
         truth, condition = _by_elimination(rows)
         found = np.array(state.twist, float)
-        error = float(np.abs(found - truth).max()) / (float(np.abs(truth).max()) or 1.0)
+        error = max_norm(found - truth) / (max_norm(truth) or 1.0)
         said, why = f"omega = {found[2]:.6g}", "exact and rounded once, whatever the condition"
         case, bound = "wheels nearly in line, twist", 4 * EPSILON
         yield judged(case, f"1e-{power}", said, error, bound, condition=condition, why=why)
@@ -373,7 +373,7 @@ def _surface_points(measured: MeasuredField, field: SignField) -> Iterator[tuple
     for surface in field.surfaces:
         for seed in (START, (-0.5317, 0.4129)):
             point = onto(np.array(measured.place(*seed)), [surface], measured.radius)
-            if np.abs(point).max() <= measured.radius:
+            if max_norm(point) <= measured.radius:
                 gradient = surface.gradient(point)
                 yield point, gradient / np.hypot(*gradient)
                 break
@@ -448,7 +448,7 @@ def feedback_rows(partition: Partition) -> Rows:
 
 
 def _feedback_start(partition: Partition) -> Pose:
-    (x, y), radius = partition.scene.check.place, float(partition.scene.check.radius)
+    (x, y), radius = partition.scene.check.place, partition.scene.check.half_width
     return x + PLACE[0] * radius, y + PLACE[1] * radius, PLACE[2]
 
 
@@ -474,7 +474,7 @@ def _corrected_row(partition: Partition, gain: float, slow: Trajectory) -> Resul
     path = _corrected(partition, gain, UNTIL)
     verdict = f"{counted(len(path.times), 'step')}, {path.method}: {path.end.reason}"
     common = np.linspace(0, min(float(slow.end.t), gain * float(path.end.t)), COMPARISONS)
-    error = float(np.abs(path.sample(common / gain) - slow.sample(common)).max())
+    error = max_norm(path.sample(common / gain) - slow.sample(common))
     if path.end.reason is EndReason.TIME and slow.end.reason is EndReason.TIME and gain * UNTIL > COMPARED:
         x, y = partition.scene.check.place
         last, before = (np.hypot(*(np.array(p.end.state[:2]) - (x, y))) + abs(p.end.state[2]) for p in (path, slow))

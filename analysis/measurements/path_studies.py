@@ -108,7 +108,7 @@ def build_trajectories(scene: Scene) -> StudyPlan:
     methods: list[Method] = [
         (EXACT, partial(_in_closed_form, field), None, None),
         ("events, closed form", partial(_in_closed_form, field.floats()), None, None),
-        *_methods(smooth_form(field), field, float(scene.check.radius)),
+        *_methods(smooth_form(field), field, scene.check.half_width),
     ]
     switching = sum(bool(path.events) for path in paths)
     note = "" if switching else "no path meets a switch: every method follows one smooth motion"

@@ -344,7 +344,7 @@ def measured_array(partition: Partition, kinematics: Kinematics) -> MeasuredFiel
 
 def measured_system(scene: SwitchedSystem) -> MeasuredField:
     """A plain system, followed by the general integrator."""
-    field, radius = system_field(scene, centred=True), float(scene.check.radius)
+    field, radius = system_field(scene, centred=True), scene.check.half_width
     exact = constant_system(scene)
     return MeasuredField(field, system_pieces(scene), exact, radius, (0.0, 0.0), SURFACE_SLACK * radius)
 

@@ -35,7 +35,7 @@ from nonsmooth.symbolic.mechanics.contact_states import ContactState, Row, scene
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import XY
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, row_products
 
 # ---- the upper derivative ------------------------------------------------------------------------
 #
@@ -64,7 +64,7 @@ def build_upper_derivative(scene: Scene) -> StudyPlan:
         raise LeftOut(f"no exact V*: {error}") from None
     if not isinstance(rule, CellRule):
         raise TypeError(f"required a rule with cells, received {rule.name}")
-    exact, radius = largest_derivative(partition), float(scene.check.radius)
+    exact, radius = largest_derivative(partition), scene.check.half_width
 
     def judge_exactly(found: Number) -> Assessment:  # a difference in floats would hide what is left of it
         same = found.field is exact.field and found == exact
@@ -122,7 +122,7 @@ def _largest_sampled(rule: CellRule, scene: Scene, points: Floats, clock: Clock)
     for start in range(0, len(points), block):
         clock.check()
         part = points[start : start + block]
-        largest = max(largest, float(2 * (rule.literal_twists(scene, part)[:, :2] * part).sum(axis=1).max()))
+        largest = max(largest, float(2 * row_products(rule.literal_twists(scene, part)[:, :2], part).max()))
     return largest
 
 
@@ -215,7 +215,7 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
 
 def _points(scene: Scene) -> Iterator[XY]:
     """Points of the checked square at random."""
-    (x, y), radius = scene.check.place, float(scene.check.radius)
+    (x, y), radius = scene.check.place, scene.check.half_width
     for a, b in (np.random.default_rng(0).integers(-255, 256, (TRIED, 2)) / 256).tolist():
         yield x + radius * a, y + radius * b
 

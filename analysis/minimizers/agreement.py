@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, float_points, norms, places_of, row_norms
 
 RulePair: TypeAlias = tuple[str, str]
 
@@ -146,8 +146,8 @@ def _differences(scene: Scene, rule: SmoothRule, partitions: Mapping[str, Partit
 def comparison_grid(scene: Scene) -> Floats:
     """One point in each field of a GRID x GRID raster of the square, off its axes and diagonals, shape (GRID^2, 2)."""
     centre = np.array(scene.check.place)
-    across, up = (float(scene.check.radius) * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
-    return np.asarray(centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2))
+    across, up = (scene.check.half_width * ((np.arange(GRID) + shift) * 2 / GRID - 1) for shift in (0.5, 0.3))
+    return centre + np.stack(np.meshgrid(across, up), axis=-1).reshape(-1, 2)
 
 
 def _difference(scene: Scene, points: Floats, first: Floats, second: Floats, missing: str) -> TwistDifference:
@@ -155,9 +155,9 @@ def _difference(scene: Scene, points: Floats, first: Floats, second: Floats, mis
         return TwistDifference(0, None, None, None, missing)
     centre = np.array(scene.check.place)
     wheels = places_of(scene.wheels)
-    scale = np.array([1.0, 1.0, np.hypot(*(wheels - centre).T).max()])
-    sizes = np.maximum(np.linalg.norm(first * scale, axis=1), np.linalg.norm(second * scale, axis=1))
-    apart = np.linalg.norm((first - second) * scale, axis=1)
+    scale = np.array([1.0, 1.0, norms(wheels - centre).max()])
+    sizes = np.maximum(row_norms(first * scale), row_norms(second * scale))
+    apart = row_norms((first - second) * scale)
     relative = np.divide(apart, sizes, out=np.zeros_like(apart), where=sizes > 0)
     # Mirror images differ by rounding alone: the first of them is named, on every machine.
     worst = int(np.argmax(np.round(relative / (relative.max() or 1.0), ALIKE)))
@@ -190,7 +190,7 @@ class PointLocator:
 
     def __init__(self, partition: Partition) -> None:
         self.partition = partition
-        self.scale = float(partition.scene.check.radius) * SIDE_SLACK
+        self.scale = partition.scene.check.half_width * SIDE_SLACK
         self._sides = CellSides([float_polygon(cell.polygon).sides for cell in partition.cells])
         # the last row belongs to OUTSIDE
         self._twists = np.array([*(cell.twists[0] for cell in partition.cells), [np.nan] * 3], float)

@@ -27,7 +27,7 @@ from nonsmooth.analysis.minimizers.minimum import (
     distinct,
     rounding_error,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, max_norm
 
 TOGETHER = 40  # points in one linear program: beyond, the time of the simplex method grows faster than their number
 HIGHS_FEASIBILITY = 1e-10  # smallest feasibility tolerance of HiGHS, on rows and limits of order 1
@@ -160,7 +160,7 @@ def _best(model: ContactRows, loads: Floats, candidates: Floats) -> Floats:
     allowed = SAME_VALUE * values[least] + rounding_error(model, loads, candidates)
     best = candidates[values <= values[least] + allowed]
     slips = model.slips(best).reshape(len(best), -1)
-    return best[distinct(slips, SAME_VERTEX * float(np.abs(slips).max()))]
+    return best[distinct(slips, SAME_VERTEX * max_norm(slips))]
 
 
 def forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
@@ -174,4 +174,4 @@ def forces_at(model: ContactRows, loads: Floats, twist: Floats) -> Floats:
         rows = model.rows / _column_sizes(model)
         bounds = (-limits[free], limits[free])
         forces[free] = lsq_linear(rows[free].T, -rows.T @ forces, bounds, method="bvls").x
-    return np.asarray(forces.reshape(-1, 2))
+    return forces.reshape(-1, 2)

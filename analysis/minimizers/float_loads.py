@@ -17,7 +17,7 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic, carried_loads
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, finite_rows, norms, row_products, turned
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
@@ -109,7 +109,7 @@ def elastic_loads(model: ContactModel, points: ArrayLike) -> Floats:
             f"required three wheels that are not collinear, received {model.wheels} wheels on one line: "
             "elastic loads are undetermined"
         )
-    finite = np.isfinite(centres).all(axis=1)
+    finite = finite_rows(centres)
     goals = np.linalg.solve(triangle.T, _affine((np.where(finite[:, None], centres, middle) - middle) / radius).T).T
     tips = ~finite | _outside(moments[:, 1:], goals[:, 1:])
     if tips.any():
@@ -139,7 +139,7 @@ FLOATS: Arithmetic[float] = Arithmetic(float, _inverse, _sign)
 def _frame(model: ContactModel) -> tuple[Floats, float]:
     """The middle of the wheels, and how far they are from it."""
     middle = model.positions.mean(axis=0)
-    return middle, float(np.hypot(*(model.positions - middle).T).max()) or 1.0
+    return middle, float(norms(model.positions - middle).max()) or 1.0
 
 
 def _affine(points: Floats) -> Floats:
@@ -166,6 +166,6 @@ def _hull_sides(corners: bytes) -> Floats:
     """The same, of doubles."""
     hull = support_polygon(outer_positions([(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()]))
     starts, ends = np.array(hull), np.array([*hull[1:], hull[0]])
-    along = (ends - starts) / np.hypot(*(ends - starts).T)[:, None]
-    normals = np.column_stack([along[:, 1], -along[:, 0]])
-    return np.column_stack([normals, -(normals * starts).sum(axis=1)])
+    along = (ends - starts) / norms(ends - starts)[:, None]
+    normals = -turned(along)
+    return np.column_stack([normals, -row_products(normals, starts)])

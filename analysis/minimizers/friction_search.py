@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, max_norms
 
 STARTS = 256
 STEPS = 15
@@ -56,7 +56,7 @@ class RimDemand:
         """The speed of the fastest rim, (m,), by the cotangents of phi (m, k) of the wheels that slip across."""
         speeds = np.tile(self.rolling, (len(cotangents), 1))
         speeds[:, slips] -= self.turning[slips] * cotangents
-        return np.asarray(np.abs(speeds).max(axis=1))
+        return max_norms(speeds)
 
 
 class FrictionForces(NamedTuple):
@@ -89,7 +89,7 @@ def search_forces(
     for _ in range(STEPS):
         unknowns = balance.stepped(unknowns)
     forces = balance.forces(unknowns)
-    balanced = np.abs(balance.total(forces)).max(axis=1) < BALANCED
+    balanced = max_norms(balance.total(forces)) < BALANCED
     margin = np.minimum(balance.slipping_margin(forces.sines), balance.sticking_margin(forces.sticking))
     inside = balanced & ((forces.angles > 0) & (forces.angles < np.pi)).all(axis=1)
     best = balance.slowest(np.where(inside, margin, -1), forces, demand)
@@ -137,7 +137,7 @@ class _Balance(ABC):
     def total(self, forces: _Forces) -> Floats:
         """What is left of the balance, (m, 3)."""
         slipping = forces.cosines @ self.first + self._heights(forces.sines) @ self.second
-        return np.asarray(slipping + forces.sticking.reshape(len(slipping), -1) @ self.fixed.reshape(-1, 3))
+        return slipping + forces.sticking.reshape(len(slipping), -1) @ self.fixed.reshape(-1, 3)
 
     def stepped(self, unknowns: Floats) -> Floats:
         """A Newton step of least norm, shortened where it is long."""
@@ -146,7 +146,7 @@ class _Balance(ABC):
         normal = columns.transpose(0, 2, 1) @ columns + REGULARIZATION * np.eye(3)
         step = -(columns @ np.linalg.solve(normal, self.total(forces)[..., None]))[..., 0]
         step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
-        return np.asarray(unknowns + step)
+        return unknowns + step
 
     def slowest(self, margins: Floats, forces: _Forces, demand: RimDemand) -> int | None:
         """Of forces with margins (m,) those of the slowest rims; None without a margin.
@@ -178,7 +178,7 @@ class _Balance(ABC):
     def _turning(self, forces: _Forces) -> Floats:
         """The derivative of the total by each phi, (m, k, 3)."""
         rising = np.where(self.turns & (forces.sines < self.cuts), forces.cosines, 0)
-        return np.asarray(rising[..., None] * self.second - forces.sines[..., None] * self.first)
+        return rising[..., None] * self.second - forces.sines[..., None] * self.first
 
     def _drawn(self, rng: np.random.Generator, count: int) -> tuple[Floats, Floats, Floats]:
         """Random angles (m, k), and random points of discs by their angles and lengths, (m, l)."""

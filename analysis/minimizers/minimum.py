@@ -31,7 +31,7 @@ from nonsmooth.analysis.minimizers.sum_of_supports import quadratic_parts
 from nonsmooth.symbolic.mechanics.contact_states import free_text, free_twists
 from nonsmooth.symbolic.mechanics.friction_set import Box, CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, max_norm, squared_norms
 
 ROUNDING = 1e-14  # of D and of its gap, relative to the sum of the absolute terms they are made of
 
@@ -173,10 +173,10 @@ def optimal_face(
     rows, to_twist = row_frame(np.where(loaded[:, None], model.rows, 0.0))
     rows = np.einsum("nij,njk->nik", mix, rows.reshape(-1, 2, 3)).reshape(-1, 3)
     slips = np.einsum("nij,nj->ni", mix, model.slips(twist)).reshape(-1)
-    sizes = np.sqrt((rows**2).sum(axis=1))
+    sizes = np.sqrt(squared_norms(rows))
     used = ~idle.reshape(-1) & (sizes > 0)
     rows, slips = rows[used] / sizes[used, None], slips[used] / sizes[used]
-    scale = max(float(np.abs(model.targets).max()), float(np.abs(slips).max(initial=0.0)))
+    scale = max(max_norm(model.targets), max_norm(slips))
     steps = _vertices(rows, slips, equation.reshape(-1)[used], scale)
     twists = twist + steps[distinct(steps, SAME_VERTEX * scale)] @ to_twist.T
     value = dissipation(functional, model, loads, twist)
@@ -233,7 +233,7 @@ def distinct(points: Floats, tolerance: float) -> list[int]:
     """Indices of points (k, d) without repetitions."""
     kept: list[int] = []
     for k, point in enumerate(points):
-        if all(np.abs(point - points[other]).max() > tolerance for other in kept):
+        if all(max_norm(point - points[other]) > tolerance for other in kept):
             kept.append(k)
     return kept
 
@@ -290,7 +290,7 @@ def balance_forces(functional: Functional, model: ContactRows, loads: Floats, fo
             shares[k] = _repaired(sets.room(along, across, TURNING), limits[k], model.rows, shares[k])
     shares = np.where(np.abs(shares) > NEGLIGIBLE, shares, 0.0)
     excess = sets.gauge(*np.moveaxis(shares, -1, 0)).max(axis=-1)
-    return np.asarray(shares * limits / np.maximum(1.0, excess)[:, None, None])
+    return shares * limits / np.maximum(1.0, excess)[:, None, None]
 
 
 def _repaired(room: Floats, limits: Floats, rows: Floats, shares: Floats) -> Floats:
@@ -299,7 +299,7 @@ def _repaired(room: Floats, limits: Floats, rows: Floats, shares: Floats) -> Flo
     weighted = limits.reshape(-1, 1) * rows / np.where(sizes > 0, sizes, 1.0)
     movable = (room @ weighted.reshape(-1, 2, 3)).reshape(-1, 3)
     step, *_ = np.linalg.lstsq(movable.T, shares.reshape(-1) @ weighted)
-    return np.asarray(shares - (room @ step.reshape(-1, 2, 1))[..., 0])
+    return shares - (room @ step.reshape(-1, 2, 1))[..., 0]
 
 
 # ---- minimizers with the forces that prove them --------------------------------------------------

@@ -30,7 +30,17 @@ from nonsmooth.analysis.minimizers.minimum import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, places_of, point_velocities, turned
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    norms,
+    places_of,
+    point_velocities,
+    row_products,
+    squared_norms,
+    turned,
+    unit_rows,
+)
 
 RANK_TOLERANCE = 1e-9  # relative to the row norms: below it a row counts as dependent on the earlier ones
 NEAREST = 6  # wheels by which points are grouped: three rows seldom need more than two
@@ -56,19 +66,19 @@ class SampledDerivative:
 
 
 def _random_points(scene: Scene, samples: int) -> Floats:
-    radius = float(scene.check.radius)
+    radius = scene.check.half_width
     return np.random.default_rng(0).uniform(-radius, radius, size=(samples, 2))
 
 
 def _rates(points: Floats, twists: Floats) -> Floats:
     """``2 c . v``."""
-    return np.asarray(2 * (twists[:, :2] * points).sum(axis=1))
+    return 2 * row_products(twists[:, :2], points)
 
 
 def _largest_rates(points: Floats, rates: Floats, not_certified: str = "") -> SampledDerivative:
     if not len(points):
         return SampledDerivative(0, None, None, None, not_certified)
-    relative = rates / np.hypot(*points.T)
+    relative = rates / norms(points)
     best = int(np.argmax(relative))
     at = (points[best, 0], points[best, 1])
     return SampledDerivative(len(points), float(rates.max()), float(relative[best]), at, not_certified)
@@ -92,7 +102,7 @@ def literal_twists(scene: Scene, points: Floats) -> Floats:
     for number in (k for k, (_, used) in enumerate(found) if used > nearest):  # wheels farther away decide
         members = np.flatnonzero(group == number)
         twists[members] = [literal_twist(scene, points[k]) for k in members]
-    return np.asarray(twists)
+    return twists
 
 
 def _by_distance(scene: Scene, point: Floats) -> list[Wheel]:
@@ -112,7 +122,7 @@ def greedy_twist(ordered: Sequence[Wheel]) -> tuple[Floats, int]:
                 rows.append(normal)
                 rhs.append(speed)
         used += 1
-    return np.asarray(np.linalg.solve(np.array(rows), np.array(rhs))), used
+    return np.linalg.solve(np.array(rows), np.array(rhs)), used
 
 
 def _ordered_rows(wheel: Wheel) -> list[tuple[Floats, float]]:
@@ -176,7 +186,7 @@ class SampledField:
     @property
     def speeds(self) -> Floats:
         """``|c'|`` (m,)."""
-        return np.asarray(np.hypot(*self.velocities.T))
+        return norms(self.velocities)
 
     @property
     def is_determined(self) -> Mask:
@@ -193,9 +203,9 @@ class SampledField:
     def upper_derivative(self) -> Floats:
         """``V* = 2 (c - c*) . c'`` of ``V = |c - c*|^2`` (m,); zero where it is what rounding leaves of zero."""
         centre = np.array(self.scene.check.place)
-        found = 2 * ((self.points - centre) * self.velocities).sum(axis=1)
-        least = RESTS * float(self.scene.check.radius) * float(np.nanmax(self.speeds, initial=0.0))
-        return np.asarray(np.where(np.abs(found) <= least, 0.0, found))
+        found = 2 * row_products(self.points - centre, self.velocities)
+        least = RESTS * self.scene.check.half_width * float(np.nanmax(self.speeds, initial=0.0))
+        return np.where(np.abs(found) <= least, 0.0, found)
 
 
 def sample_field(scene: Scene, count: int) -> SampledField:
@@ -209,7 +219,7 @@ def sample_field(scene: Scene, count: int) -> SampledField:
     if free:
         raise RefusalError(f"friction: required friction against every motion, received: {free}")
     centred, rule = scene.recentred(), smooth_rule_of(scene)
-    radius = float(scene.check.radius)
+    radius = scene.check.half_width
     x, y = np.meshgrid(*[np.linspace(-radius, radius, count)] * 2)
     places = np.column_stack([x.ravel(), y.ravel()])
     minima = minima_under(rule, centred, places)
@@ -317,8 +327,7 @@ def sample_closed_loop(
 
 def _random_states(rng: np.random.Generator, samples: int, radius: float) -> Floats:
     """States of all sizes: logarithmic distances from the equilibrium, and the axes."""
-    directions = rng.normal(size=(samples, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    directions = unit_rows(rng.normal(size=(samples, 3)))
     states = directions * radius * 10 ** rng.uniform(-3, 0, size=(samples, 1))
     axes = radius * np.concatenate([np.eye(3), -np.eye(3), 0.1 * np.eye(3), -0.1 * np.eye(3)])
     return np.concatenate([axes, states])
@@ -331,10 +340,10 @@ def relative_rates(model: ContactModel, functional: Functional, law: SampledLaw,
     """
     speeds = _LAWS[law](model, states)
     minima = _minimizers(model, functional, states[:, :2], speeds)
-    products = (minima.twists * states).sum(axis=1)
+    products = row_products(minima.twists, states)
     for k, face in minima.faces.items():
         products[k] = (face @ states[k]).max()
-    return np.where(proved(minima), 2 * products / (states**2).sum(axis=1), np.nan)
+    return np.where(proved(minima), 2 * products / squared_norms(states), np.nan)
 
 
 def paper_speeds(model: ContactModel, states: Floats) -> Floats:
@@ -348,7 +357,7 @@ def paper_speeds(model: ContactModel, states: Floats) -> Floats:
     speeds = np.zeros((len(states), model.wheels))
     rows = np.arange(len(states))
     speeds[rows, second] = steering
-    speeds[rows, nearest] = np.abs(steering) + GAIN * np.hypot(states[:, 0], states[:, 1])
+    speeds[rows, nearest] = np.abs(steering) + GAIN * norms(states)
     return speeds
 
 
@@ -356,7 +365,7 @@ def tracking_speeds(model: ContactModel, states: Floats) -> Floats:
     """``u_i = d_i . (v + omega J(p_i - c))`` for the wanted pose rate ``(v, omega) = -k (c, theta)``."""
     arms = model.positions - states[:, None, :2]
     turning = turned(arms) * states[:, None, 2:]
-    return np.asarray(-GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1))
+    return -GAIN * ((states[:, None, :2] + turning) * model.rims).sum(axis=-1)
 
 
 _LAWS = {SampledLaw.PAPER: paper_speeds, SampledLaw.TRACKING: tracking_speeds}

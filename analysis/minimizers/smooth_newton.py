@@ -27,7 +27,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, max_norm, norms, squared_norms
 
 # ---- regimes of friction -------------------------------------------------------------------------
 #
@@ -87,7 +87,7 @@ NOBODY = Regime(np.zeros(0, int), np.zeros(0, bool), np.zeros(0, bool))
 def changed(regime: Regime, unknowns: Floats, wrong: Mask) -> tuple[Regime, Floats]:
     """The regime and unknowns in which the wrong contacts (t,) slip instead of stick, and the other way round."""
     twist, forces, slips = regime.parts(unknowns)
-    lengths = np.sqrt((forces**2).sum(axis=1))
+    lengths = np.sqrt(squared_norms(forces))
     released = wrong & regime.sticks
     forces = np.where(released[:, None], forces / np.maximum(lengths, 1e-300)[:, None], forces)
     after = replace(regime, sticks=regime.sticks ^ wrong)
@@ -122,12 +122,12 @@ def smallest_forces(maps: Floats, forces: Floats) -> Floats:
 
 def _on_line(forces: Floats, way: Floats) -> Floats:
     """The best of ``forces + t way``: lowest point of one parabola, or where both meet."""
-    bends, slopes, values = (way**2).sum(axis=1), (forces * way).sum(axis=1), (forces**2).sum(axis=1)
+    bends, slopes, values = squared_norms(way), (forces * way).sum(axis=1), squared_norms(forces)
     lowest = [-slope / bend for slope, bend in zip(slopes, bends, strict=True) if bend > 0]
     meeting = np.roots([bends[0] - bends[1], 2 * (slopes[0] - slopes[1]), values[0] - values[1]])
     places = np.array([*lowest, *meeting[np.isreal(meeting)].real])
     largest = (bends * places[:, None] ** 2 + 2 * slopes * places[:, None] + values).max(axis=1)
-    return np.asarray(forces + places[largest.argmin()] * way)
+    return forces + places[largest.argmin()] * way
 
 
 def _lawson(flat: Floats, forces: Floats) -> Floats:
@@ -137,8 +137,8 @@ def _lawson(flat: Floats, forces: Floats) -> Floats:
     for _ in range(MOST_WEIGHTS):
         roots = np.repeat(1 / np.sqrt(np.maximum(weights, 1e-12)), 2)
         found = (roots * np.linalg.lstsq(flat * roots, total, rcond=1e-12)[0]).reshape(-1, 2)
-        sizes = np.sqrt((found**2).sum(axis=1))
-        if sizes.max() < np.sqrt((best**2).sum(axis=1)).max():
+        sizes = np.sqrt(squared_norms(found))
+        if sizes.max() < np.sqrt(squared_norms(best)).max():
             best = found
         if sizes.max() <= CLOSE * np.sqrt(weights @ sizes**2):
             return best
@@ -178,7 +178,7 @@ class SmoothNewton:
         self._targets = model.friction * model.targets
         self._pairs, self._goals = self._rows.reshape(-1, 2, 3), self._targets.reshape(-1, 2)
         self._first, self._second = self._rows[::2], self._rows[1::2]
-        self._speed = float(np.abs(self._targets).max()) or 1.0
+        self._speed = max_norm(self._targets) or 1.0
         self._scale = np.abs(self._rows).max(axis=0)  # of the columns: v and omega have different units
         self._scale[self._scale == 0] = 1.0
         self.last: tuple[Regime, Floats] | None = None
@@ -237,7 +237,7 @@ class SmoothNewton:
             rows = np.concatenate([held, self._pairs[contact]])
             goals = np.concatenate([self._goals[stuck].ravel(), self._goals[contact]])
             together = np.linalg.lstsq(rows, goals, rcond=SINGULAR)[0]
-            pinned[k] = np.abs(rows @ together - goals).max() <= RESIDUAL * self._speed
+            pinned[k] = max_norm(rows @ together - goals) <= RESIDUAL * self._speed
             if pinned[k]:
                 along = self._pairs[contact] @ way
                 forces[k] = along / np.hypot(*along) * (1.0 if forces[k] @ along >= 0 else -1.0)
@@ -274,7 +274,7 @@ class SmoothNewton:
             if system is None or step is None:
                 return None
             unknowns = unknowns - step
-            small = np.abs(self._rows @ step[:3]).max() <= SETTLED * self._speed
+            small = max_norm(self._rows @ step[:3]) <= SETTLED * self._speed
             if small and np.abs(step[3 : regime.end]).max(initial=0.0) <= SETTLED:
                 return self._proved(regime, unknowns, loads, system[0][:3, :3])
         return None
@@ -395,7 +395,7 @@ class CutNewton:
         rows = model.friction[:, None] * model.rows / self._scale
         self._pairs, self._goals = rows.reshape(-1, 2, 3), (model.friction * model.targets).reshape(-1, 2)
         self._cut, self._corner = model.cuts, np.sqrt((1 - model.cuts) * (1 + model.cuts))
-        self._speed = float(np.abs(self._goals).max()) or 1.0
+        self._speed = max_norm(self._goals) or 1.0
         self._limits = np.column_stack([self._corner, self._cut])
         self._sides = np.zeros_like(self._goals)  # of X and Y of each contact that is cut: 0 where it rolls or sticks
         self.last: Floats | None = None
@@ -415,7 +415,7 @@ class CutNewton:
         for _ in range(CUT_STEPS):
             slips = self._pairs @ unknowns - self._goals
             before, arcs = arcs, self._on_arcs(slips)
-            if np.hypot(*slips[arcs & loaded].T).min(initial=self._speed) < STUCK * self._speed:
+            if norms(slips[arcs & loaded]).min(initial=self._speed) < STUCK * self._speed:
                 return None
             found = self._step(loads, slips, arcs)
             if found is None:
@@ -431,7 +431,7 @@ class CutNewton:
             if excess.max() > 0:
                 contact, axis = divmod(int(excess.argmax()), 2)
                 self._sides[contact, axis] = np.sign(forces[contact, axis])
-            elif np.abs(self._pairs @ step).max() <= SETTLED * self._speed and np.array_equal(arcs, before):
+            elif max_norm(self._pairs @ step) <= SETTLED * self._speed and np.array_equal(arcs, before):
                 self.last = unknowns / self._scale
                 return self.last
         return None
@@ -451,7 +451,7 @@ class CutNewton:
         """A step of the twist in scaled units, and forces of contacts that roll or stick (n, 2); None if singular."""
         held = (self._sides == 0) & ~arcs[:, None] & (loads > 0)[:, None] & (self._cut < 1)[:, None]
         forces = self._limits * self._sides
-        sizes = np.where(arcs, np.hypot(*slips.T), 1.0)
+        sizes = np.where(arcs, norms(slips), 1.0)
         sizes[sizes == 0] = 1.0  # without load
         units = slips / sizes[:, None]
         forces[arcs] = units[arcs]
@@ -468,7 +468,7 @@ class CutNewton:
             return None
         unknown = np.zeros_like(slips)
         unknown[held] = found[3:] / np.broadcast_to(loads[:, None], slips.shape)[held]
-        return (found[:3], unknown) if np.isfinite(found).all() else None
+        return (found[:3], unknown) if are_finite(found) else None
 
     def _first_turned(self, slips: Floats, step: Floats, slipping: Mask) -> tuple[float, int, int] | None:
         """The share of a step at which a slip first leaves its side, of which contact, and along 0 or across 1.

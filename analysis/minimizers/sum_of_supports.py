@@ -34,7 +34,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.symbolic.mechanics.friction_set import FrictionSets, UnitDiscs
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, row_products
 
 TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
@@ -82,7 +82,7 @@ class SupportSums:
 
     def moved(self, y: Floats) -> Floats:
         """``E_i y``, shape (2, n, m), of y (3, m)."""
-        return np.asarray(self.maps.transpose(1, 0, 2) @ y)
+        return self.maps.transpose(1, 0, 2) @ y
 
     def slips(self, y: Floats) -> Floats:
         """``E_i y - e_i``."""
@@ -91,16 +91,16 @@ class SupportSums:
     def values(self, y: Floats) -> Floats:
         """What is to be least, shape (m,)."""
         value = (self.weights * self.sets.support(*self.slips(y))).sum(axis=0)
-        return np.asarray(value if self.pulls is None else value - (self.pulls * y).sum(axis=0))
+        return value if self.pulls is None else value - (self.pulls * y).sum(axis=0)
 
     def total(self, forces: Floats) -> Floats:
         """``sum_i w_i E_i^T p_i - G``, shape (3, m)."""
         total = self._columns @ np.concatenate(self.weights * forces)
-        return np.asarray(total if self.pulls is None else total - self.pulls)
+        return total if self.pulls is None else total - self.pulls
 
     def hessian(self, rates: Floats) -> Floats:
         """Upper triangles of ``sum_i w_i E_i^T S_i E_i``, shape (6, m), for ``S_i = rates (xx, yy, xy)``, (3, n, m)."""
-        return np.asarray(self._pairs @ np.concatenate(self.weights * rates))
+        return self._pairs @ np.concatenate(self.weights * rates)
 
     def newton_step(self, total: Floats, rates: Floats, shift: Floats | float, rounding: float) -> Floats:
         """``-(sum_i w_i E_i^T S_i E_i + shift)^-1 total`` with ``S_i = rates (xx, yy, xy)``, shape (3, n, m).
@@ -237,7 +237,7 @@ def softness_that_sticks(sums: SupportSums, y: Floats, forces: Floats) -> Floats
     smaller one.
     """
     slips, slack = sums.sets.support(*sums.slips(y)), -sums.sets.excess(*forces)
-    return np.asarray(np.where(slips < slack, slips / (PUSH * slack), 0.0).max(axis=0))
+    return np.where(slips < slack, slips / (PUSH * slack), 0.0).max(axis=0)
 
 
 # ---- holding -------------------------------------------------------------------------------------
@@ -306,7 +306,7 @@ def _least_slipping(sums: SupportSums, y: Floats) -> Held:
 
 def _along_way(sums: SupportSums, held: Held, y: Floats) -> tuple[Floats, Floats, Floats]:
     """The best unknowns that hold the contacts, the forces of all others (2, n, m), and the last step (3, m)."""
-    y = y - (held.back * sums.slips(y)[:, *held.at]).sum(axis=1)
+    y = y - row_products(held.back, sums.slips(y)[:, *held.at])
     (r, s), (along, across) = sums.slips(y), sums.moved(held.way)
     weights, square = sums.weights.copy(), along * along + across * across
     weights[held.at] = 0.0
@@ -333,10 +333,10 @@ def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, fo
     rates = _turns(units) / np.maximum(sums.sets.support(*slips), TINY)
     rates[:, *held.at] = 0.0
     hessian = sums.hessian(rates)[_SQUARE].reshape(3, 3, -1)
-    bent = (hessian * held.way).sum(axis=1)
+    bent = row_products(hessian, held.way)
     bend = np.maximum((held.way * bent).sum(axis=0), TINY)
     coupled = _transposed(held.back, bent)
-    first, second = (_transposed(held.back, (hessian * held.back[:, k]).sum(axis=1)) for k in range(2))
+    first, second = (_transposed(held.back, row_products(hessian, held.back[:, k])) for k in range(2))
     xx, xy = (first - coupled[0] * coupled / bend) / held.weights
     yy = (second - coupled[1] * coupled / bend)[1] / held.weights
     s = np.zeros(force.shape[1])
@@ -346,7 +346,7 @@ def _little_slip(sums: SupportSums, held: Held, units: Floats, slips: Floats, fo
         size = np.sqrt((q * q).sum(axis=0))
         s = np.maximum(s + size * size * (size - 1) / np.maximum((q * turned).sum(axis=0), TINY), 0.0)
     slip = s * q
-    return (held.back * slip).sum(axis=1) - held.way * ((coupled * slip).sum(axis=0) / bend)
+    return row_products(held.back, slip) - held.way * ((coupled * slip).sum(axis=0) / bend)
 
 
 def _turns(units: Floats) -> Floats:
@@ -490,7 +490,7 @@ _SQUARE = [0, 1, 2, 1, 3, 4, 2, 4, 5]  # entries of a symmetric matrix in its up
 
 def _transposed(matrix: Floats, vector: Floats) -> Floats:
     """``B^T v`` of m matrices (3, 2, m) and vectors (3, m)."""
-    return np.asarray((matrix * vector[:, None]).sum(axis=0))
+    return (matrix * vector[:, None]).sum(axis=0)
 
 
 def _solve_pair(xx: Floats, xy: Floats, yy: Floats, right: Floats) -> Floats:
@@ -510,7 +510,7 @@ def quadratic_parts(maps: Floats) -> Floats:
 def _products(first: Floats, second: Floats) -> Floats:
     """Upper triangles of the symmetric parts of ``first_i second_i^T``, shape (n, 6)."""
     outer = np.einsum("ni,nj->nij", first, second)
-    return np.asarray(((outer + outer.transpose(0, 2, 1)) / 2)[:, _ROW, _COLUMN])
+    return ((outer + outer.transpose(0, 2, 1)) / 2)[:, _ROW, _COLUMN]
 
 
 def _solve(matrix: Floats, right: Floats, shift: Floats) -> Floats:

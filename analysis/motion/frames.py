@@ -31,7 +31,7 @@ from nonsmooth.analysis.fields.polygon_field import CellSides
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Piece, Trajectory
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, max_norms, norms, turned
 
 # ---- the spatial twist along a path, from the path alone -----------------------------------------
 #
@@ -86,11 +86,11 @@ class _Path:
         step, middle = STEP * (end - start), min(max(time, start), end)
         if middle - step < start:
             here, near, far = (self._pose(k, middle + i * step) for i in range(3))
-            return np.asarray((4 * near - far - 3 * here) / (2 * step))
+            return (4 * near - far - 3 * here) / (2 * step)
         if middle + step > end:
             here, near, far = (self._pose(k, middle - i * step) for i in range(3))
-            return np.asarray((3 * here - 4 * near + far) / (2 * step))
-        return np.asarray((self._pose(k, middle + step) - self._pose(k, middle - step)) / (2 * step))
+            return (3 * here - 4 * near + far) / (2 * step)
+        return (self._pose(k, middle + step) - self._pose(k, middle - step)) / (2 * step)
 
     def _stretch(self, time: float) -> int:
         """The piece about a time; the later one of two that meet."""
@@ -225,14 +225,14 @@ def wheel_slips(model: ContactModel, twists: Floats, speeds: Floats) -> Floats:
     """
     surface = model.targets_of(speeds).reshape(*speeds.shape, 2)
     moving = (twists @ model.rows.T).reshape(*speeds.shape, 2)
-    return np.asarray(moving - surface)
+    return moving - surface
 
 
 def _sticks(slips: Floats, twists: Floats, model: ContactModel, speeds: Floats) -> Mask:
     """Whether a slip is zero beside the largest speed of any rim or body point over a wheel, at each time."""
-    moving = np.abs(twists @ model.rows.T).max(axis=1)
+    moving = max_norms(twists @ model.rows.T)
     largest = np.maximum(moving, np.nanmax(np.abs(speeds), axis=1, initial=0.0))
-    return np.asarray(np.nan_to_num(np.hypot(slips[..., 0], slips[..., 1]), nan=np.inf) <= STICKS * largest[:, None])
+    return np.nan_to_num(norms(slips), nan=np.inf) <= STICKS * largest[:, None]
 
 
 class _CellsAt:

@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.switched_field import FacedField, Velocity, lengt
 from nonsmooth.analysis.trajectories.faces import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, spread
 
 # ---- what is said where no periodic orbit is found, or nothing can be said of one ----------------
 
@@ -101,7 +101,7 @@ class Orbit:
     @property
     def extent(self) -> float:
         """Largest side of the box around it."""
-        return float(np.ptp(self.path.array, axis=0).max())
+        return spread(self.path.array)
 
     @property
     def slides(self) -> bool:
@@ -147,7 +147,7 @@ class Orbit:
         along_surfaces = slice(1, count - held)
         across = (basis.T @ self.variation.derivative @ basis)[along_surfaces, along_surfaces]
         values = np.concatenate([np.linalg.eigvals(across).astype(complex), across_surfaces])
-        return np.asarray(values[np.argsort(-np.abs(values), kind="stable")])
+        return values[np.argsort(-np.abs(values), kind="stable")]
 
     @cached_property
     def errors(self) -> OrbitErrors:
@@ -190,7 +190,7 @@ class Orbit:
         """How much other computations change the multipliers, with some safety and the rounding of any computation."""
         finite = np.where(np.isinf(self.multipliers), 0.0, np.abs(self.multipliers))
         changes = [_differences(self.multipliers, other.multipliers) for other in others]
-        return np.asarray(SAFETY * np.max(changes, axis=0) + ROUNDING * np.maximum(1.0, finite))
+        return SAFETY * np.max(changes, axis=0) + ROUNDING * np.maximum(1.0, finite)
 
     @property
     def stability(self) -> str:
@@ -242,10 +242,10 @@ def _differences(first: Multipliers, second: Multipliers) -> Floats:
     with np.errstate(invalid="ignore"):
         distances = np.abs(first[:, None] - second[None, :])
     distances[np.isinf(first)[:, None] & np.isinf(second)[None, :]] = 0.0
-    if not np.isfinite(distances).all():
+    if not are_finite(distances):
         distances = np.where(np.isfinite(distances), distances, np.finfo(float).max / 4)
     own, partner = linear_sum_assignment(distances)
-    return np.asarray(distances[own, partner])
+    return distances[own, partner]
 
 
 def _sense(leg: Leg) -> SlideSense:
@@ -379,7 +379,7 @@ def saltation(before: Leg, after: Leg, field: FacedField) -> Variation:
 def normals_held(leg: Leg) -> Floats:
     """Orthonormal normals (n, k) of the surfaces that a leg keeps to, at its first state."""
     held = [surface.normal(leg.first) for surface in leg.motion.face.keep]
-    return np.asarray(np.linalg.qr(np.array(held).T)[0]) if held else np.empty((len(leg.first), 0))
+    return np.linalg.qr(np.array(held).T)[0] if held else np.empty((len(leg.first), 0))
 
 
 def path_variation(field: FacedField, legs: Sequence[Leg], coarseness: float = 1.0) -> Variation:

@@ -23,7 +23,7 @@ from nonsmooth.analysis.trajectories.faces import largest
 from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, spread
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 
 EVALUATIONS = 240_000  # of a field, along one path
@@ -105,7 +105,7 @@ def _grows(legs: Sequence[Leg]) -> bool:
     for leg in legs:
         for t, x in zip(leg.stretch.times, leg.stretch.states, strict=True):
             halves[t > legs[-1].end / 2].append(x)
-    first, second = (float(np.ptp(np.array(half), axis=0).max()) for half in halves)
+    first, second = (spread(np.array(half)) for half in halves)
     return second > first * (1 + NEARBY)
 
 
@@ -195,7 +195,7 @@ def _require_motion(field: SignField, legs: Sequence[Leg]) -> None:
     """Refuse a path whose second half stands still."""
     late = [leg for leg in legs if leg.end > legs[-1].end / 2]
     places = np.array([x for leg in late for t, x in zip(leg.stretch.times, leg.stretch.states, strict=True)])
-    if float(np.ptp(places[1:], axis=0).max(initial=0.0)) <= STANDS * field.size:
+    if spread(places[1:]) <= STANDS * field.size:
         raise OrbitError("the path comes to rest, not to a periodic orbit")
 
 
@@ -211,8 +211,8 @@ def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Floa
     x = leg.at(moment)
     along = leg.motion(moment, x)
     places = np.array([state for other in later for state in other.stretch.states])
-    extent = float(np.ptp(places, axis=0).max())
-    if math.isinf(len(x) * float(np.abs(along).max()) * extent):  # heights over the section are beyond floats
+    extent = spread(places)
+    if math.isinf(len(x) * max_norm(along) * extent):  # heights over the section are beyond floats
         raise OrbitError("the path runs away")
     returns = _returns(later, x, along, moment)
     near = [(t, distance) for t, distance in returns if distance <= within * extent]

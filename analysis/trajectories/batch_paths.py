@@ -36,7 +36,17 @@ from nonsmooth.analysis.trajectories.closed_forms import (
 )
 from nonsmooth.analysis.trajectories.piecewise_constant import Choice, choices_at, follow_cells
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, cross, dot, float_points, turned
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    Mask,
+    cross,
+    dot,
+    float_points,
+    norms,
+    spread,
+    turned,
+)
 
 MAX_LEGS = 2_000  # legs per start; paths of the built-in scenes have fewer than 20
 DONE = -1  # the place of a path that has ended
@@ -206,7 +216,7 @@ class BatchPaths:
             return
         self.place[own], self.entry[own] = cell, self.first_edge + edge
         for corner in (self.arrays.starts[edge], self.arrays.ends[edge]):
-            distance = np.hypot(*(self.points[own] - self.arrays.points[corner]).T)
+            distance = norms(self.points[own] - self.arrays.points[corner])
             for k in np.flatnonzero(distance <= self.small[own]).tolist():
                 region = self._region_of(own[k])
                 numbers = int(edge[k]) - region.edge, int(cell[k]) - region.cell, int(corner[k]) - region.corner
@@ -244,7 +254,7 @@ class BatchPaths:
         """Where sliding along an edge in one direction ends in between: at one point for all, hence decided once."""
         (x, y), region = self.points[own[0]].tolist(), self._region_of(own[0])
         _, choices = _ways_from(region, OnEdge(number - region.edge), (x, y))
-        same = float(np.ptp(self.points[own], axis=0).max()) <= region.field.cells.slack
+        same = spread(self.points[own]) <= region.field.cells.slack
         self._go_on(own, choices if same else [], self.first_edge + number)
 
     def _at_corner(self, corner: int, own: Indices) -> None:
@@ -395,7 +405,7 @@ class CellArrays(NamedTuple):
         tied = np.array([field.tied(cell) for cell in range(len(flows))])
         points, (starts, ends) = float_points(cells.points), np.array([(edge.start, edge.end) for edge in edges]).T
         along = points[ends] - points[starts]
-        directions = along / np.hypot(*along.T)[:, None]
+        directions = along / norms(along)[:, None]
         return cls(flows, tied, normals, offsets, borders, points, starts, ends, directions, beside, sides)
 
     @classmethod

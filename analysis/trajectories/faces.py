@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.convex_weights import (
 )
 from nonsmooth.analysis.fields.float_code import Numbers
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, ScalarVelocity, Velocity, length
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, spread
 
 # ---- the motion on a face of a smooth switched field ---------------------------------------------
 #
@@ -67,7 +67,7 @@ class FaceMotion:
         """The same from the fields of the members at a state."""
         if self._single is not None:
             return np.asarray(fields[0])
-        return np.asarray(self.mix(fields, self.normal_speeds(x, fields)) @ fields)
+        return self.mix(fields, self.normal_speeds(x, fields)) @ fields
 
     def fields(self, t: float, x: Floats) -> Floats:
         """Fields of the members, one per row."""
@@ -76,7 +76,7 @@ class FaceMotion:
     def normal_speeds(self, x: Floats, fields: Floats) -> Floats:
         """Speeds of the members along the unit normals held, (members, surfaces)."""
         normals = np.array([surface.normal(x) for surface in self.face.keep])
-        return np.asarray(fields @ normals.T)
+        return fields @ normals.T
 
     def mix(self, fields: Floats, speeds: Floats) -> Floats:
         """Weights of the members; outside the mode's region they are extrapolated: negative ones, still tangent."""
@@ -89,7 +89,7 @@ class FaceMotion:
             return np.array([share, 1 - share])
         possible = basic_weights(speeds)
         if len(possible):
-            return np.asarray(least_norm_weights(possible @ fields) @ possible)
+            return least_norm_weights(possible @ fields) @ possible
         weights = central_weights(speeds)
         return np.full(len(fields), 1.0 / len(fields)) if weights is None else weights
 
@@ -144,7 +144,7 @@ class FaceMotion:
             return fields
         speeds = self.normal_speeds(x, fields)
         cleaned = np.where(np.abs(speeds) > slack * largest(fields), speeds, 0.0)
-        return np.asarray(basic_weights(cleaned) @ fields)
+        return basic_weights(cleaned) @ fields
 
 
 def largest(fields: Floats) -> float:
@@ -417,7 +417,7 @@ def _choice(field: FacedField, trial: _Trial, orders: tuple[int, int] | None, *,
     extremes = motion.extremes(trial.t, trial.x, trial.slack)
     if not len(extremes):
         return FaceChoice(motion, orders=orders, sure=sure)
-    free = bool(np.ptp(extremes, axis=0).max() > TANGENT_SLACK * trial.scale) and not trial.only_rounding
+    free = bool(spread(extremes) > TANGENT_SLACK * trial.scale) and not trial.only_rounding
     rates = None
     if field.heading is not None and len(face.keep) > 1:
         drift = extremes[:, field.heading]

@@ -82,7 +82,7 @@ class DenseStep:
 
     def __call__(self, times: Any) -> Floats:
         """State at a time within the step, (n,), or states at many, (n, m)."""
-        return np.asarray(self.between(times))
+        return self.between(times)
 
     @property
     def between(self) -> Interpolant:

@@ -30,7 +30,7 @@ from nonsmooth.analysis.trajectories.faces import (
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, PolynomialInterpolant
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.numbers.plane import around
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 
 # ---- paths that circle a corner ever faster and nearer without end -------------------------------
 #
@@ -100,7 +100,7 @@ class WhirlMotion(FaceMotion):
         """The shares of time, changed by as little as keeps the corner."""
         system = np.vstack([speeds.T / (largest(fields) or 1.0), np.ones(len(fields))])
         wanted = np.append(np.zeros(speeds.shape[1]), 1.0)
-        return np.asarray(self.shares - np.linalg.pinv(system) @ (system @ self.shares - wanted))
+        return self.shares - np.linalg.pinv(system) @ (system @ self.shares - wanted)
 
     def speeds_through(self, t: float, x: Floats) -> Floats:
         """Speeds (gates, 2) through every surface of the turn: before it and behind it, relative to the fields."""
@@ -221,7 +221,7 @@ def guards_of(field: FacedField, choice: FaceChoice, t: float, x: Floats) -> lis
     if motion.is_pair and motion.weights_open:
         return guards
     if choice.orders is not None:
-        guards += _exits(field, choice, float(np.abs(motion.fields(t, x)).max()))
+        guards += _exits(field, choice, max_norm(motion.fields(t, x)))
     elif face.keep and len(face.members) > 1:
         guards.append(Guard(motion.least_weight, WEIGHT_SLACK, _difference(motion.least_weight, field.size)))
     return guards

@@ -29,7 +29,7 @@ from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode,
 from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajectory
 from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, even_angles, squared_norms
 
 STEP = 0.02  # h, of the shortest time in which a twist answers: 1 over the gain and its squared size
 MOST_STEPS = 20_000
@@ -53,7 +53,7 @@ class PoseErrors:
 
     def candidates(self) -> Floats:
         """Errors ``(x, y, theta)`` that are tried, shape (m, 3): none, and those on the border."""
-        turns = 2 * np.pi * np.arange(SIDES) / SIDES
+        turns = even_angles(SIDES)
         places = [(0.0, 0.0), *zip(self.place * np.cos(turns), self.place * np.sin(turns), strict=True)]
         found = [(*place, turn) for place, turn in product(places, (0.0, self.heading, -self.heading))]
         return np.unique(np.array(found), axis=0)
@@ -84,7 +84,7 @@ class HeldLaw:
     def twist(self, seen: Floats, pose: Floats) -> Floats:
         """How a body at a pose moves under the speeds for another one."""
         cone, chosen, factor = self._choice(seen)
-        return np.asarray(factor * cone.motions[chosen](pose[:2]))
+        return factor * cone.motions[chosen](pose[:2])
 
     def tips(self, pose: Floats) -> bool:
         """Whether the centre of mass is outside the hull of the wheels."""
@@ -116,7 +116,7 @@ def follow_held(law: HeldLaw, start: Sequence[float], until: float, errors: Pose
     Returns:
         Method ``sampled``: states without events, as no switch is located.
     """
-    fastest = max(float((cone.twists**2).sum(axis=1).max()) for cone in law.cones)
+    fastest = max(float(squared_norms(cone.twists).max()) for cone in law.cones)
     step, errors = STEP / (law.gain * fastest), errors or PoseErrors()
     late = math.ceil(errors.delay / step)
     step = errors.delay / late if late > 1 else step

@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.batch_paths import DONE, BatchPaths, OnRow
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, following, norms
 
 
 @dataclass(frozen=True, repr=False)
@@ -171,7 +171,7 @@ def places_reached(partition: Partition, places: Sequence[RestPlace], ends: Sett
     reasons = [reason for reason, _ in ends.ends]
     stays = np.array([reason in STAYS for reason in reasons])[ends.basin]
     circles = np.array([reason is EndReason.CIRCLES for reason in reasons])[ends.basin]
-    within = AT * float(partition.scene.check.radius)
+    within = AT * partition.scene.check.half_width
     for k, place in enumerate(places):
         at = stays & (_distance(ends.points, place.points) <= within)
         if place.place is EquilibriumPlace.CENTRE:
@@ -192,10 +192,10 @@ def _distance(points: Floats, corners: Sequence[Point]) -> Floats:
     shape = float_points(corners)
     nearest = np.full(len(points), np.inf)
     inside = np.full(len(points), len(shape) > 2)
-    for start, end in zip(shape, np.roll(shape, -1, axis=0), strict=True):
+    for start, end in zip(shape, following(shape), strict=True):
         along, away = end - start, points - start
         length = max(float(along @ along), np.finfo(float).tiny)
         foot = np.clip(away @ along / length, 0, 1)
-        nearest = np.fmin(nearest, np.hypot(*(away - foot[:, None] * along).T))
+        nearest = np.fmin(nearest, norms(away - foot[:, None] * along))
         inside &= along[0] * away[:, 1] - along[1] * away[:, 0] >= 0
     return np.where(inside, 0.0, nearest)

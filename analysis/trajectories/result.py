@@ -14,7 +14,7 @@ import numpy as np
 
 from nonsmooth.symbolic.messages.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norms
 
 State: TypeAlias = tuple[Any, ...]
 Samples: TypeAlias = tuple[tuple[Any, ...], tuple[State, ...]]  # times, and a state for each
@@ -441,11 +441,11 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
         apart = np.abs(last - first)
         if size is None:
             return np.asarray(np.linalg.norm(apart, axis=-1))
-        return np.asarray(np.hypot(apart[..., 0], apart[..., 1]) + size * apart[..., 2])
+        return norms(apart) + size * apart[..., 2]
 
     speeds = moved(states[:-1], states[1:]) / length
     unit = max(fastest, float(speeds.max()))
-    slow = max(REST * unit, ROUNDING * float(np.abs(states).max()) / length)
+    slow = max(REST * unit, ROUNDING * max_norm(states) / length)
     final = states[-1] - states[-2]
     own = final if size is None else final[:2]
     speed, turning = float(np.linalg.norm(own) / length), None if size is None else float(final[2] / length)

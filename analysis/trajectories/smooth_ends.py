@@ -23,7 +23,17 @@ from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.minimum import free_motions
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import tell_count
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, field_beside, point_velocities
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Indices,
+    Mask,
+    field_beside,
+    max_norm,
+    max_norms,
+    norm,
+    norms,
+    point_velocities,
+)
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -142,7 +152,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
     rule = smooth_rule_of(scene)
     if free_motions(scene):
         raise UndeterminedError("required friction against every motion, received a free one")
-    radius, field = float(scene.check.radius), _Field(scene, rule, len(starts))
+    radius, field = scene.check.half_width, _Field(scene, rule, len(starts))
     points, reached = np.array(starts, dtype=float), np.full(len(starts), MOVING)
     still = np.zeros(len(points), bool)
     try:
@@ -161,7 +171,7 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
 
 def _merged(ends: SmoothEnds, distance: float) -> SmoothEnds:
     """The same with places that lie closer together than a distance as one: the first of them."""
-    first = [int(np.argmax(np.hypot(*(ends.places - place).T) <= distance)) for place in ends.places]
+    first = [int(np.argmax(norms(ends.places - place) <= distance)) for place in ends.places]
     kept = sorted(set(first))
     numbers = np.array([kept.index(k) for k in first] + [MOVING, LEFT])  # -1 and -2 stay as they are
     return SmoothEnds(ends.places[kept], numbers[ends.reached], ends.speeds[kept])
@@ -169,7 +179,7 @@ def _merged(ends: SmoothEnds, distance: float) -> SmoothEnds:
 
 def _follow_all(field: _Field, points: Floats, reached: Indices, still: Mask, radius: float) -> None:
     """Move the points along until they have left or stand still; all three arrays are changed in place."""
-    fastest = field.fastest = float(np.hypot(*field.begin(points).T).max())
+    fastest = field.fastest = float(norms(field.begin(points)).max())
     if not fastest:  # all stand where they start
         still[:] = True
         return
@@ -183,11 +193,11 @@ def _follow_all(field: _Field, points: Floats, reached: Indices, still: Mask, ra
                 return
             tell_count(len(points) - int(moving.sum()), len(points), "starts of the square")
             points[moving] = _followed(field, points[moving], np.flatnonzero(moving), until / pieces, radius)
-            reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
+            reached[moving & (max_norms(points) > radius)] = LEFT
             inside = np.flatnonzero(moving & (reached == MOVING))
             if len(inside):
-                speeds = np.hypot(*field.along(points[inside], inside).T) / fastest
-                nowhere = np.hypot(*(points[inside] - earlier[inside]).T) <= TOGETHER * radius
+                speeds = norms(field.along(points[inside], inside)) / fastest
+                nowhere = norms(points[inside] - earlier[inside]) <= TOGETHER * radius
                 still[inside] = (speeds <= STILL) | (nowhere & (speeds >= BRISK))
             earlier, before = before, points.copy()
         until *= 2
@@ -204,7 +214,7 @@ def _followed(field: _Field, starts: Floats, paths: Indices, until: float, radiu
 
     def rates(t: float, flat: Floats) -> Any:
         points = flat.reshape(-1, 2)
-        inside = np.abs(points).max(axis=1) <= radius
+        inside = max_norms(points) <= radius
         found = np.zeros_like(points)
         if inside.any():
             found[inside] = field.along(points[inside], paths[inside])
@@ -217,7 +227,7 @@ def _followed(field: _Field, starts: Floats, paths: Indices, until: float, radiu
         one_by_one = block_diag([np.ones((2, 2))] * len(starts))  # no body knows of another
         solver = BDF(rates, solver.t, solver.y, until, jac_sparsity=one_by_one, **within)
         _take_steps(solver, IMPLICIT_STEPS)
-    return np.asarray(solver.y.reshape(-1, 2))
+    return solver.y.reshape(-1, 2)
 
 
 def _take_steps(solver: Any, most: int) -> None:
@@ -234,16 +244,16 @@ def _where_it_stands(field: _Field, place: Floats, radius: float) -> tuple[Float
     And the speed of a body there, not a number where jumps lead.
     """
     vanishing, speed = _where_it_vanishes(field, place, radius)
-    if not (field.jumps and field.fastest) or float(np.hypot(*field(vanishing[None])[0])) < BRISK * field.fastest:
+    if not (field.jumps and field.fastest) or norm(field(vanishing[None])[0]) < BRISK * field.fastest:
         return vanishing, speed
     path, step, found = np.zeros(1, int), TOGETHER * radius / field.fastest, place
     for _ in range(SHRINKING):
         for _ in range(TIMES):
             found = found + step * field.along(found[None], path)[0]
-            if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or np.abs(found).max() > radius:
+            if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or max_norm(found) > radius:
                 return vanishing, speed
         step /= 2
-    return np.asarray(np.round(found / (JUMPED * radius)) * JUMPED * radius), float("nan")
+    return (np.round(found / (JUMPED * radius)) * JUMPED * radius), float("nan")
 
 
 def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Floats, float]:
@@ -254,10 +264,10 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Flo
     step = STEP * radius
     best, least = place, float("inf")
     for _ in range(NEWTON_STEPS):
-        if np.abs(place).max() > radius:
+        if max_norm(place) > radius:
             break
         here, slope = field_beside(field, place, step)
-        speed = float(np.hypot(*here))
+        speed = norm(here)
         if not speed < least:
             break
         best, least = place, speed
@@ -271,7 +281,7 @@ def _gathered(points: Floats, reached: Indices, still: Mask, radius: float) -> F
     left = still.copy()
     while left.any():
         first = points[np.flatnonzero(left)[0]]
-        here = left & (np.hypot(*(points - first).T) <= TOGETHER * radius)
+        here = left & (norms(points - first) <= TOGETHER * radius)
         reached[here] = len(places)
         places.append(points[here].mean(axis=0))
         left &= ~here

@@ -30,7 +30,7 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
 )
 from nonsmooth.analysis.trajectories.steppers import StiffAware
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
@@ -183,7 +183,7 @@ class FilippovFaces(HybridField):
             ValueError, TrajectoryError: as for :func:`follow_smooth`.
         """
         x = np.array(start, float)
-        self.faces = self.field.faces_at(x) if np.isfinite(x).all() else []
+        self.faces = self.field.faces_at(x) if are_finite(x) else []
         if not self.faces:
             raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
         path = follow(self, (0.0, x), until, stepper)

@@ -28,7 +28,7 @@ from nonsmooth.analysis.fields.float_code import Numbers, compiled, listed, name
 from nonsmooth.analysis.fields.switched_field import AffineVelocity, ScalarVelocity
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, PolynomialInterpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm
 
 # ---- Taylor series of affine motions -------------------------------------------------------------
 #
@@ -445,7 +445,7 @@ def _dop853_between(rate: Rate, t: float, y: Floats, h: float, last: Floats, kno
         found: Any = 0.0
         for part, factor in zip(reversed(parts), cycle((share, 1 - share)), strict=False):
             found = (found + part) * factor
-        return np.asarray((found + y).T)
+        return (found + y).T
 
     return at
 
@@ -539,7 +539,7 @@ def comes_to_rest(rate: Rate, solver: Any, until: float, size: float, atol: floa
     Below the tolerance the field is rounding, on which an implicit method would take tiny steps for ever.
     """
     left = until - float(solver.t)
-    if float(np.abs(rate(float(solver.t), solver.y)).max()) * left > atol:
+    if max_norm(rate(float(solver.t), solver.y)) * left > atol:
         return False
     growth = _eigenvalues(rate, float(solver.t), solver.y, np.full(len(solver.y), DIFFERENCE * size))
     return float(growth.max()) * left <= 1
@@ -557,7 +557,7 @@ def jacobian_of(rate: Rate, size: float) -> Callable[[float, Floats], Floats]:
 def _eigenvalues(rate: Rate, t: float, x: Floats, steps: Floats) -> Floats:
     """Real parts of the eigenvalues of ``df/dx`` by forward differences; zeros where the field is not finite."""
     jacobian = _differences(rate, t, x, steps)
-    if not np.isfinite(jacobian).all():
+    if not are_finite(jacobian):
         return np.zeros(len(x))
     return np.asarray(np.linalg.eigvals(jacobian).real)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb
 
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells
 from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.findings import Certainty, Fact, Quantity, Rotation
 from nonsmooth.symbolic.mechanics.contact_set import contact_set
@@ -143,7 +143,7 @@ def is_by_rounding(results: Results, *names: str) -> bool:
 
 def has_dynamics(scene: Scene) -> bool:
     """Whether answers are asked of a body with inertia: its gravity is known, and its rule says which forces act."""
-    return scene.inertia is not None and isinstance(rule_of(scene), SmoothRule)
+    return scene.inertia is not None and not has_cells(scene)
 
 
 def require_tolerances(scene: Scene) -> None:

@@ -9,7 +9,7 @@ wheels.  How much of the square comes home is sampled.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, partial
@@ -32,6 +32,7 @@ from nonsmooth.proofs.findings import Record, encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import NEARLY_ALL, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import (
+    Announce,
     BasinEffort,
     BuiltMesh,
     grown_mesh,
@@ -50,7 +51,16 @@ from nonsmooth.proofs.systems.basin_rings import (
 from nonsmooth.symbolic.mechanics.body import widest_square
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    following,
+    max_norm,
+    row_norms,
+    row_products,
+    turned,
+    unit_vectors,
+)
 
 COARSE = BasinEffort(Pace(0.12, 0.03, 0.02), 41, every=8)
 FINE = BasinEffort(Pace(0.04, 0.012, 0.02), 101, every=8)
@@ -107,7 +117,7 @@ class FloatCells:
         listed = self._raster[pixels[:, 0] * PIXELS + pixels[:, 1]]
         homogeneous = np.column_stack([x, np.ones(len(x))])
         inside = np.einsum("pcsk,pk->pcs", self._sides[listed], homogeneous).min(axis=2)
-        return np.asarray(listed[np.arange(len(x)), inside.argmax(axis=1)])
+        return listed[np.arange(len(x)), inside.argmax(axis=1)]
 
     def at(self, x: Floats) -> Floats:
         """The velocities at places: shape (motions, places, 2)."""
@@ -151,15 +161,15 @@ def convex_outline(places: Floats) -> Floats:
     """The corners of the convex hull of places, counterclockwise."""
     from scipy.spatial import ConvexHull  # under rule box only
 
-    return np.asarray(places[ConvexHull(places).vertices])
+    return places[ConvexHull(places).vertices]
 
 
 def half_planes(outline: Floats) -> Floats:
     """Of a convex polygon, counterclockwise: a, b, c with ``a x + b y + c`` the distance inward from each side."""
-    along = np.roll(outline, -1, axis=0) - outline
-    normals = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    normals /= np.linalg.norm(normals, axis=1)[:, None] + np.finfo(float).tiny
-    return np.column_stack([normals, -(normals * outline).sum(axis=1)])
+    along = following(outline) - outline
+    normals = turned(along)
+    normals /= row_norms(normals)[:, None] + np.finfo(float).tiny
+    return np.column_stack([normals, -row_products(normals, outline)])
 
 
 def _velocities(twists: Floats, x: Floats) -> Floats:
@@ -220,7 +230,7 @@ class NoBasin:
     why: str
 
 
-def find_array_basin(scene: Scene, asked: str, announce: Callable[[str, int, int], None]) -> ArrayBasin | NoBasin:
+def find_array_basin(scene: Scene, asked: str, announce: Announce) -> ArrayBasin | NoBasin:
     """A basin of triangles about the checked point that the checker has accepted, or why there is none.
 
     Args:
@@ -245,7 +255,7 @@ def find_array_basin(scene: Scene, asked: str, announce: Callable[[str, int, int
 
 
 def _around(
-    scene: Scene, partition: Partition, efforts: Sequence[BasinEffort], announce: Callable[[str, int, int], None]
+    scene: Scene, partition: Partition, efforts: Sequence[BasinEffort], announce: Announce
 ) -> ArrayBasin | NoBasin:
     """The search on the cells of a square."""
     field = FloatCells(partition)
@@ -272,7 +282,7 @@ def _around(
 
 
 def _meshes(
-    field: FloatCells, cells: Cells, efforts: Sequence[BasinEffort], announce: Callable[[str, int, int], None]
+    field: FloatCells, cells: Cells, efforts: Sequence[BasinEffort], announce: Announce
 ) -> tuple[list[tuple[BuiltMesh, Floats, int]], str]:
     """Meshes that floats propose, the largest first, and why there is none.
 
@@ -295,7 +305,7 @@ def _meshes(
 
 def _circle(centre: Floats, radius: float) -> Floats:
     angles = np.linspace(0, 2 * np.pi, CIRCLE, endpoint=False)
-    return np.asarray(centre + radius * unit_vectors(angles))
+    return centre + radius * unit_vectors(angles)
 
 
 def _first_rings(field: FloatCells) -> Iterator[Floats]:
@@ -307,7 +317,7 @@ def _first_rings(field: FloatCells) -> Iterator[Floats]:
         middle = field.resting.mean(axis=0)
         for wider in RESTING:
             ring = middle + wider * (field.resting - middle)
-            if np.abs(ring).max() < field.half and _leads_inward(field, ring):
+            if max_norm(ring) < field.half and _leads_inward(field, ring):
                 yield ring
         return
     for centre in (np.zeros(2), _end(field)):
@@ -338,8 +348,8 @@ def _end(field: FloatCells) -> Floats:
     x = _circle(np.zeros(2), field.half / 2)
     for step in np.geomspace(field.half / 50, field.half / 10_000, 400):
         v = field.at(x)[0]
-        x = x + step * v / (np.linalg.norm(v, axis=1)[:, None] + np.finfo(float).tiny)
-    return np.asarray(x.mean(axis=0))
+        x = x + step * v / (row_norms(v)[:, None] + np.finfo(float).tiny)
+    return x.mean(axis=0)
 
 
 def _squared_radius(mesh: Record, below: int) -> str:

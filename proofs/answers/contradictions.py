@@ -31,7 +31,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, in_floats, squared_distance
-from nonsmooth.symbolic.numbers.plane_arrays import point_velocities, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import finite_rows, max_norm, norm, norms, point_velocities, unit_vectors
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.constant_field import ConstantField
@@ -88,7 +88,7 @@ class Printed:
     @property
     def radius(self) -> float:
         """The half side of the checked square."""
-        return float(self.scene.check.radius)
+        return self.scene.check.half_width
 
     @property
     def equilibrium(self) -> Equilibrium:
@@ -323,7 +323,7 @@ def tolerances_and_ends(printed: Printed) -> Iterator[Contradiction]:
         away = ends.leaves | (end > radius + ELSEWHERE * printed.radius)
         yield from _against(printed, (begin <= WELL_INSIDE * start) & away, "tolerances and destinations", said)
     if rests:
-        moved = ends.leaves | (np.hypot(*(ends.ends - ends.starts).T) > ELSEWHERE * printed.radius)
+        moved = ends.leaves | (norms(ends.ends - ends.starts) > ELSEWHERE * printed.radius)
         yield from _against(printed, (begin <= WELL_INSIDE * rests) & moved, "tolerances and destinations", said)
 
 
@@ -513,7 +513,7 @@ def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator
         finite = rate.decay.name == "FINITE"
         bound = np.maximum(bound - kappa * seen.until, 0) if finite else bound * np.exp(-kappa * seen.until)
     high = ~np.isfinite(after) | (after > bound * (1 + ELSEWHERE) + ELSEWHERE * level)
-    grown = (before < level) & np.isfinite(seen.ends).all(axis=1) & high
+    grown = (before < level) & finite_rows(seen.ends) & high
     for k in np.flatnonzero(grown)[:1]:
         fast = "" if rate is None else f", {rate}"
         said = f"{result.verdict}: every start with {region} reaches the point{fast}"
@@ -528,12 +528,12 @@ def unstable_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterat
     """An unstable point, and no start that does not arrive, neither of the map nor from much closer."""
     if result.verdict is not Translation.UNSTABLE or seen.follow is None:
         return
-    at_point = np.hypot(*seen.ends.T) <= AT_POINT * seen.half
+    at_point = norms(seen.ends) <= AT_POINT * seen.half
     if not at_point.all():
         return
     angles = 2 * np.pi * (np.arange(RING) + 0.3) / RING
     near = CLOSER * seen.half * unit_vectors(angles)
-    if (np.hypot(*seen.follow(near).T) < CLOSER * seen.half / 2).all():
+    if (norms(seen.follow(near)) < CLOSER * seen.half / 2).all():
         arrived = f"all {len(at_point)} sampled starts, and {RING} close to it, come to the point"
         yield Contradiction("stability and map", (f"{result.verdict}: {result.reason}", arrived), ())
 
@@ -577,7 +577,7 @@ def _is_point(check: Check, row: Destination) -> bool:
 
 def _is_place(check: Check, place: Iterable[SupportsFloat]) -> bool:
     """Whether a place in the coordinates of the scene is the checked point."""
-    within = AT_POINT * float(check.scene.check.radius)
+    within = AT_POINT * check.scene.check.half_width
     pairs = zip(place, check.scene.check.equilibrium, strict=True)
     return all(abs(float(one) - float(two)) <= within for one, two in pairs)
 
@@ -626,7 +626,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
         return None
     from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
 
-    centred, step = scene.recentred(), STEP * float(scene.check.radius)
+    centred, step = scene.recentred(), STEP * scene.check.half_width
     points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
     minima = minima_under(rule, centred, points)
     rims = centred.fastest
@@ -634,7 +634,7 @@ def _field_beside(scene: Scene) -> _Beside | None:
         return None
     size = max(abs(float(entry)) for wheel in centred.wheels for entry in wheel.position)
     here, east, west, north, south = point_velocities(minima.twists, points)
-    speed, spin = float(np.hypot(*here)) / rims, float(minima.twists[0, 2]) * size / rims
+    speed, spin = norm(here) / rims, float(minima.twists[0, 2]) * size / rims
     slope = np.stack([east - west, north - south], axis=1) / (2 * step)
     bend = np.stack([east + west - 2 * here, north + south - 2 * here], axis=1) / step
     return _Beside(speed, spin, *_offset_and_growth(here, slope, bend, ROUNDING * rims / step))
@@ -642,13 +642,13 @@ def _field_beside(scene: Scene) -> _Beside | None:
 
 def _offset_and_growth(here: Floats, slope: Floats, bend: Floats, rounding: float) -> tuple[float | None, float | None]:
     """Of a field from its value, its derivative, and by how much one-sided derivatives differ."""
-    largest = float(np.abs(slope).max())
-    if largest <= rounding or float(np.abs(bend).max()) > SMOOTH * largest:
+    largest = max_norm(slope)
+    if largest <= rounding or max_norm(bend) > SMOOTH * largest:
         return None, None
     growth = float(np.linalg.eigvals(slope).real.max()) / largest
     if abs(float(np.linalg.det(slope))) < CLEARLY * CLEARLY * largest**2:
         return None, growth
-    return float(np.hypot(*np.linalg.solve(slope, here))), growth
+    return norm(np.linalg.solve(slope, here)), growth
 
 
 def rests_under(check: Check) -> RuleAtPoint:

@@ -17,7 +17,7 @@ from typing import TypeVar
 import numpy as np
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, rule_of
 from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace, find_equilibria
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
@@ -45,7 +45,7 @@ from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import percent_text, place_text
 from nonsmooth.symbolic.numbers.plane import Vector
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, are_finite, finite_rows, norms
 from nonsmooth.symbolic.numbers.rounded import either_way, enclosed, plain
 
 STARTS = 31  # in a row and in a column: shares to about two per cent
@@ -123,12 +123,12 @@ class SampledEnds:
     @property
     def stays(self) -> Mask:
         """Whether it is known where the body stays, (m,)."""
-        return np.asarray(np.isfinite(self.ends).all(axis=1))
+        return finite_rows(self.ends)
 
     @property
     def distances(self) -> tuple[Floats, Floats]:
         """From the checked point, at the start and at the end."""
-        return np.hypot(*self.starts.T), np.hypot(*self.ends.T)
+        return norms(self.starts), norms(self.ends)
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     """
     if rule_of(check.scene).needs_loads and check.scene.contact.loads_are_unknown:
         return None
-    if isinstance(rule_of(check.scene), SmoothRule):
+    if not has_cells(check.scene):
         return sampled_destinations(check.scene)
     partition, places = check.partition, check.equilibria
     if partition is None or places is None or not partition.complete:
@@ -171,7 +171,7 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     except TrajectoryError:  # cells so thin that floats lose their edges: nothing is known
         return None
     found = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
-    found = list(_merged(found, AT * float(check.scene.check.radius)))
+    found = list(_merged(found, AT * check.scene.check.half_width))
     found += _without_place(ends, reached)
     return Destinations(_in_order(found), len(ends.starts), _ends_of(ends))
 
@@ -191,7 +191,7 @@ def _settled(maps: Sequence[tuple[ConstantField, Floats]]) -> list[SettleMap]:
         ValueError: for a start outside the cells.
         TrajectoryError: where paths cannot be followed, and for starts beyond the range of floats.
     """
-    if not all(np.isfinite(starts).all() for _, starts in maps):
+    if not all(are_finite(starts) for _, starts in maps):
         raise TrajectoryError("required starts within the range of floats")
     return settle_maps(maps)
 
@@ -237,9 +237,9 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
     from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
 
     x, y = scene.check.place
-    side = np.linspace(-1, 1, FEW_STARTS) * float(scene.check.radius) * INSIDE
+    side = np.linspace(-1, 1, FEW_STARTS) * scene.check.half_width * INSIDE
     starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)
-    if not np.isfinite(starts).all():
+    if not are_finite(starts):
         return None
     try:
         ends = smooth_ends(scene.recentred(), starts, (x, y))
@@ -370,7 +370,7 @@ def best_point(scene: Scene) -> BestPoint:
     if rule_of(scene).needs_loads and scene.contact.loads_are_unknown:
         raise RefusalError("--at auto: required loads that are known, which say where a body rests under this rule")
     with affordable(scene, CHECK_UNITS, "the rest points of --at auto"):
-        if isinstance(rule_of(scene), SmoothRule):
+        if not has_cells(scene):
             return _best_proved_point(scene)
         return _best_of_cells(scene)
 
@@ -441,7 +441,7 @@ def _middle(scene: Scene, place: RestPoint) -> Vector:
 
 def _short_middle(scene: Scene, corners: tuple[Point, ...]) -> Vector | None:
     """The mean of the corners of an area, rounded to as few decimals as leave it inside; None where too many would."""
-    area, scale = convex_polygon(corners), math.floor(math.log10(float(scene.check.radius)))
+    area, scale = convex_polygon(corners), math.floor(math.log10(scene.check.half_width))
     middle = [sum(float(point[k]) for point in corners) / len(corners) for k in (0, 1)]
     for digits in MIDDLE_DIGITS:
         step = Fraction(10) ** (scale - digits)

@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
-from flint import arb, arb_mat, ctx, fmpq
+from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.mass_study import body_of
@@ -43,8 +43,9 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet, alone, checked_
 from nonsmooth.symbolic.mechanics.edge_headings import ball_of
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import part_of
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane import XY, Pose
+from nonsmooth.symbolic.numbers.plane import XY, Pose, in_floats
 from nonsmooth.symbolic.numbers.rounded import either_way
 
 STARTS = 4  # on a circle about the point, of half the half-width of the checked square
@@ -104,7 +105,7 @@ def near_rest(scene: Scene) -> NearRest:
         rest = enclosed_rest(array)
     if rest is None:
         return NearRest(Inertia.UNDECIDED, "no place of rest is enclosed at which forces have derivatives")
-    place, spin = (float(rest.place[0]), float(rest.place[1])), float(rest.spin)
+    place, spin = in_floats(rest.place), float(rest.spin)
     if rest.balance.size > 3:
         return NearRest(Inertia.UNDECIDED, "a wheel sticks at the place of rest: no linearization", place, spin)
     if not kept.keeps(rest.distance, Fraction(0)):
@@ -155,7 +156,7 @@ def _linearized(scene: Scene, rest: EnclosedRest, place: XY, spin: float) -> Nea
 
 def _factor(limit: Fraction, mass: arb) -> arb:
     """Speeds count as the square root of the mass."""
-    return (arb(fmpq(limit.numerator, limit.denominator)) / mass).sqrt()
+    return (rational_ball(limit) / mass).sqrt()
 
 
 # ---- simulated ---------------------------------------------------------------------------------
@@ -189,7 +190,7 @@ class Simulated:
 
 def simulated(scene: Scene, near: NearRest) -> Simulated:
     """Follow bodies from the ring, heading as checked, and beside them massless ones."""
-    radius = float(scene.check.radius) / 2
+    radius = scene.check.half_width / 2
     at_x, at_y = map(float, scene.check.equilibrium)
     starts = _ring(scene, radius)
     if near.verdict is Inertia.UNSTABLE and near.place is not None:  # beside it, for a small limit cycle
@@ -256,7 +257,7 @@ def settled_from(scene: Scene, start: Pose) -> Settled | None:
         TrajectoryError: where the path cannot be followed.
     """
     scene = checked_scene(scene)
-    body, crossing = _body(scene), _crossing(scene, float(scene.check.radius) / 2)
+    body, crossing = _body(scene), _crossing(scene, scene.check.half_width / 2)
     if body is None:
         return None
     return settle(scene, body, start, float(scene.accuracy), *_chunk(near_rest(scene), crossing))

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells
 from nonsmooth.analysis.cells.fan import CellCone, rays_of
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -354,7 +354,7 @@ def _is_driven_to_one_side(array: Scene, accuracy: Fraction) -> bool:
     from nonsmooth.proofs.robust.drift import is_driven_out_on_one_side
 
     before = array.field.rounded_signs
-    is_out = isinstance(rule_of(array), CellRule) and is_driven_out_on_one_side(array, accuracy)
+    is_out = has_cells(array) and is_driven_out_on_one_side(array, accuracy)
     return is_out and array.field.rounded_signs == before
 
 
@@ -362,7 +362,7 @@ def _is_followed_out(array: Scene, accuracy: Fraction) -> bool:
     """Whether the body that starts at the point leaves the disc, for every member."""
     from nonsmooth.proofs.robust.followed_body import is_carried_out, leaves_by_funnel
 
-    if not isinstance(rule_of(array), CellRule):
+    if not has_cells(array):
         return leaves_by_funnel(array, accuracy)
     before = array.field.rounded_signs
     return is_carried_out(array, accuracy) and array.field.rounded_signs == before

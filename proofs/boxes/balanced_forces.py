@@ -31,13 +31,14 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.contact_rule import friction_sets
 from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.symbolic.mechanics.contact_states import inner
 from nonsmooth.symbolic.mechanics.friction_set import Box, float_sets, joined
 from nonsmooth.symbolic.mechanics.load_model import Arithmetic
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.springs import load_model
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, cross, finite_rows, max_norms, norm, norms, row_products
 
 Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
@@ -141,7 +142,7 @@ class BalancedForces:
     def float_loads(self, places: Floats) -> Floats:
         """(..., wheels)."""
         one, by_x, by_y = (form.middle for form in self.forms)
-        return np.asarray(one + places[..., :1] * by_x + places[..., 1:] * by_y)
+        return one + places[..., :1] * by_x + places[..., 1:] * by_y
 
     def slips(self, twists: Floats) -> tuple[Floats, Floats]:
         """Along and across the axes of all wheels, (m, wheels) each."""
@@ -197,16 +198,16 @@ class BalancedForces:
             length = np.maximum(np.abs(step).max(axis=1, keepdims=True), TINY)
             size = np.minimum(LONGEST * self.fastest, length) / length
             # D is convex along the step: its slope there must not be steeper ahead than it was behind
-            steepest = 0.5 * np.abs((gradient * step).sum(axis=1)) + 2.0**-44 * scale * np.abs(step).sum(axis=1)
+            steepest = 0.5 * np.abs(row_products(gradient, step)) + 2.0**-44 * scale * np.abs(step).sum(axis=1)
             long = np.arange(len(now))
             for _ in range(HALVINGS):
                 ahead, _ = self._gradient((now + size * step)[long], load[long], pull[long], width, hessian=False)
-                long = long[(ahead * step[long]).sum(axis=1) > steepest[long]]
+                long = long[row_products(ahead, step[long]) > steepest[long]]
                 if not len(long):
                     break
                 size[long] /= 2
             twists[open_ones] = now + size * step
-            left = np.abs(gradient).max(axis=1) > settled * scale
+            left = max_norms(gradient) > settled * scale
             open_ones = open_ones[left]
             if not len(open_ones):
                 break
@@ -244,7 +245,7 @@ class BalancedForces:
             ROUNDINGS[-1] * self.fastest,
             hessian=False,
         )
-        return np.asarray((gradient[:, :2] * slopes).sum(axis=1) / np.hypot(slopes[:, 0], slopes[:, 1]))
+        return row_products(gradient[:, :2], slopes) / norms(slopes)
 
     def hessians(self, places: Floats, twists: Floats) -> Floats:
         """About those of D by the twist, (m, 3, 3), at places (m, 2) and twists (m, 3)."""
@@ -259,11 +260,11 @@ class BalancedForces:
             slopes: the covectors (m, 2).
             twists: about those of least D (m, 3).
         """
-        turns = (slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]) / self.length
+        turns = (cross(places, slopes)) / self.length
         pulls = np.column_stack([slopes, turns])
         bend = self.hessians(places, twists)
         bend = bend + 2.0**-40 * np.trace(bend, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        return np.asarray((pulls * np.linalg.solve(bend, pulls[:, :, None])[:, :, 0]).sum(axis=1))
+        return row_products(pulls, np.linalg.solve(bend, pulls[:, :, None])[:, :, 0])
 
     def forces(self, twists: Floats) -> tuple[Floats, Floats]:
         """Inside the friction sets, per unit of load, (m, wheels) each."""
@@ -273,7 +274,7 @@ class BalancedForces:
     @property
     def largest_friction(self) -> Floats:
         """Of each wheel, per unit of load, (wheels,)."""
-        return np.asarray(np.maximum(self.sets.along, self.sets.across))
+        return np.maximum(self.sets.along, self.sets.across)
 
     # ---- intervals: what follows ------------------------------------------------------------------
 
@@ -298,10 +299,7 @@ class BalancedForces:
         rest = [(along * self.rows[0][k] + across * self.rows[1][k]).sum(axis=-1) - pulls[k] for k in range(3)]
         missing = (rest[0].square + rest[1].square + rest[2].square).sqrt()
         twist = [Intervals.of(free[:, None, k : k + 1]) for k in range(3)]
-        r, s = (
-            row[0] * twist[0] + row[1] * twist[1] + row[2] * twist[2] - speed
-            for row, speed in zip(self.rows, self.speeds, strict=True)
-        )
+        r, s = (inner(row, twist) - speed for row, speed in zip(self.rows, self.speeds, strict=True))
         dissipation = loads * self.enclosed_sets.support(r, s)
         driven = along * self.speeds[0] + across * self.speeds[1]
         bound = (dissipation + driven).sum(axis=-1) + missing * self._largest_twist(loads)
@@ -330,14 +328,14 @@ class BalancedForces:
             along, across = self.against(places[:, :2], middle[first], beside).forces
             shown = self.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
             shown = shown + 2.0**-40 * np.abs(shown)
-            best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
+            best = np.fmin(best, np.where(finite_rows(shown), shown.max(axis=1), np.inf))
         return best
 
     @property
     def moves_from_the_origin(self) -> bool:
         """Whether every motion of a body at the origin has a velocity, along about that of the minimizer in floats."""
         velocity = self.minimizers(np.zeros((1, 2)))[0, :2]
-        size = float(np.hypot(*velocity))
+        size = norm(velocity)
         if not 0 < size < math.inf:
             return False
         back = [Intervals.of(np.full((1, 4), entry)) for entry in (*(-velocity / size), 0.0)]

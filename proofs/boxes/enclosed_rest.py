@@ -24,7 +24,7 @@ from itertools import product
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, smooth_rule_of
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces, LoadBox, load_box
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
@@ -246,7 +246,7 @@ def _guesses(scene: Scene) -> Iterator[tuple[Balance, arb_mat]]:
 
     None under rules with cells, for loads that are not known, and for a wheel with a row without friction.
     """
-    if not isinstance(rule_of(scene), SmoothRule) or scene.contact.loads_are_unknown:
+    if has_cells(scene) or scene.contact.loads_are_unknown:
         return
     loads, forces = load_box(scene, arb(0)), BalancedForces.of(scene)
     if loads is None or forces is None:

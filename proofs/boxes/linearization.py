@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias
 
 from flint import arb
 
@@ -43,13 +43,13 @@ from nonsmooth.symbolic.mechanics.contact_states import (
     total,
 )
 from nonsmooth.symbolic.mechanics.friction_set import BorderPiece, CutEllipse
+from nonsmooth.symbolic.mechanics.load_model import Three, X
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import Real
 from nonsmooth.symbolic.numbers.plane import Vector
 
-X = TypeVar("X", bound=Any)  # exact numbers, or balls
 Slope: TypeAlias = tuple[Triple, Triple]  # two columns, one per coordinate of c
 
 
@@ -69,15 +69,15 @@ class Slip(Generic[X]):
 
     wheel: int
     position: Vector
-    load: tuple[X, X, X]
-    rows: tuple[tuple[X, X, X], tuple[X, X, X]]
+    load: Three[X]
+    rows: tuple[Three[X], Three[X]]
     along: X
     across: X
     limits: CutEllipse[X]
 
     def moved(self, twist: Sequence[X]) -> Slip[X]:
         """The same wheel under a twist that is added."""
-        a, b = (row[0] * twist[0] + row[1] * twist[1] + row[2] * twist[2] for row in self.rows)
+        a, b = (inner(row, twist) for row in self.rows)
         return replace(self, along=self.along + a, across=self.across + b)
 
     def map(self, number: Callable[[X], Any]) -> Slip[Any]:
@@ -97,7 +97,7 @@ class Slip(Generic[X]):
         return self.piece in (BorderPiece.ARC, BorderPiece.CORNER)
 
     @cached_property
-    def pull(self) -> tuple[X, X, X]:
+    def pull(self) -> Three[X]:
         """The gradient of f; raises as that of the friction set."""
         (a, b), (along, across) = self.rows, self.limits.gradient(self.along, self.across)
         return added(scaled(a, along), scaled(b, across))
@@ -108,7 +108,7 @@ class Slip(Generic[X]):
         return self.limits.bend(self.along, self.across)
 
     @cached_property
-    def w(self) -> tuple[X, X, X]:
+    def w(self) -> Three[X]:
         """``s_i a_i - r_i b_i``."""
         a, b = self.rows
         return added(scaled(a, self.across), scaled(b, -self.along))
@@ -129,7 +129,7 @@ def slip_at_rest(wheel: Wheel, load: Affine, rule: SmoothRule) -> Slip[Number]:
     return Slip(wheel.index, wheel.position, load, rows, -along, -across, rule.friction_set(wheel.friction))
 
 
-def gradient(zero: X, slips: Iterable[Slip[X]], part: int = 0) -> tuple[X, X, X]:
+def gradient(zero: X, slips: Iterable[Slip[X]], part: int = 0) -> Three[X]:
     """``sum N_i pull_i``: of D at c = 0, or (parts 1 and 2) how it changes along x and y."""
     return total(zero, (scaled(slip.pull, slip.load[part]) for slip in slips if slip.load[part]))
 

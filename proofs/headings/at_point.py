@@ -30,7 +30,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.messages.under_way import tell_count
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.numbers.plane import Vector, around, cross
-from nonsmooth.symbolic.numbers.plane_arrays import float_points
+from nonsmooth.symbolic.numbers.plane_arrays import float_points, norm
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 
 if TYPE_CHECKING:
@@ -293,7 +293,7 @@ def heading_matters(scene: Scene) -> bool:
     else:
         corners = [(float(x), float(y)) for x, y in body.vertices]
         inner = min(cross(a, b) / float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in around(corners))
-        outer = max(float(np.hypot(*corner)) for corner in corners)
+        outer = max(norm(corner) for corner in corners)
     x, y = (float(entry) for entry in scene.check.equilibrium)
     wheels = [(float(wheel.position[0]) - x, float(wheel.position[1]) - y) for wheel in whole(scene).wheels]
     distances = np.array([np.hypot(*wheel) for wheel in wheels])

@@ -345,7 +345,7 @@ def least_sum(rows: Floats, limits: Floats, costs: Floats, most: float | None) -
     if found.status != 0:
         return None
     above, below = np.split(found.x, 2)
-    return np.asarray(above - below)
+    return above - below
 
 
 SOME, MOST_DRAWN = 2, 4  # rows for each column that are looked at first; how often as many further ones are
@@ -386,4 +386,4 @@ def with_margin(rows: Floats, costs: Floats) -> Floats | None:
     if found.status or found.x[-1] < LEAST_MARGIN:
         return None
     least = least_sum(-rows, np.full(len(rows), -KEPT * found.x[-1]), costs, 1)
-    return np.asarray(found.x[:-1]) if least is None else least
+    return found.x[:-1] if least is None else least

@@ -191,4 +191,4 @@ def values(conditions: Functions, looked_at: LookedAt = points_of) -> tuple[Floa
 def normalized(rows: Floats) -> Floats:
     """Rows over their largest entries, without those that are zero; no numbers where one is not finite."""
     largest = np.max(np.abs(rows), axis=1, initial=0.0)
-    return np.asarray(rows[largest != 0] / largest[largest != 0, None])
+    return rows[largest != 0] / largest[largest != 0, None]

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, islice, permutations
-from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq_mat
@@ -21,17 +20,16 @@ from flint import fmpq_mat
 from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
+from nonsmooth.proofs.checker.positivity import identity
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, started
-from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
+from nonsmooth.proofs.kernel.first_terms import MIDDLE, Field, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.written import formula_text, null_basis, part_of, slopes
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-Field: TypeAlias = tuple[Polynomial, ...]
 
 RADII = 6  # half-widths of cubes that are tried, each a quarter of the one before
 WIDTHS = tuple(Fraction(1, 1 << bits) for bits in (1, 3, 5, 7))  # of cones about a direction, over its length
@@ -187,7 +185,7 @@ def motions(cells: SignCells) -> Iterator[FollowedField]:
         for apart, first, second in pairs:
             if len(apart) == number:
                 yield from _between(cells, apart, first, second)
-    states = [variable(len(cells.states), k) for k in range(len(cells.states))]
+    states = identity(len(cells.states))
     planes = [own for size in range(1, len(states) - 1) for own in combinations(states, size)]
     for cell in near:
         for mixture in _mixtures(cell)[: len(cell.velocities)]:
@@ -442,7 +440,7 @@ def _in_barriers(field: Field, positive: Sequence[Polynomial], rise: Polynomial)
 
 def _zeros(own: Polynomial) -> list[Polynomial]:
     """The variables where ``a x_k + ...`` is zero, with the first x_k that stands there by itself by the others."""
-    places = [variable(own.count, k) for k in range(own.count)]
+    places = list(identity(own.count))
     alone = next(k for k in range(own.count) if own.slope(k))
     places[alone] -= own.times(1 / own.slope(alone))
     return places
@@ -515,7 +513,7 @@ def _beside_slow_curve(motion: FollowedField) -> Iterator[BarrierRegion]:
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:
     """A vector in short fractions, its largest entry one."""
-    scale = float(np.abs(vector).max())
+    scale = max_norm(vector)
     return tuple(Fraction(float(x) / scale).limit_denominator(FINE) for x in vector)
 
 

@@ -53,7 +53,8 @@ from nonsmooth.proofs.kernel.written import coefficient_text, part_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane import plus
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norms
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -189,7 +190,7 @@ def build_cones(inclusion: Inclusion) -> list[FanCone]:
     rays = sorted({*upper, *((-a, -b) for a, b in upper)}, key=_angle)
     cones = []
     for start, end in zip(rays, [*rays[1:], rays[0]], strict=True):
-        inner = start[0] + end[0], start[1] + end[1]
+        inner = plus(start, end)
         signs = {j: listed[j].slope(0) * inner[0] + listed[j].slope(1) * inner[1] > 0 for j in lines}
         cells = tuple(c for c in inclusion.cells if all((c.signs[j] > 0) == own for j, own in signs.items()))
         mark = pattern(2 * signs[j] - 1 if j in signs else None for j in range(len(listed)))
@@ -413,7 +414,7 @@ def _coefficients(inclusion: Inclusion, *, grows: bool) -> list[float]:
         grows: whether V must not fall.
     """
     rates = _rates(inclusion) * (-1.0 if grows else 1.0)
-    sizes = np.maximum(np.abs(rates).max(axis=1), np.finfo(float).tiny)
+    sizes = np.maximum(max_norms(rates), np.finfo(float).tiny)
     rows = rates / sizes[:, None]
     positive = np.array([[-1.0, 1.0], [-1.0, -1.0]])
     table = np.vstack([rows[:, :2], positive])

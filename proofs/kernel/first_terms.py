@@ -32,9 +32,9 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
 )
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, instability_hypotheses, stability_hypotheses
-from nonsmooth.proofs.kernel.written import formula_text, null_basis, slopes
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.proofs.kernel.written import formula_text, null_basis, rational_slopes, slopes
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Field: TypeAlias = tuple[Polynomial, ...]
@@ -96,7 +96,7 @@ def leading_direction(velocities: Floats) -> Floats | None:
     Returns:
         None where there is none in floats.
     """
-    scaled = velocities / max(float(np.abs(velocities).max()), np.finfo(float).tiny)
+    scaled = velocities / max(max_norm(velocities), np.finfo(float).tiny)
     found = least_sum(-scaled, -np.ones(len(scaled)), np.ones(velocities.shape[1]), None)
     return None if found is None else np.asarray(found / np.abs(found).max())
 
@@ -193,7 +193,7 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
             found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
         except RuntimeWarning:
             return None
-    return np.asarray((found + found.T) / np.abs(found + found.T).max())
+    return (found + found.T) / np.abs(found + found.T).max()
 
 
 def _shifts(matrix: Floats, *, attracts: bool) -> list[float]:
@@ -236,7 +236,7 @@ def axis_factor(characteristic: fmpq_poly) -> fmpq_poly:
 def neutral_subspace(field: Sequence[Polynomial]) -> tuple[Polynomial, ...] | None:
     """The states as forms of coordinates of the subspace of the imaginary eigenvalues; None without these."""
     count = len(field)
-    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
+    matrix = fmpq_mat([rational_slopes(part) for part in field])
     on_axis = axis_factor(matrix.charpoly())
     if any(part.at_origin for part in field) or not on_axis.degree():
         return None

@@ -39,7 +39,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -271,7 +271,7 @@ def _proposals(claims: Sequence[Sequence[Claim]], functions: Sequence[str], heav
 def _samples(heavy: int) -> Floats:
     """Small points in all directions of weight."""
     angles = np.linspace(0, 2 * np.pi, 2 * ANGLES, endpoint=False) + 0.01
-    points = np.stack([np.cos(angles), np.sin(angles)], axis=1) * SMALL
+    points = unit_vectors(angles) * SMALL
     points[:, heavy] *= SMALL
     return points
 

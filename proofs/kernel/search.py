@@ -35,7 +35,7 @@ from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecide
 from nonsmooth.proofs.kernel import simplices, squares
 from nonsmooth.proofs.kernel.written import exact, slopes, twin, written_number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, squared_norms
 from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
 
 WORK = 20_000  # coefficients that the search for simplices may look at, for one claim
@@ -303,7 +303,7 @@ def moved_to(surface: Polynomial, points: Floats) -> Floats:
     """Points near these where a polynomial is zero, by Newton's method along its gradient."""
     for _ in range(STEPS):
         normals = gradient(surface, points)
-        steps = float_values(surface.terms, points) / np.maximum((normals**2).sum(axis=1), TINY)
+        steps = float_values(surface.terms, points) / np.maximum(squared_norms(normals), TINY)
         points = points - steps[:, None] * normals
     return points
 

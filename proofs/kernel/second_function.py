@@ -315,7 +315,7 @@ def _weights(matrix: Floats, target: Floats) -> Floats:
     if size == 1:
         return np.ones((len(matrix), 1))
     if size < rows:
-        return np.asarray(np.linalg.pinv(matrix) @ target)
+        return np.linalg.pinv(matrix) @ target
     weights = np.zeros((len(matrix), size))
     regular = np.linalg.det(matrix) != 0
     weights[regular] = np.linalg.solve(matrix[regular], target[:, None])[..., 0]

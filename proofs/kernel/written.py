@@ -135,6 +135,11 @@ def slopes(value: Polynomial) -> list[Coefficient]:
     return [value.slope(k) for k in range(value.count)]
 
 
+def rational_slopes(value: Polynomial) -> list[fmpq]:
+    """The same of a polynomial with rational coefficients."""
+    return list(map(as_fmpq, slopes(value)))
+
+
 def part_of(value: Polynomial, degree: int) -> Polynomial:
     """The terms of a degree."""
     return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) == degree})

@@ -33,6 +33,7 @@ from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, unit, variable
+from nonsmooth.proofs.checker.positivity import identity
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.kernel.cells import StatedCells, fields_seen, sharpened, started, stated_cells
@@ -44,14 +45,14 @@ from nonsmooth.proofs.kernel.search import (
     instability_hypotheses,
     stability_hypotheses,
 )
-from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis, part_of, slopes
+from nonsmooth.proofs.kernel.written import combined, formula_text, null_basis, part_of, rational_slopes, slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 MOST_ORDER = 7  # of the first term of a reduced field in one coordinate
@@ -87,7 +88,7 @@ class SplitFrame:
             rows = [[list(map(str, row)) for row in own.tolist()] for own in (self.basis, self.inverse)]
             return {"frame": rows}
         count, size = len(states), self.bend[0].count
-        own = [variable(count, k) for k in range(count)]
+        own = identity(count)
         center = times(self.inverse, own)[:size]
         bent = [line + part.on(own[:size], count) for line, part in zip(times(self.basis, own), self.bend, strict=True)]
         back = times(self.inverse, [x - part.on(center, count) for x, part in zip(own, self.bend, strict=True)])
@@ -195,9 +196,9 @@ def split_at(field: Sequence[Polynomial]) -> Split | None:
     Of a pair ``+-i w`` the number ``w^2`` has to be rational.
     """
     count = len(field)
-    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
+    matrix = fmpq_mat([rational_slopes(part) for part in field])
     values = np.linalg.eigvals(np.array(list(map(slopes, field)), dtype=float))
-    size = max(float(np.abs(values).max()), np.finfo(float).tiny)
+    size = max(max_norm(values), np.finfo(float).tiny)
     still = [value for value in values if abs(value.real) <= STILL * size]
     if any(part.at_origin for part in field) or max(value.real for value in values) > STILL * size:
         return None
@@ -274,7 +275,7 @@ class Reduction:
     def _along(self, manifold: Sequence[Polynomial], degree: int) -> Vector:
         """``f(R u + h(u))`` up to a degree."""
         size = self.split.size
-        places = times(self.split.right, [variable(size, k) for k in range(size)])
+        places = times(self.split.right, identity(size))
         places = [own + more for own, more in zip(places, manifold, strict=True)]
         return [_composed(part, places, size, degree) for part in self.field]
 
@@ -304,7 +305,7 @@ class Reduction:
     def _rotated(self, value: Polynomial) -> Polynomial:
         """``grad(value) . A_c u``."""
         size = self.split.size
-        return lie_derivative(value, times(self.split.center, [variable(size, k) for k in range(size)]))
+        return lie_derivative(value, times(self.split.center, identity(size)))
 
     # -- what it does
 
@@ -379,8 +380,8 @@ class Reduction:
         """V for some k."""
         split = self.split
         count, half = split.count, leading.weight // 2
-        center = times(split.left, [variable(count, k) for k in range(count)])
-        beside = times(_identity(count) - split.onto_center, [variable(count, k) for k in range(count)])
+        center = times(split.left, identity(count))
+        beside = times(_identity(count) - split.onto_center, identity(count))
         manifold = [_cut(own, half) for own in self.manifold]
         off = [own - other.on(center, count) for own, other in zip(beside, manifold, strict=True)]
         base = leading.potential.on(center, count)

@@ -40,7 +40,7 @@ from nonsmooth.proofs.kernel.cells import (
     require_denominators,
 )
 from nonsmooth.proofs.kernel.first_terms import axis_factor, common_jacobian
-from nonsmooth.proofs.kernel.written import slopes
+from nonsmooth.proofs.kernel.written import rational_slopes, slopes
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.lyapunov_search import (
     LARGE,
@@ -104,7 +104,7 @@ def _is_linear(field: Field) -> bool:
 
 def _rays(system: SwitchedSystem, field: Field, forms: Sequence[Sequence[fmpq]]) -> Iterator[RealRoot]:
     """Positive eigenvalues of a linear field with an eigenvector at which all forms are positive."""
-    matrix = fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field])
+    matrix = fmpq_mat([rational_slopes(part) for part in field])
     characteristic, adjugates = _resolvent(matrix)
     for root in positive_roots([system.field(c) for c in characteristic]):
         for column in range(len(field)):

@@ -27,14 +27,14 @@ from nonsmooth.proofs.kernel.cells import (
 )
 from nonsmooth.proofs.kernel.search import SQUARES, Collected, Functions, decide_claim
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
-from nonsmooth.proofs.kernel.written import slopes, terms_of
+from nonsmooth.proofs.kernel.written import rational_slopes, terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import float_values
@@ -149,7 +149,7 @@ def _is_clear(inclusion: Inclusion, signs: Sequence[int]) -> bool:
     if all(surface.degree == 1 for surface in listed):
         return True
     here = [surface for surface, s in zip(listed, signs, strict=True) if not s]
-    return all(surface.degree == 1 for surface in here) and _rank([_slopes(own) for own in here]) == len(here)
+    return all(surface.degree == 1 for surface in here) and _rank([rational_slopes(own) for own in here]) == len(here)
 
 
 def _largest_rise(
@@ -158,8 +158,8 @@ def _largest_rise(
     """The largest derivative of V along the surfaces through a point, if a solution is shown to have it."""
     normals: list[list[fmpq]] = []
     for form in through:
-        if _rank([*normals, _slopes(form)]) > len(normals):
-            normals.append(_slopes(form))
+        if _rank([*normals, rational_slopes(form)]) > len(normals):
+            normals.append(rational_slopes(form))
     if not around:
         return None
     potential = conditions.potential(around[0])
@@ -183,10 +183,6 @@ def _value(polynomial: Polynomial, point: Sequence[fmpq]) -> fmpq:
     return fmpq(value_at(terms_of(polynomial), point))
 
 
-def _slopes(form: Polynomial) -> list[fmpq]:
-    return list(map(as_fmpq, slopes(form)))
-
-
 def _rank(rows: Sequence[Sequence[fmpq]]) -> int:
     return int(fmpq_mat([list(row) for row in rows]).rank()) if rows else 0
 
@@ -202,7 +198,7 @@ RISES = "V increases"
 SLIDES_UP = "V increases along a solution that slides on a face"
 WORK = 4_000  # coefficients looked at for one claim beside sums of squares: a second or less
 SENSES = {Effort.HASTY: (), Effort.STRICT: (True,), Effort.FULL: (True, False), Effort.ALONE: ()}
-POSITIVE, CELL, FACE = "V", "cell", "face"  # what names of claims begin with
+POSITIVE, FACE = "V", "face"  # what names of claims begin with
 
 
 class NotZeroError(BeyondReachError):

@@ -72,7 +72,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values, written_powers
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -393,7 +393,7 @@ def hessian(terms: Mapping[Exponents, Any], count: int) -> Floats:
 
 
 def _rounded_direction(values: Floats) -> tuple[Fraction, ...]:
-    size = float(np.abs(values).max())
+    size = max_norm(values)
     return tuple(Fraction(round(float(x) / size * FINE), FINE) for x in values)
 
 

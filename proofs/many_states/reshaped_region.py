@@ -16,10 +16,10 @@ are shown on a cube around the region: V is positive and falls where ``V <= leve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from flint import fmpq
@@ -33,13 +33,12 @@ from nonsmooth.proofs.many_states.lyapunov_search import about_sum, hessian
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, nearest, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.basin_mesh import Announce
 from nonsmooth.proofs.systems.domain import ReshapedRegion, SublevelRegion
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, max_norms, row_norms
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
-
-Announce: TypeAlias = Callable[[str, int, int], None]
 
 DIRECTIONS, PLACES, FARTHEST = 3_000, 240, 64.0  # rays, places on each up to a multiple of the half-width
 LEVELS = (0.999, 0.99, 0.96, 0.9, 0.75, 0.5, 0.25, 1 / 16, 1 / 64, 1 / 1024)  # of what samples allow, in turn
@@ -251,7 +250,7 @@ class _Iteration:
         border = _border(own)
         if border is None:
             return None
-        distances = np.linalg.norm(border, axis=1)
+        distances = row_norms(border)
         reach = float(np.log(distances).mean()) + float(np.log(float(self.radius)))
         # -V' - s (level - V) >= 0 says of V / level the same, with the same s
         return None if squares is None else _Level(own, squares, border, reach)
@@ -262,7 +261,7 @@ class _Iteration:
         along = _along(shape.terms, rays)
         rates = [_along(condition.constant, rays) for condition in conditions]
         guards = [[_along(guard, rays) for guard in condition.guards] for condition in conditions]
-        widest = np.abs(rays).max(axis=1) * float(self.radius)
+        widest = max_norms(rays) * float(self.radius)
         for length in np.geomspace(1 / FARTHEST, FARTHEST, PLACES):
             value = _at(along, length)
             bad = value <= 0
@@ -298,7 +297,7 @@ class _Iteration:
 
     def rescaled(self, before: _Level) -> _Level:
         """The same V in units in which its region has a half-width between one half and one."""
-        extent = float(np.abs(before.border).max())
+        extent = max_norm(before.border)
         if 0.5 < extent <= 1:
             return before
         factor = Fraction(2) ** int(np.ceil(np.log2(extent)))
@@ -336,14 +335,14 @@ class _Iteration:
     def shown(self, best: _Level) -> ReshapedRegion | None:
         """The region of a rounded V, by evidence that the checker takes."""
         shape = best.shape
-        size = float(np.abs(shape.values).max())
+        size = max_norm(shape.values)
         unscaled = []
         for exponents, value in zip(shape.exponents, shape.values, strict=True):
             unscaled.append(nearest(value / size, FINE) / self.radius ** sum(exponents))
         top = 1 / size  # the level of the rounded V, in floats
         formula = parse_piecewise(formula_text(self.monomials(shape.exponents), unscaled), self.system.states)
         for cube in CUBES:
-            extent = float(np.abs(best.border).max()) * float(self.radius) * cube
+            extent = max_norm(best.border) * float(self.radius) * cube
             within = _short_above(extent)
             if self.limit is not None:
                 within = min(within, self.limit)
@@ -435,7 +434,7 @@ def _border(shape: _Shape) -> Floats | None:
         middle = (low + high) / 2
         over = _at(along, middle) >= 1
         high, low = np.where(over, middle, high), np.where(over, low, middle)
-    return np.asarray(rays * low[:, None])
+    return rays * low[:, None]
 
 
 def _short_above(value: float) -> Fraction:

@@ -21,17 +21,19 @@ from flint import fmpq, fmpq_mat
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.checker.positivity import identity
 from nonsmooth.proofs.checker.theorems import STABLE
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, Field, SignCells, build_cells, rational, started
 from nonsmooth.proofs.kernel.first_terms import lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.written import null_basis, slopes
+from nonsmooth.proofs.kernel.written import null_basis, rational_slopes
 from nonsmooth.proofs.many_states.center_manifold import (
     DENOMINATOR,
     Reduction,
     Split,
+    Vector,
     smooth_fields,
     split_at,
     sum_text,
@@ -75,7 +77,7 @@ def _rays(cells: SignCells) -> Iterator[Ray]:
         raise BeyondReachError(f"over {MOST_SURFACES} surfaces through the point")
     sizes = range(min(len(numbers), len(cells.states) - 1) + 1)
     chosen = [own for size in sizes for own in combinations(numbers, size)]
-    rows = [[list(map(as_fmpq, slopes(cells.forms[k]))) for k in own] for own in chosen]
+    rows = [[rational_slopes(cells.forms[k]) for k in own] for own in chosen]
     resting = (same + more for own, same in zip(chosen, rows, strict=True) for more in _conditions(cells, own))
     seen = set[Ray]()
     for equations in chain(rows, resting):
@@ -102,7 +104,7 @@ def _conditions(cells: SignCells, surfaces: Sequence[int]) -> Iterator[list[list
         if at_point.rank() == len(fields):
             continue
         normals = null_basis(at_point).transpose()
-        jacobians = (fmpq_mat([list(map(as_fmpq, slopes(part))) for part in field]) for field in fields)
+        jacobians = (fmpq_mat([rational_slopes(part) for part in field]) for field in fields)
         yield [row for own in jacobians if normals.nrows() for row in (normals * own).tolist()]
 
 
@@ -173,7 +175,6 @@ GAINS = (1, 16)  # k, tried in turn
 MOST_MONOMIALS = 20  # up to half of the degree of V': beyond that squares take too long
 NAMES = tuple("urstpqkmn")  # of a number along the curve, one more than a system has states
 
-Vector: TypeAlias = list[Polynomial]
 Matrix: TypeAlias = list[Vector]
 
 
@@ -284,7 +285,7 @@ class Curve:
         u = variable(1, 0, 2)
         rising = _integral(u * determinant.times(scale))
         mixed = [(u * own).times(-scale) for own in _row_times(slopes, adjugate)]
-        (centre,) = times(split.left, [variable(count, k) for k in range(count)])
+        (centre,) = times(split.left, identity(count))
         off = [variable(count, k) - own.on([centre], count) for k, own in enumerate(self.manifold)]
         beside = times(onto_side, off)
         base = rising.on([centre], count)

@@ -511,7 +511,7 @@ def find_kept_form(system: SwitchedSystem) -> ExaminedLyapunov | None:
     kept = family.vanishing
     if not kept.ncols():
         return None
-    program = replace(family.program, points=float(system.check.radius) * family.program.points)
+    program = replace(family.program, points=system.check.half_width * family.program.points)
     powers = np.array([float(degree / weight) for weight in own.weights])
     for chosen in program.combined(kept).solutions(powers, positive=True):
         formula = parse_piecewise(formula_text(basis, coefficients_of(kept, chosen)), states)

@@ -93,9 +93,8 @@ class _Prover:
         orbit = self.orbit
         along = orbit.legs[0].motion(0.0, orbit.point)
         normal = np.array([-along[1], along[0]]) / float(np.hypot(*along))
-        extent = float(np.ptp(orbit.path.array, axis=0).max())
         point, direction = ([arb(float(x)) for x in vector] for vector in (orbit.point, normal))
-        short, long = proved_maps(self._crossed([(leg,) for leg in orbit.legs]), point, direction, arb(extent))
+        short, long = proved_maps(self._crossed([(leg,) for leg in orbit.legs]), point, direction, arb(orbit.extent))
         attracts = bool(abs(short.slope) < 1)
         said = "is mapped into itself" if long.into_itself else "holds one fixed point of its return map"
         whole = f"a segment of half-width {float(long.reach.mid()):.3g} across the orbit {said}"

@@ -24,7 +24,7 @@ from nonsmooth.proofs.robust.level_sets import AnnulusPiece, Place, polygon_abou
 from nonsmooth.proofs.robust.plane_minimum import BoxCorners, Proposal
 from nonsmooth.proofs.robust.rings import PRECISION, RingProof
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.plane import in_floats
 
@@ -42,7 +42,7 @@ from nonsmooth.symbolic.numbers.plane import in_floats
 def half_widths(wheel: Wheel, box: Tolerance) -> list[arb]:
     """Of what is added to a wheel's x, y, angle, speed and the two frictions over a box."""
     step, speed = box.position.ball(), abs((wheel.speed * box.speed).ball())
-    angle = arb(box.heading.numerator) / box.heading.denominator * arb.pi()
+    angle = rational_ball(box.heading) * arb.pi()
     roll, side = wheel.friction.roll * box.mu_roll, wheel.friction.side * box.mu_side
     return [step, step, angle, speed, roll.ball(), side.ball()]
 
@@ -74,7 +74,7 @@ class BoxWheel:
     @classmethod
     def of(cls, wheel: Wheel, box: Tolerance) -> BoxWheel:
         """A wheel of a centred scene within tolerances."""
-        turn = arb(box.heading.numerator) / box.heading.denominator * arb.pi() * UNIT
+        turn = rational_ball(box.heading) * arb.pi() * UNIT
         (x, y), (a, b), (along, across) = wheel.position, wheel.unit_grip, wheel.slip_speeds
         drive = 1 + box.speed.ball() * UNIT
         return cls(
@@ -342,4 +342,4 @@ class BoxRingProof(RingProof[BoxBound]):
 
 
 def _balls(place: Place) -> list[arb]:
-    return [arb(as_fmpq(entry)) for entry in place]
+    return [rational_ball(entry) for entry in place]

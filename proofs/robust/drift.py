@@ -29,9 +29,8 @@ from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, even_angles, unit_vectors
 
-Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 Corners: TypeAlias = list[tuple[arb, arb]]
 Motion: TypeAlias = tuple[arb, arb, arb]  # (v_x, v_y, omega)
 
@@ -166,7 +165,7 @@ def _slowest_of_cells(scene: Scene, accuracy: Fraction) -> Fraction | None:
 
 def _direction(velocities: Floats) -> tuple[float, float] | None:
     """A rational direction no longer than one along which all velocities go, about the best; None where none is."""
-    angles = 2 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    angles = even_angles(DIRECTIONS)
     rays = unit_vectors(angles) * (1 - 2.0**-40)
     least = (velocities @ rays.T).min(axis=0)
     best = int(least.argmax())

@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
-from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
+from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Place, shapes_about
 from nonsmooth.proofs.robust.rings import TouchingRings, root_above
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, rings_about
 from nonsmooth.symbolic.mechanics.body import outer_positions, support_polygon
@@ -28,9 +28,18 @@ from nonsmooth.symbolic.mechanics.contact_set import ContactSet
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.under_way import parts
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    are_finite,
+    cross,
+    field_beside,
+    float_points,
+    following,
+    norm,
+    norms,
+    places_of,
+)
 
-Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
 
 MOST_WHEELS = 400  # some ten seconds
@@ -161,13 +170,13 @@ def _shapes(scene: Scene, velocity: Velocity, centre: Place, accuracy: Fraction)
         yield Distance()
         return
     place = np.array([float(entry) for entry in centre])
-    _, slope = field_beside(velocity, place, DIFFERENCE * float(scene.check.radius))
-    if not np.isfinite(slope).all():
+    _, slope = field_beside(velocity, place, DIFFERENCE * scene.check.half_width)
+    if not are_finite(slope):
         yield Distance()
         return
     yield from shapes_about(slope)
     _, coarse = field_beside(velocity, place, COARSE * float(accuracy))
-    if np.isfinite(coarse).all() and np.linalg.norm(slope - coarse) > np.linalg.norm(coarse):
+    if are_finite(coarse) and np.linalg.norm(slope - coarse) > np.linalg.norm(coarse):
         yield from (shape for shape in shapes_about(coarse) if not isinstance(shape, Distance))
 
 
@@ -183,9 +192,7 @@ def _about(
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
     there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
-    most = min(
-        max(float(scene.check.radius) - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there)
-    )
+    most = min(max(scene.check.half_width - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there))
     if kept.margin is not None:
         free = max(float(kept.margin - distance), 0.0) * (1 - 2.0**-20)
         most = min(most, free * shape.inside / shape.outside)
@@ -281,11 +288,11 @@ def _standing(scene: Scene) -> float:
     if len(corners) < 3:
         return 0.0
     places = float_points(corners)
-    along = np.roll(places, -1, axis=0) - places
-    lengths = np.hypot(along[:, 0], along[:, 1])
+    along = following(places) - places
+    lengths = norms(along)
     if not lengths.all():  # floats do not tell corners apart that are far away
         return 0.0
-    distances = (places[:, 0] * along[:, 1] - places[:, 1] * along[:, 0]) / lengths
+    distances = (cross(places, along)) / lengths
     return float(distances.min()) * (1 - 2.0**-30)
 
 
@@ -307,8 +314,8 @@ def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[P
 
 def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> Iterator[Floats | None]:
     if scene.contact.rule not in {"nearest", "box"}:
-        yield _zero(velocity, size, float(scene.check.radius))
-        yield _end_of_stiff_path(velocity, size, float(scene.check.radius))
+        yield _zero(velocity, size, scene.check.half_width)
+        yield _end_of_stiff_path(velocity, size, scene.check.half_width)
     else:
         yield np.zeros(2)
         yield _end_of_path(velocity, size, still, FEW_STEPS if scene.contact.rule == "box" else DRIFT_STEPS)
@@ -343,7 +350,7 @@ def _nearest_velocity(scene: Scene) -> Velocity:
 
     def velocity(place: Floats) -> Floats:
         chosen: list[tuple[list[float], float]] = []
-        for k in np.argsort(np.hypot(*(places - place).T)):
+        for k in np.argsort(norms(places - place)):
             for row in rows[k]:
                 trial = np.array([entries for entries, _ in [*chosen, row]])
                 if np.linalg.svd(trial, compute_uv=False)[-1] > 2.0**-30:
@@ -361,8 +368,8 @@ def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats |
     place, duration = np.zeros(2), 0.0
     for _ in range(DRIFT_STEPS // 2):
         here, slope = field_beside(velocity, place, DIFFERENCE * most)
-        speed = float(np.hypot(*here))
-        if not np.isfinite(slope).all() or not np.isfinite(speed):
+        speed = norm(here)
+        if not are_finite(slope) or not np.isfinite(speed):
             return None
         duration = duration * GROWTH or size / 4 / speed if speed else 0.0
         if not duration:
@@ -371,7 +378,7 @@ def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats |
             move = np.linalg.solve(np.eye(2) - duration * slope, duration * here)
         except np.linalg.LinAlgError:
             return None
-        length = float(np.hypot(*move))
+        length = norm(move)
         if length > size:  # the field is not linear so far
             move, duration = move * size / length, duration / GROWTH**3
         place = place + move
@@ -391,7 +398,7 @@ def _zero(velocity: Velocity, size: float, most: float) -> Floats | None:
             move = -np.linalg.solve(slope, here)
         except np.linalg.LinAlgError:
             return None
-        length = float(np.hypot(*move))
+        length = norm(move)
         if not np.isfinite(length):
             return None
         place = place + move * min(1.0, most / 4 / length if length else 1.0)
@@ -408,7 +415,7 @@ def _end_of_path(velocity: Velocity, size: float, still: float, steps: int) -> F
     before = np.zeros(2)
     for _ in range(steps):
         now = velocity(place)
-        speed = float(np.hypot(*now))
+        speed = norm(now)
         if not np.isfinite(speed):
             return None
         if speed <= still or step <= TIGHT * size:

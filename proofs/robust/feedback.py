@@ -24,19 +24,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb, ctx
 
-from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, Triple, load_box
 from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.findings import Feedback
 from nonsmooth.proofs.robust.box import BoxBound, box_wheels
 from nonsmooth.proofs.robust.plane_minimum import MAX_WHEELS, BoxCorners
-from nonsmooth.proofs.robust.smooth_rules import FOLLOWED, ArrayBox, PieceForces, Triple, force_law
+from nonsmooth.proofs.robust.smooth_rules import FOLLOWED, ArrayBox, PieceForces, force_law
 from nonsmooth.symbolic.mechanics.contact_states import with_rims_along_axes
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.mechanics.similar_scenes import in_own_length
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
@@ -131,7 +132,7 @@ def _decided(
         known = [error for error in errors if error is not None]
         if len(known) < len(errors):
             return RobustLoop(None, "a twist that the law commands may slip away within the tolerances")
-        root = (arb(kappa.numerator) / kappa.denominator).sqrt()
+        root = (rational_ball(kappa)).sqrt()
         slowest = min((root * (root - error) for error in known), key=rational_below)
         if not slowest > 0:
             return RobustLoop(None, "twists may differ from those that the law commands by more than its rate allows")
@@ -143,7 +144,7 @@ class _CommandedTwist:
 
     def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, twist: Sequence[Number]) -> None:
         """For a twist in the unit l of the scene."""
-        self._length = arb(scene.check.length.numerator) / scene.check.length.denominator
+        self._length = rational_ball(scene.check.length)
         x, y, turn = (entry.ball() for entry in twist)
         self._twist = x, y, turn / self._length
         speeds = [wheel.moved(self._twist)[0] for wheel in box_wheels(scene, box.times(STILL))]
@@ -214,7 +215,7 @@ def distance_of_minimizers(
     arrays = ArrayBox(box_wheels(own, box), loads, force_law(own))
     forces = replace(PieceForces.at_point(arrays), speeds=_speeds(own, box, imposed))
     middle = np.array([float(entry) for entry in imposed.twist])
-    rounding = 2.0**-40 * (most + float(np.abs(middle).max()))  # of the cube to floats
+    rounding = 2.0**-40 * (most + max_norm(middle))  # of the cube to floats
     for share in SHARES:
         half = share * most / np.sqrt(3)
         if _is_outward(forces, middle, half):

@@ -28,7 +28,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, ctx, fmpq
+from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Cell, RefusalError
@@ -36,9 +36,10 @@ from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.balanced_forces import STRENGTHS, BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure
 from nonsmooth.symbolic.numbers.plane import dot
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, field_beside
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, cross, field_beside, norm, norms, turned
 
 PRECISION = 128  # bits of the balls
 PARTS = 8  # steps on the way out, at least
@@ -134,7 +135,7 @@ def is_carried_out(scene: Scene, accuracy: Fraction) -> bool:
     except RefusalError:
         return False
     with ctx.workprec(PRECISION):
-        far = arb(fmpq(accuracy.numerator, accuracy.denominator))
+        far = rational_ball(accuracy)
         return _Followed([_Cell.of(cell) for cell in cells], far).leaves()
 
 
@@ -332,7 +333,7 @@ def leaves_by_funnel(scene: Scene, accuracy: Fraction) -> bool:
     if forces is None or path is None:
         return False
     ahead = np.diff(path, axis=0, append=2 * path[-1:] - path[-2:-1])
-    normals = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.hypot(*ahead.T)[:, None]
+    normals = turned(ahead) / norms(ahead)[:, None]
     widths = np.linspace(0.0, FAR * float(accuracy), len(path))[:, None] * normals
     for slope in SLOPES:
         left, right = path + slope * widths, path - slope * widths
@@ -350,8 +351,8 @@ def _path_outward(forces: BalancedForces, radius: float) -> Floats | None:
     length, places = radius / QUADRANGLES, [np.zeros(2)]
     for _ in range(LONGEST * QUADRANGLES):
         here, slope = field_beside(forces.velocities, places[-1], DIFFERENCE * radius)
-        speed = float(np.hypot(*here))
-        if not 0 < speed < math.inf or not np.isfinite(slope).all():
+        speed = norm(here)
+        if not 0 < speed < math.inf or not are_finite(slope):
             return None
         time = length / speed
         move: Any = here
@@ -362,7 +363,7 @@ def _path_outward(forces: BalancedForces, radius: float) -> Floats | None:
             time *= 2
         else:
             return None  # it comes to rest
-        places.append(places[-1] + move * min(1.0, length / float(np.hypot(*move))))
+        places.append(places[-1] + move * min(1.0, length / norm(move)))
         if np.hypot(*places[-1]) > FAR * radius:
             return np.array(places)
     return None
@@ -391,7 +392,7 @@ def _are_convex(corners: Floats) -> bool:
     """Whether quadrangles, the first of which is a triangle, are convex and counterclockwise, beyond rounding."""
     along = np.roll(corners, -1, axis=1) - corners
     after = np.roll(along, -1, axis=1)
-    turns = along[..., 0] * after[..., 1] - along[..., 1] * after[..., 0]
+    turns = cross(along, after)
     clear = turns > 2.0**-30 * np.linalg.norm(along, axis=2) * np.linalg.norm(after, axis=2)
     return bool(clear[:, :2].all() and clear[1:].all())
 
@@ -407,7 +408,7 @@ def _lead_left(forces: BalancedForces, corners: Floats, starts: Floats, ends: Fl
         parts: of a quadrangle that is not shown whole, along and across.
     """
     for _ in range(DIVISIONS):
-        unit = Intervals.of(1 / np.hypot(*(ends - starts).T)[:, None] * np.ones(4))  # any positive factor does
+        unit = Intervals.of(1 / norms(ends - starts)[:, None] * np.ones(4))  # any positive factor does
         along_x, along_y = (unit * (Intervals.of(ends[:, k, None]) - Intervals.of(starts[:, k, None])) for k in (0, 1))
         x, y = (Intervals.of(corners[:, :, k]) for k in (0, 1))
         covector = forces.covector(along_y, -along_x, -along_x * x - along_y * y)

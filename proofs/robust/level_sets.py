@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.boxes.intervals import Intervals
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles, norms, unit_vectors
 
 SECTORS = 24  # of each ring of circles
 VERTICES = 32
@@ -57,7 +57,7 @@ class RingPieces:
     @cached_property
     def middles(self) -> Floats:
         """(pieces, 2)."""
-        return np.asarray(self.corners.mean(axis=1))
+        return self.corners.mean(axis=1)
 
     @cached_property
     def middle_slopes(self) -> Floats:
@@ -77,7 +77,7 @@ class RingPieces:
         The middle of a side is exact where its corners have bits to spare: otherwise the halves, and neighbours that
         are not cut, may leave a gap between them.
         """
-        along, across = (np.hypot(*(self.corners[:, k] - self.corners[:, 0]).T) for k in (1, 3))
+        along, across = (norms(self.corners[:, k] - self.corners[:, 0]) for k in (1, 3))
         order = np.where((along > across)[:, None], [0, 1, 2, 3], [1, 2, 3, 0])
         pieces = np.arange(len(order))[:, None]
 
@@ -117,7 +117,7 @@ class Distance(LevelFunction):
     def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> RingPieces:
         """Neighbours share their corners to the last bit, so that no gap is between them."""
         count = SECTORS * parts
-        angles = 2 * math.pi * np.arange(count) / count
+        angles = even_angles(count)
         rays = unit_vectors(angles)
         far = outer * (1 + MARGIN) / math.cos(math.pi / count)
         corners = _quadrangles(rays, inner * (1 - MARGIN), far)
@@ -141,7 +141,7 @@ class SectorFunction(LevelFunction):
     @classmethod
     def of_ellipse(cls, matrix: Floats, count: int = VERTICES) -> SectorFunction:
         """Inscribed in the ellipse ``c . P c = 1``, made as large as holds the unit disc, for a definite P (2 x 2)."""
-        angles = 2 * math.pi * np.arange(count) / count
+        angles = even_angles(count)
         circle = np.stack([np.cos(angles), np.sin(angles)])
         vertices = np.linalg.solve(np.linalg.cholesky(matrix).T, circle).T
         found = cls(short_vertices(vertices), np.ones(count))
@@ -173,7 +173,7 @@ class SectorFunction(LevelFunction):
     @cached_property
     def outside(self) -> float:  # type: ignore[override]
         """The largest distance of a vertex."""
-        return float(np.hypot(*self.vertices.T).max()) * (1 + 2.0**-40)
+        return float(norms(self.vertices).max()) * (1 + 2.0**-40)
 
     @cached_property
     def sectors(self) -> NDArray[np.intp]:
@@ -232,13 +232,13 @@ def lyapunov_matrix(slope: Floats) -> Floats | None:
 def short_levels(levels: Floats, bits: int = BITS) -> Floats:
     """Levels with 24 bits, or fewer."""
     size = 2.0 ** (np.floor(np.log2(levels)) - bits + 1)
-    return np.asarray(np.floor(levels / size) * size)
+    return np.floor(levels / size) * size
 
 
 def short_vertices(entries: Floats) -> Floats:
     """Vertices or values that are multiples of a power of two, 2^24 of which the largest has."""
     size = 2.0 ** (math.floor(math.log2(np.abs(entries).max())) - BITS + 1)
-    return np.asarray(np.round(entries / size) * size)
+    return np.round(entries / size) * size
 
 
 def _quadrangles(rays: Floats, inner: Floats, outer: Floats) -> Floats:
@@ -252,7 +252,7 @@ def _adds_exactly(a: Floats, b: Floats) -> Mask:
     """Whether sums of points (n, 2) are not rounded (Knuth's two-sum), (n,)."""
     total = a + b
     rest = total - a
-    return np.asarray((((a - (total - rest)) + (b - rest)) == 0).all(axis=1))
+    return (((a - (total - rest)) + (b - rest)) == 0).all(axis=1)
 
 
 def _repeated(slope: Intervals, parts: int, rings: int) -> Intervals:

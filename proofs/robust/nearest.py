@@ -38,7 +38,7 @@ from nonsmooth.proofs.robust.box import half_widths
 from nonsmooth.proofs.robust.rings import BoundedCell, root_above, squared_radius
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.plane import around
+from nonsmooth.symbolic.numbers.plane import around, dot
 
 PRECISION = 64  # bits of the balls
 RATES = 32  # values of kappa that are tried
@@ -329,7 +329,7 @@ def _among_the_nearest(wheels: Sequence[Wheel], radius: fmpq, step: arb) -> list
         sizes = [abs(entry.ball()) for entry in wheel.position]
         gaps = [max(size - edge - step, arb(0), key=float) for size in sizes]
         most = sum(((size + edge + step) ** 2 for size in sizes), arb(0))
-        reaches.append((gaps[0] * gaps[0] + gaps[1] * gaps[1], most))
+        reaches.append((dot(gaps, gaps), most))
     nearest = sorted((most for _, most in reaches), key=float)[:2]
     return [k for k, (least, _) in enumerate(reaches) if not all(least > most for most in nearest)]
 

@@ -22,7 +22,7 @@ from nonsmooth.proofs.inequalities.linear_program import solve_program
 from nonsmooth.proofs.robust.level_sets import AnnulusPiece
 from nonsmooth.symbolic.mechanics.friction_set import float_sets
 from nonsmooth.symbolic.mechanics.scene import Scene
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm, norms, squared_norms
 
 # ---- the rows of an array and the limits of its friction forces ----------------------------------
 #
@@ -41,7 +41,7 @@ class ArrayRows:
 
     def __init__(self, scene: Scene) -> None:
         model = contact_model(scene)
-        self.length = float(np.sqrt((model.positions**2).sum(axis=1).mean())) or 1.0
+        self.length = float(np.sqrt(squared_norms(model.positions).mean())) or 1.0
         self.rows = model.rows / [1.0, 1.0, self.length]
         self.speeds, self.friction = model.targets, model.friction
         every = np.arange(model.wheels)
@@ -53,12 +53,12 @@ class ArrayRows:
 
     def loads(self, place: Sequence[float]) -> Floats:
         """Of all wheels with the body at a place."""
-        return np.asarray(self._forms @ np.array([1.0, *place]))
+        return self._forms @ np.array([1.0, *place])
 
     @property
     def fastest(self) -> float:
         """Speed of the fastest row."""
-        return float(np.abs(self.speeds).max())
+        return max_norm(self.speeds)
 
 
 # ---- the least value on a plane ------------------------------------------------------------------
@@ -100,7 +100,7 @@ class PlaneMinima:
         if new:
             places = np.array([_middle(piece) for piece in new])
             twists = minima_under(smooth_rule_of(self._scene), self._scene, places).twists
-            rates = -(places * twists[:, :2]).sum(axis=1) / np.hypot(*places.T)
+            rates = -(places * twists[:, :2]).sum(axis=1) / norms(places)
             self._radial |= {piece: rate if rate > 0 else None for piece, rate in zip(new, rates.tolist(), strict=True)}
         return [self._radial[piece] for piece in pieces]
 
@@ -124,11 +124,11 @@ class PlaneMinima:
         for _ in range(STEPS):
             if not _curves(slope):
                 return None
-            if np.abs(pull).max() <= enough:
+            if max_norm(pull) <= enough:
                 break
             move, before = -np.linalg.solve(slope, pull), np.abs(pull).max()
             pull, slope = self._derivatives(fixed + (z + move) @ plane, plane, loads)
-            while np.abs(pull).max() > before and np.abs(move).max() > step:
+            while max_norm(pull) > before and max_norm(move) > step:
                 move /= 2
                 pull, slope = self._derivatives(fixed + (z + move) @ plane, plane, loads)
             z = z + move
@@ -152,7 +152,7 @@ class PlaneMinima:
 
 def _curves(slope: Floats) -> bool:
     """Whether a Hessian shows curvature in every direction, beyond rounding."""
-    if not np.isfinite(slope).all():
+    if not are_finite(slope):
         return False
     least, largest = np.linalg.eigvalsh(slope)
     return bool(least > SINGULAR * largest)
@@ -229,12 +229,12 @@ class BoxCorners(ArrayRows):
         response = np.zeros((len(limits), 3))
         response[satisfied] = columns @ np.linalg.inv(square)
         shares[satisfied] = _within(columns, missing, response[satisfied] @ missing)
-        return Proposal(shares, satisfied, response) if np.abs(shares[satisfied]).max() < LARGEST_SHARE else None
+        return Proposal(shares, satisfied, response) if max_norm(shares[satisfied]) < LARGEST_SHARE else None
 
 
 def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
     """Shares of least square, or where one is too large those whose largest is least, by a linear program."""
-    if np.abs(shares).max() < LARGEST_SHARE or len(shares) == 3:
+    if max_norm(shares) < LARGEST_SHARE or len(shares) == 3:
         return shares
     count = len(shares)
     ones = np.ones((count, 1))
@@ -246,4 +246,4 @@ def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
         b_eq=missing,
         bounds=[(None, None)] * count + [(0, None)],
     )
-    return np.asarray(found.x)[:count] if found.success else shares
+    return found.x[:count] if found.success else shares

@@ -40,8 +40,9 @@ from nonsmooth.proofs.robust.level_sets import (
 from nonsmooth.proofs.robust.touching_rings import RATIO, falls_about, finer_rate, ring_rates
 from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles, max_norms
 
 # ---- the twist all over a small polygon ----------------------------------------------------------
 #
@@ -155,7 +156,7 @@ def _affine_twists(
     loads = one + by_x * Intervals.of(places[:, :1]) + by_y * Intervals.of(places[:, 1:])
     off = -_times(inverse, _weighed(loads, pull))
     by_place = Intervals.stacked([-_times(inverse, _weighed(form, pull)) for form in (by_x, by_y)])
-    reach = [np.abs(pieces.corners[:, :, k] - places[:, None, k]).max(axis=1) * (1 + 2.0**-40) for k in range(2)]
+    reach = [max_norms(pieces.corners[:, :, k] - places[:, None, k]) * (1 + 2.0**-40) for k in range(2)]
     sides = [Intervals(-size, size)[:, None] for size in reach]
     change = off + by_place[:, :, 0] * sides[0] + by_place[:, :, 1] * sides[1]
     size = GROWTH * np.maximum(np.abs(change.low), np.abs(change.high)) + TINY
@@ -266,7 +267,7 @@ def _rising(slope: Floats) -> Iterator[SectorFunction]:
     first, second = (modes[:, k].real for k in (int(roots.argmax()), int(roots.argmin())))
     if first[0] * second[1] < first[1] * second[0]:
         second = -second
-    angles = 2 * np.pi * np.arange(VERTICES) / VERTICES
+    angles = even_angles(VERTICES)
     x, y = np.cos(angles), np.sin(angles)
     if abs(first[0] * second[1] - first[1] * second[0]) > 2.0**-10:
         vertices = short_vertices(x[:, None] * first + y[:, None] * second)
@@ -289,7 +290,7 @@ def _level_close_by(rest: EnclosedRest, shape: SectorFunction, accuracy: Fractio
 def _rises_close_by(rest: EnclosedRest, shape: SectorFunction, level: float, beside: Fraction, start: Fraction) -> bool:
     """Whether V rises in the polygon of a level; beside a place of rest but for the polygon of the level ``start``."""
     slopes = _slopes_over(rest, shape, level * shape.outside, beside)
-    off, close = (arb(entry.numerator) / entry.denominator for entry in (beside, start))
+    off, close = (rational_ball(entry) for entry in (beside, start))
     # at the level s of the polygon V' >= rate s - size off
     return slopes is not None and all(rate * close > size * off for rate, size in _rates_at_rays(shape, slopes))
 
@@ -392,7 +393,7 @@ class AttractingDisc:
         """After which bodies from within ``start`` of the point are within ``near`` of it; both beyond ``beside``."""
         share = (start + self.beside) * self.outside / (self.inside * (near - self.beside))
         with ctx.workprec(PRECISION):
-            logarithm = rational_above((arb(share.numerator) / share.denominator).log())
+            logarithm = rational_above((rational_ball(share)).log())
         return max(logarithm, Fraction(0)) / self.rate
 
 

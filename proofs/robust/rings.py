@@ -24,7 +24,7 @@ from nonsmooth.symbolic.mechanics.scene import Tolerance
 from nonsmooth.symbolic.messages.under_way import tell, tell_count
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane import around, between, dot
+from nonsmooth.symbolic.numbers.plane import around, between, dot, minus
 
 PRECISION = 64  # bits of the balls
 RINGS = 16  # of equal width, from the square inward
@@ -268,7 +268,7 @@ def _borders(slow: Point, fast: Point, w: Any, kappa: fmpq) -> Iterator[float]:
     """Where ``(c . w)^2 = kappa^2 c . c`` along a side, in parts of it from its slow end, in floats."""
     a, b = tuple(map(float, slow)), tuple(map(float, fast))
     bound, square = tuple(map(float, w)), float(kappa * kappa)
-    step = (b[0] - a[0], b[1] - a[1])
+    step = minus(b, a)
     falls, change = dot(a, bound), dot(step, bound)
     first = change * change - square * dot(step, step)
     half = falls * change - square * dot(a, step)

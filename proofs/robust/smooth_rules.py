@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import minima_under
-from nonsmooth.proofs.boxes.balanced_forces import LoadBox, load_box
+from nonsmooth.proofs.boxes.balanced_forces import LoadBox, Triple, load_box
 from nonsmooth.proofs.boxes.enclosed_rest import Balance, EnclosedRest, isolated_rest
 from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
@@ -48,8 +48,9 @@ from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.mechanics.rule import MIXED
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance, Wheel
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
+from nonsmooth.symbolic.numbers.plane import dot
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, even_angles
 
 # ---- enclosures of friction forces over boxes of slips, for friction sets with a support function
 #
@@ -127,7 +128,6 @@ def force_law(scene: Scene) -> ForceLaw:
 
 
 Pair: TypeAlias = tuple[Intervals, Intervals]
-Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
 ROUNDED = arb(2) ** -40  # of a ray's angle: rays are rounded to doubles
 
@@ -249,7 +249,7 @@ class PieceForces:
             moved = directions @ own.swapaxes(-1, -2)
             middle, reach = ((entry[:, 0] * loads)[..., None] for entry in (force.middle, force.reach))
             total = total + directions @ (own.swapaxes(-1, -2) @ middle) - np.abs(moved, out=moved) @ reach
-        return np.asarray(total[..., 0])
+        return total[..., 0]
 
     def _moved(self, twists: Triple) -> Pair:
         """Slips of each wheel by twists alone, without its speed."""
@@ -268,10 +268,10 @@ class PieceForces:
 
 def _frame(piece: AnnulusPiece) -> tuple[tuple[arb, arb], arb, Sequence[arb]]:
     """Of a quadrangle the middle ray, the distance of its middle, and the places there."""
-    turn, angle = arb(as_fmpq(2 * piece.start + piece.width)), arb(as_fmpq(piece.width)) * arb.pi() + ROUNDED
+    turn, angle = rational_ball(2 * piece.start + piece.width), rational_ball(piece.width) * arb.pi() + ROUNDED
     x, y = turn.cos_pi(), turn.sin_pi()
-    corners = [(arb(as_fmpq(a)), arb(as_fmpq(b))) for a, b in piece.corners]
-    middle = arb(as_fmpq((piece.inner + piece.outer) / 2))
+    corners = [(rational_ball(a), rational_ball(b)) for a, b in piece.corners]
+    middle = rational_ball((piece.inner + piece.outer) / 2)
     along, across = [a * x + b * y - middle for a, b in corners], [b * x - a * y for a, b in corners]
     hulls = reduce(arb.union, along), reduce(arb.union, across)
     return (x, y), middle, (*hulls, (angle * UNIT).cos(), (angle * UNIT).sin())
@@ -442,7 +442,7 @@ class SmoothDisc(RingProof[ArrayBox]):
 
 def _is_carried(bound: ArrayBox, piece: AnnulusPiece) -> bool:
     """Whether every wheel of every array carries all over a quadrangle; loads are affine."""
-    corners = [(arb(as_fmpq(x)), arb(as_fmpq(y))) for x, y in piece.corners]
+    corners = [(rational_ball(x), rational_ball(y)) for x, y in piece.corners]
     return all(load > 0 for corner in corners for load in bound.loads.at(corner))
 
 
@@ -513,8 +513,8 @@ def _are_positive(plan: Floats, forces: PieceForces, size: Floats, middles: tupl
     first, second = (Intervals(entry - half, entry + half).widened[:, None] * wide for entry in middles)
     pulls = forces.forces(_twists(plan, forces, first, second))
     zeta = _directions(forces, pulls)
-    along = zeta[0] * forces.turn[0] + zeta[1] * forces.turn[1]
-    return np.asarray(((along.low > 0) & (forces.power(pulls, zeta).low > 0))[:, 0])
+    along = dot(zeta, forces.turn)
+    return ((along.low > 0) & (forces.power(pulls, zeta).low > 0))[:, 0]
 
 
 def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals, Intervals]:
@@ -530,7 +530,7 @@ def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals,
 def _candidates(tilt: Floats, length: float) -> Floats:
     """Directions ``(along e, across e, rotation)``, (pieces, choices, 3); of the last ones ``tilt`` is along e."""
     leaning = [(1.0, across, turn / length) for across in LEANINGS for turn in LEANINGS]
-    angles = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    angles = even_angles(ANGLES)
     found = np.zeros((len(tilt), len(leaning) + ANGLES, 3))
     found[:, : len(leaning)] = leaning
     found[:, len(leaning) :, 0] = tilt[:, None]

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.mechanics.friction_set import Box
 from nonsmooth.symbolic.mechanics.scene import Scene, Tolerance
 from nonsmooth.symbolic.messages.under_way import tell
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, cross, finite_rows, norms, row_products
 
 RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
@@ -223,8 +223,8 @@ def least_rate(forces: BalancedForces, pieces: RingPieces) -> float:
 def falls_about(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
     """About ``-V'`` in the middle of each quadrangle, times its size, from the minimizers there."""
     slopes, places = pieces.middle_slopes, pieces.middles
-    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
-    return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
+    moments = cross(places, slopes)
+    return -row_products(slopes, free[:, :2]) - moments * free[:, 2] / forces.length
 
 
 def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Floats, Mask]:
@@ -234,7 +234,7 @@ def _falls_seen(forces: BalancedForces, pieces: RingPieces) -> tuple[Floats, Flo
     sizes = pieces.sizes.mean(axis=1)
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
     still = STILL if isinstance(forces.sets, Box) else SLOW
-    return free, falls / sizes, falls / sizes > still * forces.fastest * np.hypot(*slopes.T) / sizes
+    return free, falls / sizes, falls / sizes > still * forces.fastest * norms(slopes) / sizes
 
 
 def piece_rates(
@@ -266,7 +266,7 @@ def piece_rates(
         shown = forces.powers(some.corners, pulls, against.forces, free[left])
         with np.errstate(invalid="ignore"):
             rates = -shown / (chosen[:, None] * some.sizes) * (1 - 2.0**-40)
-        rates = np.where(np.isfinite(rates).all(axis=1), rates.min(axis=1), -np.inf)
+        rates = np.where(finite_rows(rates), rates.min(axis=1), -np.inf)
         best[left] = np.fmax(best[left], rates)
     return best
 
@@ -274,7 +274,7 @@ def piece_rates(
 def _strengths(forces: BalancedForces, pieces: RingPieces) -> list[Floats]:
     """Values of lambda for each quadrangle."""
     slopes = pieces.middle_slopes
-    sizes, total = np.hypot(*slopes.T), _friction(forces, pieces)
+    sizes, total = norms(slopes), _friction(forces, pieces)
     against = forces.pulls_at_rest(pieces.middles, slopes)
     smooth = [share * against / sizes for share in SHARES]
     rough = [share * total / sizes for share in PUSHES]
@@ -284,7 +284,7 @@ def _strengths(forces: BalancedForces, pieces: RingPieces) -> list[Floats]:
 def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats) -> list[Floats]:
     """Those that slow the body by shares of ``-V'``, where the friction of a body at rest does not tell its motion."""
     slopes = pieces.middle_slopes
-    most = _friction(forces, pieces) / np.hypot(*slopes.T)
+    most = _friction(forces, pieces) / norms(slopes)
     yields = forces.compliance(pieces.middles, slopes, free)
     strength = np.minimum(seen * pieces.sizes.mean(axis=1) / np.maximum(yields, TINY), most)
     return [share * strength for share in SHARES]
@@ -293,4 +293,4 @@ def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Flo
 def _friction(forces: BalancedForces, pieces: RingPieces) -> Floats:
     """The largest friction of all wheels together, in the middle of each quadrangle."""
     loads = forces.float_loads(pieces.middles)
-    return np.asarray((loads * forces.largest_friction).sum(axis=1))
+    return row_products(loads, forces.largest_friction)

@@ -19,7 +19,7 @@ from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Block, Blocks, Condition, reached, separates
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 Grams: TypeAlias = tuple[Floats, ...]
@@ -137,7 +137,7 @@ def solve(
                 right.append(0.0)
             if size:
                 cones.append(clarabel.PSDTriangleConeT(size) if size > 1 else clarabel.NonnegativeConeT(1))
-    if not np.isfinite([*matrix.values, *right]).all():  # coefficients beyond the range of floats
+    if not are_finite([*matrix.values, *right]):  # coefficients beyond the range of floats
         return None
     shape = (matrix.count, total)
     rows = sparse.csc_matrix((matrix.values, (matrix.rows, matrix.columns)), shape=shape)

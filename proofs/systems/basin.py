@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.outside import closed, place_of
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
 from nonsmooth.proofs.systems.basin_mesh import (
+    Announce,
     BasinEffort,
     BuiltMesh,
     grown_mesh,
@@ -50,7 +51,7 @@ from nonsmooth.proofs.systems.outer_ring import (
     places_of_rest,
     ring_of,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, are_finite, max_norm, row_norms
 
 # ---- lines beside the stable manifold of a saddle, beyond which no start comes to the point ------
 #
@@ -83,8 +84,8 @@ def find_borders(system: System, surfaces: Sequence[str], border: Floats, pace: 
     field = FloatField.of(system, surfaces)
     if any(field.plane.waves):
         return []
-    half, found = float(np.abs(border).max()), list[Beside]()
-    rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if np.isfinite(slope).all()]
+    half, found = max_norm(border), list[Beside]()
+    rests = [(own, slope) for own, slope in places_of_rest(field, AROUND * half) if are_finite(slope)]
     saddles = [(own, slope) for own, slope in rests if np.linalg.det(slope) < -CLEAR * np.sum(slope**2)]
     with np.errstate(all="ignore"):  # far out, and where velocities vanish
         for saddle, slope in saddles[:MOST_SADDLES]:
@@ -146,7 +147,7 @@ class _Search:
             along: 1 where the line is passed as solutions pass, -1 where against them.
         """
         points, step = [start], self.half / 1024
-        while len(points) < MOST_POINTS and np.abs(points[-1]).max() < WINDOWS * self.half:
+        while len(points) < MOST_POINTS and max_norm(points[-1]) < WINDOWS * self.half:
             direction = self._direction(points[-1], along)
             end = self._half_line(points[-1], along)
             if end is not None:
@@ -278,7 +279,7 @@ def find_basin(
     surfaces: list[str],
     effort: BasinEffort,
     limit: float | None,
-    announce: Callable[[str, int, int], None],
+    announce: Announce,
 ) -> CertifiedBasin | None:
     """A mesh around a level set; None where none is found.
 
@@ -298,7 +299,7 @@ def find_basin(
     first = level_ring(field, home)
     if first is None:
         return None
-    far = FARTHEST * float(np.abs(first).max())
+    far = FARTHEST * max_norm(first)
     best: BuiltMesh | None = None
     for power in POWERS:
         built, last = grown_mesh(field, cells, first, effort, min(limit or far, far), announce, power=power)
@@ -332,7 +333,7 @@ def find_basin_in_space(
     surfaces: list[str],
     asked: str,
     limit: float,
-    announce: Callable[[str, int, int], None],
+    announce: Announce,
 ) -> CertifiedBasin | None:
     """A mesh around a level set in three states; None where none is found.
 
@@ -379,5 +380,5 @@ def _ends(starts: Floats) -> tuple[tuple[float, float], ...]:
 
 def _come(field: FieldInCells, is_home: Callable[[Floats], Mask], border: Floats, starts: Floats) -> int:
     """How many of some starts come to the first ring in floats."""
-    far = 20 * float(np.linalg.norm(border, axis=1).max())
+    far = 20 * float(row_norms(border).max())
     return int(np.sum(followed_home(field, starts, is_home, far)))

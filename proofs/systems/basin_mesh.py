@@ -31,12 +31,11 @@ from nonsmooth.proofs.systems.basin_rings import (
     Pace,
     area,
     falls,
-    following,
     gradients,
     grow,
     lengths,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, following, max_norm
 
 BETWEEN = 0.5  # the way between two rings that are used at first, of their size
 ROUNDS = 8  # in which a band is refined
@@ -46,6 +45,7 @@ STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh 
 BITS = 26  # of coordinates
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
 
+Announce: TypeAlias = Callable[[str, int, int], None]  # what is done, how much of it, and of how much
 Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
 Triangle: TypeAlias = tuple[Corner, Corner, Corner]
 Band: TypeAlias = tuple[int, int]  # the rings on both sides
@@ -239,7 +239,7 @@ def mesh_corners(mesh: Record) -> Floats:
 
 def last_ring(corners: Floats) -> Floats:
     """The corners with the largest value, which are a ring in order."""
-    return np.asarray(corners[corners[:, -1] == corners[:, -1].max()][:, :-1])
+    return corners[corners[:, -1] == corners[:, -1].max()][:, :-1]
 
 
 def grown_mesh(
@@ -248,7 +248,7 @@ def grown_mesh(
     first: Floats,
     effort: BasinEffort,
     limit: float,
-    announce: Callable[[str, int, int], None],
+    announce: Announce,
     *,
     power: int = 2,
     is_first_whole: bool = False,
@@ -300,7 +300,7 @@ class MeshBuilder:
         *,
         is_first_whole: bool = False,
     ) -> None:
-        size = max(float(np.abs(ring).max()) for ring in rings)
+        size = max(max_norm(ring) for ring in rings)
         self.lattice = Lattice(field.surfaces, size)
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()

@@ -35,7 +35,21 @@ from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.findings import Record
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    are_finite,
+    cross,
+    finite_rows,
+    following,
+    max_norm,
+    max_norms,
+    row_norms,
+    row_products,
+    turned,
+    unit_rows,
+    unit_vectors,
+)
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "tanh": np.tanh, "atan": np.arctan}
 PAUSE, GROWTH = 1.0, 1.0015  # of a ring's size, between looks at the area; by which this must grow
@@ -133,7 +147,7 @@ class FloatField:
         if not len(rows) or len(self.at(ring[:1])) > 1:
             return rows[:0], places[:0], places[:0]
         f, h = (self.beside(ends, places)[0] for ends in (ring[rows], following(ring)[rows]))
-        width = WIDTH * float(np.abs(ring).max())
+        width = WIDTH * max_norm(ring)
         rises = [self.guards(places + step) - self.guards(places - step) for step in np.eye(2) * width]
         slopes = np.stack(rises, axis=2)[np.arange(len(rows)), numbers]
         normals = np.where(self.guards(ring)[rows, numbers] >= 0, -1, 1)[:, None] * slopes
@@ -184,7 +198,7 @@ class FloatField:
                 own, slack = exact[number], 0.0
             else:
                 own = points.coefficients(guards[:, :, number])
-                slack = SMALL * float(np.abs(own).max())
+                slack = SMALL * max_norm(own)
             allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
             if slack:
                 allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
@@ -210,7 +224,7 @@ class FloatField:
     def side(self, signs: Pattern, number: int, x: Floats, waves: Sequence[Floats]) -> Floats:
         """The velocities of one right-hand side for some values of its sines and cosines: shape (places, states)."""
         still, *moved = self._parts(signs, number)(x)
-        return np.asarray(still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True)))
+        return still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True))
 
     @cached_property
     def _parts(self) -> Callable[[Pattern, int], Callable[[Floats], Floats]]:
@@ -256,7 +270,7 @@ def mixtures(below: Floats, above: Floats, normals: Floats) -> tuple[Floats, Mas
 
     With the parts a and b of velocities f and h along the normal, which leads upward, it is ``(b f - a h) / (b - a)``.
     """
-    a, b = (normals * below).sum(axis=1), (normals * above).sum(axis=1)
+    a, b = row_products(normals, below), row_products(normals, above)
     slides = (a > 0) & (b < 0)
     return (b[:, None] * below - a[:, None] * above) / np.where(slides, b - a, 1)[:, None], slides
 
@@ -285,15 +299,15 @@ class Bernstein:
 
     def places(self, triangles: Floats) -> Floats:
         """The points at which a polynomial is looked at: shape (simplices, nodes, states)."""
-        return np.asarray(self.nodes @ triangles)
+        return self.nodes @ triangles
 
     def weights(self, own: Floats) -> Floats:
         """The affine functions with some values at the corners, of shape (simplices, corners), at these points."""
-        return np.asarray(own @ self.nodes.T)
+        return own @ self.nodes.T
 
     def coefficients(self, own: Floats) -> Floats:
         """From values of shape (triangles, nodes)."""
-        return np.asarray(own @ self.inverse.T)
+        return own @ self.inverse.T
 
 
 @cache
@@ -315,7 +329,7 @@ def together(polynomials: Sequence[Polynomial]) -> Callable[[Floats], Floats]:
             for k, e in enumerate(own):
                 if e:
                     terms[number] *= powers[e - 1][k]
-        return np.asarray(weights @ terms)
+        return weights @ terms
 
     return at
 
@@ -334,7 +348,7 @@ def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
     rises[:states] = (heights[:, 1:] - heights[:, :1]).T
     normals = np.stack([np.cross(edges[k - 2], edges[k - 1]) for k in range(3)])
     slopes = (rises[:, :, None] * normals).sum(axis=0)
-    return np.asarray((edges[0] * normals[0]).sum(axis=1)), np.asarray(slopes[:, :states])
+    return row_products(edges[0], normals[0]), slopes[:, :states]
 
 
 def falls(field: FieldInCells, places: Floats, slopes: Floats, margin: float, exact: Mapping[int, Floats]) -> Mask:
@@ -351,7 +365,7 @@ def falls(field: FieldInCells, places: Floats, slopes: Floats, margin: float, ex
     for cell, here in field.meeting(places, exact):
         for velocities, points in field.velocities(cell, places[here]):
             rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes[here]))
-            sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes[here], axis=1)
+            sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * row_norms(slopes[here])
             good[here] &= rates.max(axis=1) < -margin * sizes
     return good
 
@@ -364,7 +378,7 @@ def values(polynomial: Polynomial, x: Floats) -> Floats:
 def area(ring: Floats) -> float:
     """Of a polygon, positive where it is counterclockwise."""
     after = following(ring)
-    return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
+    return float(np.sum(cross(ring, after)) / 2)
 
 
 class Home:
@@ -382,13 +396,13 @@ class Home:
 
     def __call__(self, x: Floats) -> Mask:
         """Which places are there."""
-        return np.asarray((self.potential(x) < self.level) & (np.abs(x).max(axis=1) <= self.within))
+        return (self.potential(x) < self.level) & (max_norms(x) <= self.within)
 
     def reach(self, rays: Floats) -> Floats:
         """How many times vectors lead to where V first is the level; NaN where it is not on the way out of the cube."""
         near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
         for share in np.linspace(0, 1, 65)[1:]:
-            here = share * self.within / np.abs(rays).max(axis=1)
+            here = share * self.within / max_norms(rays)
             above = self.potential(rays * here[:, None]) >= self.level
             far = np.where(np.isnan(far) & above, here, far)
             near = np.where(np.isnan(far), here, near)
@@ -435,10 +449,10 @@ def level_ring(field: FloatField, home: Home) -> Floats | None:
     if np.isnan(ring).any():
         return None
     _, rows, places = field.crossings(ring)
-    gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - following(ring)[rows], axis=1)
+    gaps = row_norms(places - ring[rows]), row_norms(places - following(ring)[rows])
     apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
-    own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
-    rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
+    own = (unit_rows(places))[apart]
+    rays = np.insert(unit_rows(ring), rows[apart] + 1, own, axis=0)
     ring = rays * home.reach(rays)[:, None]
     return None if np.isnan(ring).any() else ring
 
@@ -470,7 +484,7 @@ def grow(
     for step in range(1, steps):
         announce(step, steps)
         ring = next_ring(field, ring, pace, limit, power)
-        if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
+        if not are_finite(ring) or max_norm(ring) > limit or area(ring) <= 0:
             return
         if len(ring) > most:
             return
@@ -485,7 +499,7 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(lengths(ring).max())
     along = following(ring) - np.roll(ring, 1, axis=0)
-    normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    normals = -turned(along)
     chords = lengths(normals)
     normals /= np.where(chords == 0, 1, chords)[:, None]  # a ring may fold onto itself
     velocities = field.at(ring)
@@ -494,7 +508,7 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
     chosen = outward.argmax(axis=0)  # the one that leads least inward
     rows = np.arange(len(ring))
     v, speed = velocities[chosen, rows], speeds[chosen, rows]
-    turn = pace.angle * np.clip((v[:, 0] * normals[:, 1] - v[:, 1] * normals[:, 0]) / speed / FOLD, -1, 1)
+    turn = pace.angle * np.clip(cross(v, normals) / speed / FOLD, -1, 1)
     c, s = np.cos(turn), np.sin(turn)
 
     def backward(x: Floats) -> Floats:
@@ -504,7 +518,7 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
 
     def slower(x: Floats) -> Floats:
         room = np.clip(1 - (x / limit) ** 2, 0, 1)
-        return np.asarray(room[:, 0] * room[:, 1] / lengths(x) ** power)
+        return room[:, 0] * room[:, 1] / lengths(x) ** power
 
     first = backward(ring)
     du = pace.move * size / float(lengths(first).max())
@@ -526,7 +540,7 @@ def _unfolded(ring: Floats, is_tip: Mask) -> tuple[Floats, Mask]:
     """
     for _ in range(UNFOLDED):
         after = following(ring) - ring
-        turns_back = ((after * np.roll(after, 1, axis=0)).sum(axis=1) < 0) & ~is_tip
+        turns_back = (row_products(after, np.roll(after, 1, axis=0)) < 0) & ~is_tip
         if not turns_back.any() or turns_back.sum() > len(ring) - 3:
             break
         ring, is_tip = ring[~turns_back], is_tip[~turns_back]
@@ -548,32 +562,27 @@ def _spaced(ring: Floats, is_tip: Mask, gap: float) -> Floats:
         is_tip = np.insert(is_tip, np.nonzero(wide)[0] + 1, False)
     crowded = (_sides(ring) < gap / 6) & ~is_tip
     crowded[::2] = False  # never two neighbours
-    return np.asarray(ring[~crowded])
+    return ring[~crowded]
 
 
 def _sides(ring: Floats) -> Floats:
     return lengths(following(ring) - ring)
 
 
-def following(ring: Floats) -> Floats:
-    """The next of each corner."""
-    return np.roll(ring, -1, axis=0)
-
-
 def lengths(x: Floats) -> Floats:
     """Of vectors in the plane, which stand in the last axis."""
-    return np.asarray(np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2))
+    return np.sqrt(x[..., 0] ** 2 + x[..., 1] ** 2)
 
 
 def sines(field: FieldInCells, ring: Floats, sides: Floats | None = None) -> Floats:
     """The least sine of the angle at which velocities lead to the right over sides from corners, as floats see it."""
     sides = following(ring) - ring if sides is None else sides
-    normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+    normals = -turned(sides)
     places = ring + np.linspace(0, 1, ALONG_SIDE)[:, None, None] * sides
     velocities = field.at(places.reshape(-1, 2)).reshape(-1, *places.shape)
     across = (velocities * normals).sum(axis=-1)
-    sizes = np.linalg.norm(velocities, axis=-1) * np.linalg.norm(normals, axis=1)
-    return np.asarray((across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1)))
+    sizes = np.linalg.norm(velocities, axis=-1) * row_norms(normals)
+    return (across / np.where(sizes == 0, 1, sizes)).min(axis=(0, 1))
 
 
 def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], Mask], far: float) -> Mask:
@@ -590,14 +599,14 @@ def followed_home(field: FieldInCells, starts: Floats, home: Callable[[Floats], 
             break
         here = x[todo]
         first = field.at(here)[0]
-        step = 0.02 * np.linalg.norm(here, axis=1) / (np.linalg.norm(first, axis=1) + np.finfo(float).tiny)
+        step = 0.02 * row_norms(here) / (row_norms(first) + np.finfo(float).tiny)
         second = field.at(here + step[:, None] / 2 * first)[0]
         x[todo] = here + step[:, None] * second
         came[todo] = home(x[todo])
-        alive[todo] = np.isfinite(x[todo]).all(axis=1) & (np.linalg.norm(x[todo], axis=1) < far)
+        alive[todo] = finite_rows(x[todo]) & (row_norms(x[todo]) < far)
         if not field.surfaces:
-            sizes = np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)
-            turns[todo] += (first * second).sum(axis=1) < SHARP * sizes
+            sizes = row_norms(first) * row_norms(second)
+            turns[todo] += row_products(first, second) < SHARP * sizes
             alive &= turns < TURNS
     return came
 
@@ -623,10 +632,10 @@ def unit_ball(linear: Floats, share: float) -> Floats:
     from scipy.linalg import solve_continuous_lyapunov
 
     slowest, one = -float(np.linalg.eigvals(linear).real.max()), np.eye(len(linear))
-    if not slowest > SLOW * float(np.abs(linear).max()):
+    if not slowest > SLOW * max_norm(linear):
         return one
     form = solve_continuous_lyapunov((linear + share * slowest * one).T, -one)
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
+    return np.linalg.inv(np.linalg.cholesky(form).T)
 
 
 def lattice_unit(power: int) -> str:

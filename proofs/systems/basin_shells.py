@@ -37,7 +37,15 @@ from nonsmooth.proofs.systems.basin_rings import (
     mixtures,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    Mask,
+    max_norm,
+    max_norms,
+    row_norms,
+    row_products,
+    unit_rows,
+)
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
@@ -187,7 +195,7 @@ class Front:
             along = self._along_plane(home) if len(numbers) == 1 else None
             units = self._level_set(home) if along is None else along
         normals = np.array([self.planes[k] for k in numbers], dtype=float).reshape(-1, 3) @ units
-        self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        self.normals = unit_rows(normals)
         self.sphere, self.triangles, self.held = geodesic_sphere(effort.frequency, self.normals)
         self.count = len(self.sphere)
         self.units = units * INSIDE * reach(home, self.sphere @ units.T).min()
@@ -196,7 +204,7 @@ class Front:
                 break
             self.units = 0.8 * self.units
         self.back = np.linalg.inv(self.units)
-        self.limit = max(limit, WIDER * float(np.abs(self.rays).max()))
+        self.limit = max(limit, WIDER * max_norm(self.rays))
         self.between = tetrahedra_between(self.triangles, self.count)
         ends = np.concatenate([self.triangles[:, own] for own in ([0, 1], [1, 2], [0, 2])])
         self.edges = np.unique(np.sort(ends, axis=1), axis=0)
@@ -204,7 +212,7 @@ class Front:
     @property
     def rays(self) -> Floats:
         """The corners of the first polyhedron."""
-        return np.asarray(self.sphere @ self.units.T)
+        return self.sphere @ self.units.T
 
     def _level_set(self, home: Home) -> Floats:
         """Units U of the ellipsoid nearest to the set that attracts: ``r^-2 = u' P u`` for its distances r on rays u.
@@ -221,7 +229,7 @@ class Front:
             form[j, i] += own / 2
         if not np.linalg.eigvalsh(form).min() > 0:
             return np.eye(3)
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(form).T))
+        return np.linalg.inv(np.linalg.cholesky(form).T)
 
     def _along_plane(self, home: Home) -> Floats | None:
         """Units in which a ball shrinks along a plane on which solutions slide near the point; None where none do.
@@ -265,7 +273,7 @@ class Front:
             after = before + shares * way
             bad = self._bad_sides(after)
             if not bad.any():
-                return np.asarray(after)
+                return after
             hit = np.zeros(self.count, dtype=bool)
             hit[self.triangles[bad].ravel()] = True
             if round_ >= WIDELY:
@@ -297,7 +305,7 @@ class Front:
             step[meets, 0] = np.minimum(step[meets, 0], -away[meets] / speed[meets])
         middle = z + step / 2 * course
         end = z + step * self._course(middle, normals, part)
-        return np.asarray(np.log(np.linalg.norm(end, axis=1)) - self._toward(before, end))
+        return np.log(row_norms(end)) - self._toward(before, end)
 
     def _course(self, z: Floats, normals: Floats, part: float) -> Floats:
         """The disturbed field, of a speed that is the distance from the point, less near the limit."""
@@ -307,17 +315,17 @@ class Front:
             mixed, slides = sliding(self.field, places[held], np.array(normal, dtype=float))
             field[held] = np.where(slides[:, None], mixed, field[held])
         field = field @ self.back.T
-        course = field / (np.linalg.norm(field, axis=1)[:, None] + np.finfo(float).tiny) + part * normals
-        room = np.clip(1 - (np.abs(places).max(axis=1) / self.limit) ** 4, 0, 1)
-        return np.asarray(course * (room * np.linalg.norm(z, axis=1))[:, None])
+        course = field / (row_norms(field)[:, None] + np.finfo(float).tiny) + part * normals
+        room = np.clip(1 - (max_norms(places) / self.limit) ** 4, 0, 1)
+        return course * (room * row_norms(z))[:, None]
 
     def _normals(self, logarithms: Floats) -> Floats:
         """Outward at each corner, in the units of the sphere: the mean over its sides by their areas."""
         corners = (np.exp(logarithms)[:, None] * self.sphere)[self.triangles]
         sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         weights = np.repeat(sides, 3, axis=0)
-        total = np.stack([np.bincount(self.triangles.ravel(), weights[:, k]) for k in range(3)], axis=1)
-        return np.asarray(total / np.linalg.norm(total, axis=1)[:, None])
+        totals = [np.bincount(self.triangles.ravel(), weights[:, k]) for k in range(3)]
+        return unit_rows(np.stack(totals, axis=1, dtype=np.float64))
 
     @cached_property
     def _middles(self) -> Any:
@@ -325,7 +333,7 @@ class Front:
         from scipy.spatial import cKDTree
 
         middles = self.sphere[self.triangles].mean(axis=1)
-        return cKDTree(middles / np.linalg.norm(middles, axis=1)[:, None])
+        return cKDTree(unit_rows(middles))
 
     @cached_property
     def _weights(self) -> Floats:
@@ -334,14 +342,14 @@ class Front:
 
     def _toward(self, logarithms: Floats, z: Floats) -> Floats:
         """The logarithm of the distance of a polyhedron in the directions of places, between its corners."""
-        units = z / np.linalg.norm(z, axis=1)[:, None]
+        units = unit_rows(z)
         near = self._middles.query(units, k=3)[1]
         weights = np.einsum("pkij,pj->pki", self._weights[near], units)
         rows = np.arange(len(z))
         chosen = weights.min(axis=2).argmax(axis=1)
         own = np.clip(weights[rows, chosen], 0, None)
         corners = self.triangles[near[rows, chosen]]
-        return np.asarray((logarithms[corners] * own).sum(axis=1) / own.sum(axis=1))
+        return row_products(logarithms[corners], own) / own.sum(axis=1)
 
     def _bad_sides(self, logarithms: Floats) -> Mask:
         """Over which sides the field is not seen to lead inward."""
@@ -379,7 +387,7 @@ class Front:
                     return None
             failing |= self._failing_beside_planes(inner, after, margin)
             if not failing.any():
-                return np.asarray(after)
+                return after
             slower = np.zeros(self.count, dtype=bool)
             slower[self.between[failing].ravel() % self.count] = True
             shares[slower] *= MENDED
@@ -423,10 +431,9 @@ class Front:
             middle = tetrahedra[:, k].mean(axis=1)
             at = corners[sides[:, corner]]
             for velocities in self.field.beside(middle, at):
-                speeds = np.linalg.norm(velocities, axis=1)
+                speeds = row_norms(velocities)
                 rate, other = (
-                    (velocities * slope).sum(axis=1) + margin * speeds * np.linalg.norm(slope, axis=1)
-                    for slope in (first, second)
+                    row_products(velocities, slope) + margin * speeds * row_norms(slope) for slope in (first, second)
                 )
                 rise = other - rate
                 bound = -rate / np.where(rise == 0, 1, rise)
@@ -445,7 +452,7 @@ class Front:
 
     def places(self, logarithms: Floats) -> Floats:
         """The corners of a polyhedron, in the displacement from the point."""
-        return np.asarray(np.exp(logarithms)[:, None] * self.rays)
+        return np.exp(logarithms)[:, None] * self.rays
 
     def volume(self, logarithms: Floats) -> float:
         """Of a polyhedron."""
@@ -453,7 +460,7 @@ class Front:
 
     def record(self, found: Sequence[Floats]) -> dict[str, Any]:
         """The mesh between polyhedra, as a certificate holds it: W is 0, 1, 2 and so on."""
-        power = BITS - int(np.ceil(np.log2(float(np.abs(self.places(found[-1])).max()))))
+        power = BITS - int(np.ceil(np.log2(max_norm(self.places(found[-1])))))
         corners, tetrahedra = list[str](), list[str]()
         for value, logarithms in enumerate(found):
             whole = np.rint(self.places(logarithms) * 2.0**power).astype(np.int64).tolist()
@@ -495,12 +502,12 @@ def on_planes(place: Sequence[int], normals: Sequence[tuple[int, int, int]]) -> 
 
 def slopes_along(at: Callable[[Floats], Floats], directions: Floats, size: float) -> Floats:
     """The derivatives of a field at the point along some directions, by differences: a column for each."""
-    return np.asarray((at(size * directions) - at(-size * directions)).T / (2 * size))
+    return (at(size * directions) - at(-size * directions)).T / (2 * size)
 
 
 def sliding(field: FloatField, x: Floats, normal: Floats) -> tuple[Floats, Mask]:
     """The mixtures along a plane of velocities of both sides at places in it, and where both lead to it."""
-    width = WIDTH * np.linalg.norm(x, axis=1)[:, None] * normal / np.linalg.norm(normal)
+    width = WIDTH * row_norms(x)[:, None] * normal / np.linalg.norm(normal)
     there = x - np.outer(x @ normal, normal) / (normal @ normal)
     above, below = (field.at(there + own)[0] for own in (width, -width))
     return mixtures(below, above, normal[None])
@@ -512,10 +519,10 @@ def reach(home: Home, rays: Floats) -> Floats:
     To a part of the way, nearer than :meth:`Home.reach`: polyhedra that begin elsewhere grow to others, larger and
     smaller ones by a factor, without an order.
     """
-    shares = np.linspace(0, 1, 513)[1:, None] * home.within / np.abs(rays).max(axis=1)
+    shares = np.linspace(0, 1, 513)[1:, None] * home.within / max_norms(rays)
     left = ~home((shares[:, :, None] * rays).reshape(-1, 3)).reshape(shares.shape)
     last = np.where(left.any(axis=0), np.maximum(left.argmax(axis=0) - 1, 0), -1)
-    return np.asarray(shares[last, np.arange(len(rays))])
+    return shares[last, np.arange(len(rays))]
 
 
 def inside_polyhedron(sides: Floats, x: Floats) -> Mask:

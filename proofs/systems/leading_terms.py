@@ -176,7 +176,7 @@ def _slide(turns: Sequence[Any], speeds: Sequence[Any]) -> int | None:
     """The sign of the sliding motion of two fields on a ray; None where they do not oppose each other."""
     if sign(turns[0]) * sign(turns[1]) >= 0:
         return None
-    return sign(turns[0] * speeds[1] - turns[1] * speeds[0]) * sign(turns[0] - turns[1])
+    return sign(cross(turns, speeds)) * sign(turns[0] - turns[1])
 
 
 def _leading(fan: TangentFan | None) -> tuple[object, ...] | None:

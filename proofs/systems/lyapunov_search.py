@@ -55,7 +55,7 @@ from nonsmooth.symbolic.formulas.expression import ExpressionError
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, with_known_numbers
@@ -365,7 +365,7 @@ def _largest_margin(rows: Floats, least: float) -> Floats | None:
 
     None where m is less than asked for, and for rows beyond floats.
     """
-    if not np.isfinite(rows).all():
+    if not are_finite(rows):
         return None
     count = rows.shape[1]
     costs = np.zeros(count + 1)
@@ -373,7 +373,7 @@ def _largest_margin(rows: Floats, least: float) -> Floats | None:
     system = np.hstack([-rows, np.ones((len(rows), 1))])
     bounds = [(-1, 1)] * count + [(0, 1)]
     found = solve_program(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds)
-    return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > least else None
+    return found.x[:-1] if found.status == 0 and found.x[-1] > least else None
 
 
 def _rounded(scaled: Floats) -> Iterator[Coefficients]:

@@ -32,14 +32,23 @@ from nonsmooth.proofs.systems.basin_rings import (
     FloatField,
     Pace,
     area,
-    following,
     grow,
     lattice_unit,
     next_ring,
     sines,
     unit_ball,
 )
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    are_finite,
+    finite_rows,
+    following,
+    max_norm,
+    max_norms,
+    row_norms,
+    spread,
+    unit_vectors,
+)
 
 Beside: TypeAlias = tuple[Floats, Record]  # another place of rest, in floats, and hypotheses that are shown
 
@@ -95,7 +104,7 @@ def find_traps(system: System, surfaces: Sequence[str], border: Floats, pace: Pa
         steps: of the rings about one place, at most.
     """
     field, found = FloatField.of(system, surfaces), list[Beside]()
-    for place, slope in other_rests(field, AROUND * float(np.abs(border).max()))[:MOST_TRAPS]:
+    for place, slope in other_rests(field, AROUND * max_norm(border))[:MOST_TRAPS]:
         moved = (ring_of(known) + place - other for other, known in found)  # fields may repeat themselves
         own = next(filter(None, (shown_polygon(system, surfaces, field, ring) for ring in moved)), None)
         own = own or _grown_about(system, surfaces, place, slope, pace, steps)
@@ -117,18 +126,18 @@ def places_of_rest(field: FloatField, half: float) -> list[tuple[Floats, Floats]
     for _ in range(NEWTON):
         with np.errstate(all="ignore"):
             slopes, velocities = _slopes(field, x, width), field.at(x)[0]
-        known = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(velocities).all(axis=1)
+        known = np.isfinite(slopes).all(axis=(1, 2)) & finite_rows(velocities)
         x = x[known] - np.einsum("kij,kj->ki", np.linalg.pinv(slopes[known]), velocities[known])
-        x = x[np.abs(x).max(axis=1) < 4 * half]
+        x = x[max_norms(x) < 4 * half]
         if not len(x):
             return []
-    settled = np.linalg.norm(field.at(x)[0], axis=1) < SETTLED * half
+    settled = row_norms(field.at(x)[0]) < SETTLED * half
     x = np.round(x[settled] / width) * width + 0.0
-    sizes = np.linalg.norm(x, axis=1)
+    sizes = row_norms(x)
     found: list[tuple[Floats, Floats]] = []
     for place in x[np.argsort(sizes, kind="stable")]:
         apart = all(np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(own for own, _ in found)))
-        if apart and np.abs(place).max() < half:
+        if apart and max_norm(place) < half:
             found.append((place, _slopes(field, place[None], width)[0]))
     return found
 
@@ -166,7 +175,7 @@ def _grown_about(
 def _small_ring(slope: Floats) -> Floats:
     """An ellipse of size 1, counterclockwise: a level set of a V that falls about as fast as the slowest solutions."""
     ring = unit_vectors(np.linspace(0, 2 * np.pi, FIRST, endpoint=False)) @ unit_ball(slope, SLOWER).T
-    return np.asarray(ring / np.abs(ring).max())
+    return ring / np.abs(ring).max()
 
 
 def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) -> list[str]:
@@ -187,7 +196,7 @@ def shown_polygon(system: System, surfaces: Sequence[str], field: FloatField, ri
     """
     if not (sines(field, ring) > 0).all():
         return None
-    size = float(np.ptp(ring, axis=0).max())
+    size = spread(ring)
     coarser = (_with_fewer_corners(field, ring, part * size) for part in LONGEST)
     listed = (on_lattice(own, surfaces) for own in chain(coarser, [ring]))
     return next((own for own in listed if is_shown(system, own)), None)
@@ -199,7 +208,7 @@ def _with_fewer_corners(field: FloatField, ring: Floats, longest: float) -> Floa
     for _ in range(COARSENINGS):
         longer = following(ring) - np.roll(ring, 1, axis=0)
         left_out = sines(field, np.roll(ring, 1, axis=0), longer) > least
-        left_out &= np.linalg.norm(longer, axis=1) < longest
+        left_out &= row_norms(longer) < longest
         left_out[::2] = left_out[-1] = False  # never two neighbours
         if not left_out.any():
             break
@@ -221,11 +230,11 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
 
     None where it comes to the region, or leaves.
     """
-    limit = FARTHEST * float(np.abs(border).max())
+    limit = FARTHEST * max_norm(border)
     least, before = area(border), area(ring)
     for step in range(1, most):
         ring = next_ring(field, ring, pace, limit, POWER)
-        if not np.isfinite(ring).all() or np.abs(ring).max() > limit / 2 or area(ring) < least:
+        if not are_finite(ring) or max_norm(ring) > limit / 2 or area(ring) < least:
             return step, None
         if step % PAUSE == 0:
             if area(ring) > STILL * before:
@@ -236,7 +245,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: i
 
 def on_lattice(ring: Floats, surfaces: Sequence[str]) -> Record:
     """A ring in whole numbers, as a certificate holds it."""
-    power = BITS - int(np.ceil(np.log2(float(np.abs(ring).max()))))
+    power = BITS - int(np.ceil(np.log2(max_norm(ring))))
     places = np.rint(ring * 2.0**power).astype(np.int64)
     return {
         "surfaces": list(surfaces),
@@ -248,4 +257,4 @@ def on_lattice(ring: Floats, surfaces: Sequence[str]) -> Record:
 def ring_of(hypotheses: Record) -> Floats:
     """The corners of a polygon in floats: shape (corners, 2)."""
     places = np.array([own.split(" ") for own in hypotheses["corners"]], dtype=float)
-    return np.asarray(places * float(Fraction(hypotheses["unit"])))
+    return places * float(Fraction(hypotheses["unit"]))

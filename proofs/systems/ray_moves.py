@@ -40,7 +40,7 @@ from nonsmooth.symbolic.mechanics.contact_states import Twist
 from nonsmooth.symbolic.messages.scene_error import SceneError
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_text import place_text
-from nonsmooth.symbolic.numbers.plane import around, cross, dot, hull_holds_zero, turned
+from nonsmooth.symbolic.numbers.plane import around, cross, dot, hull_holds_zero, plus, turned
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem, signs_by_factors
 
@@ -164,7 +164,7 @@ def _inside(first: Point, second: Point, velocity: PlaneField) -> Iterator[RayOf
     """Rays ``first + t second`` inside a cone on which the field vanishes, or one of them where it vanishes on all."""
     across, radial = (between_rays(form, first, second) for form in turning(velocity))
     if not across and not radial:
-        yield RayOfRest((first[0] + second[0], first[1] + second[1]))
+        yield RayOfRest(plus(first, second))
         return
     for root in positive_roots(across or radial):
         if not root.sign_of(radial):
@@ -334,7 +334,7 @@ def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan |
             return None
         first, last = _axes(system, signs)
         for a, b in zip([first, *rays], [*rays, last], strict=True):
-            inner = (a[0] + b[0], a[1] + b[1])
+            inner = plus(a, b)
             pieces.append(ConePiece(a, _field(system, states, inner, weights, frame, signs), surfaces))
     degree = min((sum(e) for piece in pieces for part in piece.field for e in part.terms), default=0)
     cones = tuple(

@@ -9,6 +9,7 @@ roots of polynomials in one variable, isolated exactly.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -345,8 +346,4 @@ def within(reach: Number | Fraction) -> Fraction:
         unit /= 2
     while reach > unit * FINE * 2:
         unit *= 2
-    below, above = FINE, 2 * FINE  # reach > unit * below
-    while above - below > 1:
-        middle = (below + above) // 2
-        below, above = (middle, above) if reach > unit * middle else (below, middle)
-    return unit * below
+    return unit * (FINE - 1 + bisect_left(range(FINE, 2 * FINE), True, key=lambda k: not reach > unit * k))

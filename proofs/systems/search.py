@@ -40,8 +40,8 @@ from nonsmooth.proofs.systems.lyapunov_search import (
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.plane import cross, same_direction
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane import cross, plus, same_direction
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial, float_slopes
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
@@ -133,7 +133,7 @@ def _halved(start: Point, end: Point, times: int) -> list[tuple[Point, Point]]:
     """The cone between two rays as 2^times cones."""
     if not times:
         return [(start, end)]
-    middle = (start[0] + end[0], start[1] + end[1])
+    middle = plus(start, end)
     return _halved(start, middle, times - 1) + _halved(middle, end, times - 1)
 
 
@@ -144,7 +144,7 @@ def solve_piecewise_quadratic(rays: Sequence[Point], cones: Sequence[LinearCone]
     ``X = [[0, 1], [1, 0]]``.  How fast a field is does not matter to the sign of a rate, so each is scaled to size one.
     """
     flows = np.array([_scaled_flow(rays, cone) for cone in cones])
-    if not np.isfinite(flows).all():
+    if not are_finite(flows):
         return None
     ends = tuple((cone.start, cone.end) for cone in cones)
     return _solve(len(rays), ends, flows.tobytes())
@@ -188,15 +188,15 @@ def _solve(count: int, ends: tuple[tuple[int, ...], ...], flows: bytes) -> Propo
 def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """The flow of a cone in its rays, of size one; no numbers beyond the range of floats."""
     flow = _flow_in_rays(rays, cone)
-    if not np.isfinite(flow).all():
+    if not are_finite(flow):
         return np.full((2, 2), np.nan)
-    return np.asarray(flow / (np.abs(flow).max() or 1.0))
+    return flow / (np.abs(flow).max() or 1.0)
 
 
 def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> Floats:
     """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
     basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
-    return np.asarray(np.linalg.solve(basis, float_slopes(cone.velocity) @ basis))
+    return np.linalg.solve(basis, float_slopes(cone.velocity) @ basis)
 
 
 def build_potential(

@@ -16,7 +16,7 @@ from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.wheels import outline_of, placed, rim_length
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, max_norm, norms, places_of, turned
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -122,7 +122,7 @@ class Film:
         The longest arrow of a rim, or of a wheel that carries, reaches as far as :data:`LONGEST_ARROW`.
         """
         slips, speeds = self.frames.slips[:, self.shown], self.frames.speeds[:, self.shown]
-        sizes = np.hypot(slips[..., 0], slips[..., 1])[self.frames.contacts[:, self.shown] != WheelContact.FREE]
+        sizes = norms(slips)[self.frames.contacts[:, self.shown] != WheelContact.FREE]
         largest = max(_largest(speeds), _largest(sizes))
         return LONGEST_ARROW * self.rim / largest if largest > 0 else 0.0
 
@@ -132,16 +132,16 @@ class Film:
         Those of wheels that carry nothing are cut to the longest arrow.
         """
         slips, axes = self.frames.slips[k], self.axes
-        sides = np.column_stack([-axes[:, 1], axes[:, 0]])
+        sides = turned(axes)
         arrows = self.arrow_scale * (slips[:, :1] * axes + slips[:, 1:] * sides)
-        lengths = np.hypot(*arrows.T)
+        lengths = norms(arrows)
         longest = LONGEST_ARROW * self.rim
         cut = np.where(lengths > longest, longest / np.where(lengths > 0, lengths, 1.0), 1.0)
-        return np.asarray(arrows * cut[:, None])
+        return arrows * cut[:, None]
 
     def speed_arrows(self, k: int) -> Floats:
         """Speeds of the rims of frame k in the same way."""
-        return np.asarray(self.arrow_scale * self.frames.speeds[k][:, None] * self.rims)
+        return self.arrow_scale * self.frames.speeds[k][:, None] * self.rims
 
 
 def build_film(
@@ -203,4 +203,4 @@ def _title(scene: Scene, trajectory: Trajectory, partition: Partition | None, lo
 
 def _largest(values: Floats) -> float:
     known = values[np.isfinite(values)]
-    return float(np.abs(known).max(initial=0.0))
+    return max_norm(known)

@@ -22,7 +22,7 @@ from nonsmooth.reports.figures.style import length_label
 from nonsmooth.reports.figures.wheels import AXIS
 from nonsmooth.reports.formats.html import template_part
 from nonsmooth.symbolic.numbers.number_text import float_text
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
 
 WIDE = 1000.0  # width of the frame in the view box
 LEFT, BELOW, BEYOND = 90, 50, 20  # beside it for the numbers at its edges, and on the other sides
@@ -210,7 +210,7 @@ class _Picture:
         return [round(float(vector[0]) * self.scale, DIGITS), round(-float(vector[1]) * self.scale, DIGITS)]
 
     def _vectors(self, vectors: Floats) -> list[list[float] | None]:
-        return [self._vector(vector) if np.isfinite(vector).all() else None for vector in vectors]
+        return [self._vector(vector) if are_finite(vector) else None for vector in vectors]
 
 
 def _line(place: Sequence[float], half: Sequence[float]) -> list[float]:

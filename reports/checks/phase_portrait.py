@@ -126,7 +126,7 @@ class PhasePortrait(Result):
 
     def draw(self, ax: Axes) -> None:
         """Everything, in the displacement from the checked point."""
-        half = float(self.system.check.radius)
+        half = self.system.check.half_width
         line = np.linspace(-half, half, MESH)
         xs, ys = np.meshgrid(line, line)
         rates = sampled_rates(self.cells, self.fields, xs, ys)

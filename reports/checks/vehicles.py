@@ -29,7 +29,7 @@ from nonsmooth.symbolic.mechanics.vehicles import FORMULA, Vehicle
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of, turned
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, max_norm, norms, places_of, spread, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -192,7 +192,7 @@ class VehicleResult(Result):
         """The wheels with slips and forces, the centre of mass and the instant centre."""
         motion, scene = self.own, self.vehicle.scene
         places = places_of(scene.wheels)
-        half = 0.75 * float(np.ptp(places, axis=0).max())
+        half = 0.75 * spread(places)
         x, y = (places.min(axis=0) + places.max(axis=0)) / 2
         for wheel in scene.wheels:
             draw_wheel(ax, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
@@ -356,10 +356,10 @@ def _draw_arrows(
 
     None are drawn where all are rounding beside the scale.
     """
-    if parts is None or np.abs(parts).max() <= TOO_SMALL * scale:
+    if parts is None or max_norm(parts) <= TOO_SMALL * scale:
         return
     vectors = (parts[:, :, None] * frames).sum(axis=1)
-    vectors *= reach / np.hypot(*vectors.T).max()
+    vectors *= reach / norms(vectors).max()
     axes.quiver(
         *places.T, *vectors.T, angles="xy", scale_units="xy", scale=1, color=color, width=0.006, label=label, zorder=4
     )

@@ -84,7 +84,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
 
 def _of_array(scene: Scene, options: PartitionOptions) -> Result:
     """The contact rules side by side, the wheels, the cells, or the field of a rule without cells."""
-    from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+    from nonsmooth.analysis.cells.contact_rule import has_cells
 
     if options.compare:
         from nonsmooth.reports.checks.agreement import compare_scene
@@ -98,7 +98,7 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
     if _leaves_motions_open(scene):
         with steps("motions that unknown loads leave possible"):
             return PossibleMotions(scene, possible_twists(scene))
-    if isinstance(rule_of(scene), SmoothRule):
+    if not has_cells(scene):
         from nonsmooth.reports.checks.cells import field_of
 
         with steps(f"field of rule {scene.contact.rule}"):

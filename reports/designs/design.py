@@ -125,7 +125,7 @@ def _names(text: str, keyword: str, known: tuple[str, ...]) -> tuple[str, ...]:
 
 def _distance(scene: Scene, move: Any) -> Fraction:
     if move is None:
-        return (Fraction(float(scene.check.radius)) / 2).limit_denominator(FINEST)
+        return (Fraction(scene.check.half_width) / 2).limit_denominator(FINEST)
     try:
         given = read_exact(entry(move))
         number, turns = (given, Fraction(0)) if isinstance(given, Fraction) else given.parts_in_pi()

@@ -50,7 +50,7 @@ from nonsmooth.reports.output.document import cell_mark
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import XY, around, between, dot, in_floats, minus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, max_norm
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,7 +81,7 @@ EDGE_WORDS = {
 
 def view_square(axes: Axes, scene: Scene) -> float:
     """Equal axes around the checked square; returns the width of the view."""
-    half = float(scene.check.radius) * (1 + 2 * MARGIN)
+    half = scene.check.half_width * (1 + 2 * MARGIN)
     view_centre(axes, scene, half)
     return 2 * half
 
@@ -265,7 +265,7 @@ def draw_rates(axes: Axes, partition: Partition) -> Floats:
 
 def _bands_of(rates: Floats) -> Floats:
     """Borders of bands: multiples of one step, zero among them, that cover all values."""
-    step = float(np.abs(rates).max()) / BANDS or 1.0
+    step = max_norm(rates) / BANDS or 1.0
     lowest, highest = (round(float(end) / step, 6) for end in (rates.min(), rates.max()))
     steps = np.arange(min(math.floor(lowest), 0), max(math.ceil(highest), 0) + 1)
     return np.asarray((steps if len(steps) > 1 else np.array([-1, 0, 1])) * step)
@@ -279,7 +279,7 @@ def _rates(partition: Partition, cell: Cell, points: Floats) -> Floats:
     for twist in cell.twists:
         vx, vy, omega = (float(value) for value in twist)
         rates.append(2 * ((x - centre[0]) * (vx - omega * y) + (y - centre[1]) * (vy + omega * x)))
-    return np.asarray(np.max(rates, axis=0))
+    return np.max(rates, axis=0)
 
 
 def _draw_bands_of_cell(axes: Axes, partition: Partition, cell: Cell, levels: Floats) -> None:
@@ -308,7 +308,7 @@ def _symmetric(levels: Floats) -> Any:
     """Colors symmetric about zero: white is where V* vanishes."""
     from matplotlib.colors import Normalize
 
-    largest = float(np.abs(levels).max())
+    largest = max_norm(levels)
     return Normalize(-largest, largest)
 
 

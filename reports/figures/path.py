@@ -39,7 +39,7 @@ from nonsmooth.reports.figures.wheels import draw_axis, draw_names, outline_of, 
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.plane import in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, norm, spread
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 if TYPE_CHECKING:
@@ -340,8 +340,8 @@ def draw_cells(axes: Axes, partition: Partition, trajectory: Trajectory) -> None
     fill_cells(axes, partition)
     axes.set(aspect="equal", **centre_labels(partition.scene.units))
     centre = np.array(partition.scene.check.place)
-    extent = float(np.abs(trajectory.array[:, :2] - centre).max())
-    if 0 < extent < SMALL * float(partition.scene.check.radius):
+    extent = max_norm(trajectory.array[:, :2] - centre)
+    if 0 < extent < SMALL * partition.scene.check.half_width:
         half = ENLARGED * extent
         axes.set(xlim=(centre[0] - half, centre[0] + half), ylim=(centre[1] - half, centre[1] + half))
 
@@ -372,16 +372,16 @@ def draw_wheels(axes: Axes, scene: Scene, trajectory: Trajectory) -> None:
 
 def _draw_rims(axes: Axes, model: ContactModel) -> None:
     """Rims as thick lines, and the friction axes of wheels that have some."""
-    half = RIM_LENGTH * float(np.ptp(model.positions, axis=0).max()) * model.rims
+    half = RIM_LENGTH * spread(model.positions) * model.rims
     for start, end in zip(model.positions - half, model.positions + half, strict=True):
         axes.plot(*zip(start, end, strict=True), **RIM)
     for k in np.flatnonzero(model.heads[:, 1]).tolist():
-        draw_axis(axes, in_floats(model.positions[k]), in_floats(model.axes[k]), float(np.hypot(*half[k])))
+        draw_axis(axes, in_floats(model.positions[k]), in_floats(model.axes[k]), norm(half[k]))
 
 
 def draw_surfaces(axes: Axes, system: SwitchedSystem, switching: SignField, trajectory: Trajectory) -> None:
     """The switching surfaces of a plain system in two states, in a square around the path."""
-    left, right, low, high = _view(trajectory, float(system.check.radius))
+    left, right, low, high = _view(trajectory, system.check.half_width)
     xs, ys = np.linspace(left, right, MESH), np.linspace(low, high, MESH)
     for surface in switching.surfaces:
         heights = np.array([[surface.value(np.array([x, y])) for x in xs] for y in ys])
@@ -397,7 +397,7 @@ def _view(trajectory: Trajectory, radius: float) -> tuple[float, float, float, f
     """A square around the path; of the given half-width about a path that stays where it is."""
     states = trajectory.array
     centre = (states.min(axis=0) + states.max(axis=0)) / 2
-    half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or radius
+    half = spread(states) * (0.5 + MARGIN) or radius
     x, y = in_floats(centre)
     return x - half, x + half, y - half, y + half
 

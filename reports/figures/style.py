@@ -212,7 +212,7 @@ def require_drawable(scene: Scene) -> None:
     Raises:
         SceneError: where the square is too large, too small or too far away.
     """
-    radius, far = abs(float(scene.check.radius)), max(map(abs, scene.check.place))
+    radius, far = abs(scene.check.half_width), max(map(abs, scene.check.place))
     if not (1 / LARGEST <= radius <= LARGEST and far * RESOLUTION <= radius):
         expected = f"for a picture, a radius of {1 / LARGEST:g} to {LARGEST:g}, and {RESOLUTION:g} of the coordinates"
         raise SceneError(scene.origin, "check.radius", expected, StatedFact(decimal_text(scene.check.radius, 6)))

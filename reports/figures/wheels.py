@@ -34,7 +34,15 @@ from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, places_of, unit_vectors
+from nonsmooth.symbolic.numbers.plane_arrays import (
+    Floats,
+    even_angles,
+    float_points,
+    following,
+    places_of,
+    spread,
+    unit_vectors,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -167,7 +175,7 @@ def outline_of(scene: Scene) -> Floats | None:
         return None
     outline = scene.body.outline
     if isinstance(outline, Disc):
-        angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
+        angles = even_angles(CORNERS)
         middle = np.array(scene.body.centroid, float)
         return middle + float(outline.radius) * unit_vectors(angles)
     return float_points(scene.body.vertices)
@@ -236,7 +244,7 @@ def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
         near: points (m, 2) that are shown, with the checked square; the whole array unless given.
     """
     places = places_of(whole(scene).wheels)
-    centre, radius = np.array(scene.check.place), float(scene.check.radius)
+    centre, radius = np.array(scene.check.place), scene.check.half_width
     square = np.array([centre - radius, centre + radius])
     outline = outline_of(scene)
     body = np.empty((0, 2)) if outline is None else outline + centre
@@ -304,7 +312,7 @@ def _beyond_ends(along: XY, backward: bool, half: float, name: str, size: float)
 
 def _rings(scene: Scene) -> list[Floats]:
     """The outline of the body at the checked point and the border of the checked square."""
-    centre, radius = np.array(scene.check.place), float(scene.check.radius)
+    centre, radius = np.array(scene.check.place), scene.check.half_width
     outline = outline_of(scene)
     rings = [centre + radius * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])]
     return rings if outline is None else [*rings, outline + centre]
@@ -315,7 +323,7 @@ def _points_on(rings: Sequence[Floats]) -> Floats:
     if not rings:
         return np.empty((0, 2))
     shares = np.linspace(0, 1, ON_SIDE)[:, None, None]
-    return np.concatenate([(ring + shares * (np.roll(ring, -1, axis=0) - ring)).reshape(-1, 2) for ring in rings])
+    return np.concatenate([(ring + shares * (following(ring) - ring)).reshape(-1, 2) for ring in rings])
 
 
 def _covered(points: Floats, middle: XY, name: str, size: float) -> int:
@@ -332,7 +340,7 @@ def nearest_gap(places: Floats, width: float) -> float:
 
 def rim_length(places: Floats, shown: Floats) -> float:
     """Half of a rim's length: small beside the view and beside the distance of neighbours."""
-    width = float(np.ptp(shown, axis=0).max())
+    width = spread(shown)
     return min(LARGEST_RIM * width, nearest_gap(places, width) * RIM_SHARE)
 
 

@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from nonsmooth.analysis.bodies.newton_euler import MovingLoads
-from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import SmoothRule, has_cells, rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import hull_sides
@@ -122,7 +122,7 @@ class DrivenLoop:
     @property
     def is_smooth(self) -> bool:
         """Whether the imposed motions change with the place."""
-        return isinstance(rule_of(self.scene), SmoothRule)
+        return not has_cells(self.scene)
 
     @property
     def is_sampled(self) -> bool:

@@ -135,7 +135,7 @@ class FeedbackLoop:
     @property
     def turning_length(self) -> float:
         """The length of the law of slow turns: the half-width of the checked square."""
-        return float(self.partition.scene.check.radius)
+        return self.partition.scene.check.half_width
 
     @cached_property
     def cascade(self) -> CascadeLaw:

@@ -201,7 +201,7 @@ def python_program(law: LawTable, head: Sequence[str]) -> str:
 
 def _constants(law: LawTable) -> list[tuple[str, float]]:
     constants = [(_NAMES[key], value) for key, value in law.constants.items()]
-    return [*constants, ("SIZE", float(law.scene.check.radius))]
+    return [*constants, ("SIZE", law.scene.check.half_width)]
 
 
 # ---- tables of C and Structured Text ---------------------------------------------------------------

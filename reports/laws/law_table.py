@@ -126,7 +126,7 @@ class LawTable:
         """
         depths = [region.depth(x, y) for region in self.regions]
         best = int(np.argmax(depths))
-        if depths[best] < -SEAM * float(self.scene.check.radius):
+        if depths[best] < -SEAM * self.scene.check.half_width:
             raise ValueError(f"required a place in a region of the law, received ({x}, {y})")
         return self.regions[best]
 

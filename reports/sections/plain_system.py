@@ -364,7 +364,7 @@ def portrait_section(subject: SystemSubject) -> Section:
 def paths_section(subject: SystemSubject) -> Section:
     """Filippov solutions from four starts, followed from event to event."""
     system = subject.scene
-    radius = float(system.check.radius)
+    radius = system.check.half_width
     middle = system.check.place
     rows: list[list[Entry]] = []
     for shares in STARTS:
@@ -397,7 +397,7 @@ def _several_fields(subject: SystemSubject) -> str:
 
 def _no_picture(subject: SystemSubject) -> str:
     beyond = "the checked square is beyond what floats, which pictures need, hold"
-    is_known = LEAST <= float(subject.scene.check.radius) <= LARGEST
+    is_known = LEAST <= subject.scene.check.half_width <= LARGEST
     return _several_fields(subject) or ("" if is_known else beyond)
 
 

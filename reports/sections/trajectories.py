@@ -60,7 +60,7 @@ USUAL = (0.4, 0.8)
 
 def starts(partition: Partition) -> list[Pose]:
     """STARTS places on a circle about the checked point, the usual one first, counterclockwise, at heading 0."""
-    radius = float(partition.scene.check.radius)
+    radius = partition.scene.check.half_width
     x, y = partition.scene.check.place
     places = []
     for k in range(STARTS):
@@ -478,7 +478,7 @@ def _loop_blocks(subject: ArraySubject, loop: DrivenLoop) -> list[Block]:
 def _driven_starts(loop: DrivenLoop) -> list[Pose]:
     """One place for each direction, as a command line would hold it."""
     reach = loop.reach
-    size = NEAR * float(loop.scene.check.radius) if reach is None else WITHIN * reach
+    size = NEAR * loop.scene.check.half_width if reach is None else WITHIN * reach
     chosen = DIRECTIONS[:FEW] if loop.is_smooth else DIRECTIONS
     return [_start(loop, np.array(direction), size) for direction in chosen]
 

@@ -36,7 +36,7 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.messages.under_way import part_of
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, spread
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -365,7 +365,7 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
     cases = list(_cases(scene, str(options.fail)))
     starts = [options.pose] if options.grid is None else _grid(scene, options.grid, float(options.heading))
     fastest = scene.fastest or 1.0
-    long = options.last if options.grid is None else ENOUGH * float(scene.check.radius) / fastest
+    long = options.last if options.grid is None else ENOUGH * scene.check.half_width / fastest
     until = options.until or long
     total = len(starts) * (1 + len(cases))
     before: list[FailedPath] = []
@@ -401,7 +401,7 @@ def _cases(scene: Scene, text: str) -> Iterator[Failed]:
 def _grid(scene: Scene, count: int, heading: float) -> list[Pose]:
     """Centres of equal squares that tile the checked one."""
     x, y = scene.check.place
-    radius = float(scene.check.radius)
+    radius = scene.check.half_width
     offsets = [radius * ((2 * k + 1) / count - 1) for k in range(count)]
     return [(x + a, y + b, heading) for b in offsets for a in offsets]
 
@@ -453,7 +453,7 @@ def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | N
     if len(support_polygon(positions)) < 3:
         return 0
     corners = float_points(positions)
-    sides, slack = hull_sides(corners), INSIDE * np.ptp(corners, axis=0).max()
+    sides, slack = hull_sides(corners), INSIDE * spread(corners)
     heights = np.array(places, float) @ sides[:, :2].T + sides[:, 2]
     outside = np.flatnonzero(heights.max(axis=1) >= -slack)
     return int(outside[0]) if len(outside) else None

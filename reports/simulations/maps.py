@@ -159,7 +159,7 @@ class ArrayMap(MapResult):
     def are_near(self, places: Floats) -> Mask:
         """Which of the places (m, 2) are within the accuracy of the checked point; none is not."""
         away = places - self.array.check.place
-        return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(self.array)))
+        return np.hypot(*away.T) <= float(accuracy_at_point(self.array))
 
     def home_record(self) -> Record:
         """JSON of how many end at the checked point, and of all parts."""

@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
 from nonsmooth.analysis.trajectories.result import Ending, EndMotion, EndReason, Trajectory, ending, parts_of
 from nonsmooth.proofs.findings import Record
@@ -23,7 +21,7 @@ from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.mechanics.units import Units
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.plane import pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 DIGITS = 3
@@ -58,7 +56,7 @@ class ArrayPathEnd:
         """Times, and distances of the centre of mass from where it ends."""
         times = parts_of(self.path)
         found = self.path.sample(times)[:, :2]
-        return times, np.hypot(*(found - found[-1]).T)
+        return times, norms(found - found[-1])
 
     @property
     def settles_after(self) -> float | None:
@@ -243,7 +241,7 @@ def system_end(system: SwitchedSystem, path: Trajectory) -> tuple[Record, str]:
 
 def is_at_point(system: SwitchedSystem, state: Sequence[Any]) -> bool:
     """Whether a state of a path is the checked point, to rounding."""
-    return _distance(system, state) <= AT_POINT * float(system.check.radius)
+    return _distance(system, state) <= AT_POINT * system.check.half_width
 
 
 def _distance(system: SwitchedSystem, state: Sequence[Any]) -> float:

@@ -51,7 +51,7 @@ from nonsmooth.symbolic.mechanics.contact_set import require_no_outline, standin
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, numbers_text, place_text
-from nonsmooth.symbolic.numbers.plane import Pose, pose_in_floats
+from nonsmooth.symbolic.numbers.plane import Pose, in_floats, pose_in_floats
 from nonsmooth.symbolic.numbers.plane_arrays import Floats
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -608,7 +608,7 @@ def follow_cells(partition: Partition, options: SimulateOptions, loop: FeedbackL
     path = _by_method(field.in_unit(length), (x / length, y / length, theta), in_length).in_lengths(length)
     if options.method is PathMethod.EVENTS:
         at = partition.scene.check.equilibrium
-        loop.refuse_contradiction(path, (float(at[0]), float(at[1])))
+        loop.refuse_contradiction(path, in_floats(at))
     return loop.with_saturation(partition, path)
 
 

@@ -31,6 +31,7 @@ from nonsmooth.symbolic.mechanics.contact_set import accuracy_at_point
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text
+from nonsmooth.symbolic.numbers.plane import in_floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -159,7 +160,7 @@ class SampledTablesResult(Result):
         """The places of rest about the checked point, the circle within which 95 % end, and that of the accuracy."""
         from matplotlib.patches import Circle
 
-        unit, center = self.scene.units.after_length, (float(self.all.point[0]), float(self.all.point[1]))
+        unit, center = self.scene.units.after_length, in_floats(self.all.point)
         ax.plot(*self.all.places.T, ".", color="#0072B2", markersize=4, label="ends (sampled)")
         ax.plot(*center, "+", color=INK, markersize=12, label="checked point")
         within = {"95 % of them": (self.all.within(SHARE), "#D55E00", "-"), "accuracy": (self.accuracy, INK, "--")}

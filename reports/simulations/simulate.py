@@ -175,9 +175,9 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
 
 
 def _map(scene: Scene, options: SimulateOptions) -> Result:
-    from nonsmooth.analysis.cells.contact_rule import SmoothRule, rule_of
+    from nonsmooth.analysis.cells.contact_rule import has_cells
 
-    if scene.body is not None or isinstance(rule_of(scene), SmoothRule):
+    if scene.body is not None or not has_cells(scene):
         from nonsmooth.reports.simulations.body_maps import build_body_map
 
         return build_body_map(scene, options)
@@ -198,9 +198,9 @@ def _path(scene: Scene, options: SimulateOptions) -> Result:
 
 def _outside(scene: Scene, options: SimulateOptions, start: Sequence[float]) -> str:
     """What is wrong with a start outside the checked square of paths through cells; empty where that is not it."""
-    from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+    from nonsmooth.analysis.cells.contact_rule import has_cells
 
-    without_cells = not isinstance(rule_of(scene), CellRule) or (scene.body is not None and options.is_plain)
+    without_cells = not has_cells(scene) or (scene.body is not None and options.is_plain)
     if without_cells or options.method is PathMethod.DYNAMICS:
         return ""
     radius = scene.check.radius

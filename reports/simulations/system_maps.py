@@ -42,7 +42,7 @@ from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.reports.studies.result import DataTable, short_lines
 from nonsmooth.symbolic.messages.scene_error import one_line
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, finite_rows, max_norm, norms
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
@@ -96,13 +96,13 @@ class SystemMap(MapResult):
     @cached_property
     def ratios(self) -> Floats:
         """Distance from the checked point at the end by that at the start; the point itself has ratio 0."""
-        first, last = (np.hypot(*places.T) for places in (self.starts, self.ends))
+        first, last = (norms(places) for places in (self.starts, self.ends))
         return np.divide(last, first, out=np.where(last > 0, np.inf, 0.0), where=first > 0)
 
     @cached_property
     def whereabouts(self) -> list[Whereabouts]:
         """Of every path."""
-        half = float(self.portrait.system.check.radius)
+        half = self.portrait.system.check.half_width
         return [_whereabouts(end, ratio, half) for end, ratio in zip(self.ends, self.ratios, strict=True)]
 
     @property
@@ -124,7 +124,7 @@ class SystemMap(MapResult):
     @cached_property
     def contradictions(self) -> tuple[Contradiction, ...]:
         """Where the paths contradict what is proved; then nobody may rely on either."""
-        half = float(self.portrait.system.check.radius)
+        half = self.portrait.system.check.half_width
         # Along borders that repel, and curved ones, solutions may leave that no path shows: there none is followed too.
         curved = any(cell.region.guards for cell in self.portrait.cells)
         kinds = {part.kind for part in self.portrait.borders}
@@ -150,7 +150,7 @@ class SystemMap(MapResult):
     def facts(self) -> Record:
         """JSON with stable keys; starts run along the first state first."""
         system = self.portrait.system
-        ends = [end.tolist() if np.isfinite(end).all() else None for end in self.ends]
+        ends = [end.tolist() if are_finite(end) else None for end in self.ends]
         return {
             "schema": SCHEMA,
             "scene": system.name,
@@ -194,13 +194,13 @@ class SystemMap(MapResult):
         """Every start as a square in the color of its ratio, with the borders of the cells and the region of V."""
         from matplotlib.colors import LogNorm
 
-        ratios = np.where(np.isfinite(self.ends).all(axis=1), np.clip(self.ratios, NEAREST, FARTHEST), np.nan)
+        ratios = np.where(finite_rows(self.ends), np.clip(self.ratios, NEAREST, FARTHEST), np.nan)
         axes.set_facecolor(LOST)
         image = draw_grid(axes, self.starts, ratios, cmap=TIMES, norm=LogNorm(NEAREST, FARTHEST), zorder=0)
         self.portrait.draw_borders(axes)
         self.portrait.draw_potential(axes)
         axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
-        half = float(self.portrait.system.check.radius)
+        half = self.portrait.system.check.half_width
         x, y = self.portrait.system.states
         axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
         axes.set_aspect("equal")
@@ -229,11 +229,11 @@ class SystemMap(MapResult):
 
 
 def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
-    if not np.isfinite(end).all():
+    if not are_finite(end):
         return Whereabouts.LOST
     if np.hypot(*end) <= SAME * half:
         return Whereabouts.ARRIVED
-    if np.abs(end).max() > (1 + SAME) * half:
+    if max_norm(end) > (1 + SAME) * half:
         return Whereabouts.OUTSIDE
     return Whereabouts.NEARER if ratio < 1 - SAME else Whereabouts.FARTHER
 
@@ -250,7 +250,7 @@ def build_system_map(system: SwitchedSystem, options: SimulateOptions) -> System
 
 def mapped(portrait: PhasePortrait, count: int, until: float) -> SystemMap:
     """Where ``count x count`` starts have come to at the last time."""
-    half = float(portrait.system.check.radius)
+    half = portrait.system.check.half_width
     line = np.linspace(-half, half, count) if count > 1 else np.array([half])
     starts = np.array([(x, y) for y in line for x in line])
     with progress(f"{count} x {count} starts") as report:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.minimizers.sampling import sample_field
@@ -29,6 +29,7 @@ from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, Ti
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.output.facts import fact_lines, fact_record, floats
 from nonsmooth.reports.workbench.shapes import (
+    Announce,
     body_record,
     cells_record,
     contact_record,
@@ -48,7 +49,6 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
 
-Announce: TypeAlias = Callable[[str], None]
 Stage: TypeAlias = Record
 
 FAST_UNITS = 40_000  # of exact arithmetic for the cells of the first stage: a second or so
@@ -191,7 +191,7 @@ def fast_stage(array: Array, units: int | None = None) -> Stage:
         stands = standing(scene)
         contact = contact_set(stands)
         carrying = contact.wheels
-        if isinstance(rule_of(scene), CellRule):
+        if has_cells(scene):
             with _limited(scene, units):
                 partition = array.partition
             geometry |= {"cells": cells_record(partition), "edges": edges_record(partition), "geometry": "exact"}
@@ -266,7 +266,7 @@ def proved(array: Array, announce: Announce) -> CheckResult:
         RefusalError: where the motion is not determined.
         SceneError: where a wheel lies exactly under the edge of the body.
     """
-    built = array.partition if isinstance(rule_of(array.scene), CellRule) else None
+    built = array.partition if has_cells(array.scene) else None
     return check_scene(array.scene, ask_others=False, beside=False, announce=announce, built=built)
 
 
@@ -351,7 +351,7 @@ TONES = {Position.COMES_HOME: "good", Position.STAYS_NEAR: "fair", Heading.KEEPS
 def guessed_answers(partition: Partition) -> list[Record]:
     """Position and heading, as far as floats tell; each marked as provisional."""
     point = partition.scene.check.place
-    radius = float(partition.scene.check.radius)
+    radius = partition.scene.check.half_width
     velocities, rates, turns = [], [], []
     for cell in partition.cells:
         away = [(float(x) - point[0], float(y) - point[1]) for x, y in cell.polygon.vertices]
@@ -420,7 +420,7 @@ def equilibria_record(array: Array) -> Record:
 
     ``searched`` is false where there was no search: under a rule without cells, and where it would take too long.
     """
-    if not isinstance(rule_of(array.scene), CellRule):
+    if not has_cells(array.scene):
         return {"searched": False, "equilibria": []}
     try:
         partition = array.partition

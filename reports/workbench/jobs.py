@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeAlias
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, all_rules, rule_of
+from nonsmooth.analysis.cells.contact_rule import CellRule, all_rules, has_cells
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs import system_certificates
@@ -23,6 +23,7 @@ from nonsmooth.reports.workbench.array_view import array_stages
 from nonsmooth.reports.workbench.documents import document_of, opened, read_toml, written
 from nonsmooth.reports.workbench.exact_edits import edited
 from nonsmooth.reports.workbench.requests import RequestError, read_request
+from nonsmooth.reports.workbench.shapes import Announce
 from nonsmooth.reports.workbench.system_view import system_stages
 from nonsmooth.symbolic.files.documents import builtin_descriptions, builtin_scenes, builtin_systems
 from nonsmooth.symbolic.files.scene_file import system_descriptions
@@ -30,7 +31,6 @@ from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
 
-Announce: TypeAlias = Callable[[str], None]
 Message: TypeAlias = Record
 Job: TypeAlias = Callable[[bytes, Announce], Iterator[Message]]
 
@@ -170,7 +170,7 @@ def _figure(document: Mapping[str, Any], made: Any) -> File:
     if made.kind is SceneKind.SYSTEM:
         content = PhasePortrait(made.exact).content(".svg")
     else:
-        show = "cells" if isinstance(rule_of(made.exact), CellRule) else "array"
+        show = "cells" if has_cells(made.exact) else "array"
         content = drawn(made.exact, ".svg", show)
     return File(".svg", "image/svg+xml", content)
 

@@ -7,8 +7,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
 from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.sliding_edges import switching_stretches
@@ -18,6 +16,7 @@ from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.mechanics.body import Disc
 from nonsmooth.symbolic.mechanics.scene import LoadTable
 from nonsmooth.symbolic.numbers.number_text import brief_text
+from nonsmooth.symbolic.numbers.plane_arrays import finite_rows
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Cell, Partition
@@ -208,7 +207,7 @@ def _followed(made: Array | System, start: list[float], until: float) -> Record:
 def path_record(path: Trajectory, until: float) -> Record:
     """Times and states close enough together that curves look round; theta is zero for plain systems."""
     times, states = path.dense(SAMPLES, until)
-    keep = np.isfinite(states).all(axis=1)
+    keep = finite_rows(states)
     times, states = times[keep], states[keep]
     columns = [*states.T.tolist(), *([[0.0] * len(times)] * 3)][:3]
     return {

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Stage: TypeAlias = Record
 
 FIELD = 21  # arrows in a row
-MESH = 121  # points in a row at which V is evaluated for its level sets
 LEVELS = 6  # of V
 BORDERS = {
     "sliding": "sliding",
@@ -52,7 +51,7 @@ def is_planar(system: SwitchedSystem) -> bool:
 
 def _portrait(system: SwitchedSystem) -> Record:
     """Field, borders and cells about the checked point, in the system's own coordinates."""
-    centre, radius = point(system.check.equilibrium), float(system.check.radius)
+    centre, radius = point(system.check.equilibrium), system.check.half_width
     square = {"radius": radius, "exact": {"radius": brief_text(system.check.radius)}}
     record: Record = {"states": list(system.states), "centre": centre, "square": square}
     if is_planar(system):

@@ -14,18 +14,20 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from typing import Any
+from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.files.system_document import names_in, parameter_texts, with_parameters
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing, float_value
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave, enclosing_formulas, named_formulas
-from nonsmooth.symbolic.formulas.expression import ExpressionError, parse_tree
+from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, parse_piecewise
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 
 MAX_MEMBERS = 64  # right-hand sides
+
+Side: TypeAlias = tuple[str, tuple[object, ...]]  # its key, and its formulas
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class RightHandSides:
         names: what these names mean.
     """
 
-    sides: tuple[tuple[str, tuple[object, ...]], ...]
+    sides: tuple[Side, ...]
     written: tuple[tuple[str, ...], ...] = ()
     waves: tuple[Wave, ...] = ()
     denominators: tuple[str, ...] = ()
@@ -75,7 +77,7 @@ def read_right_hand_sides(
     for key, formulas in stated.items():
         for j, formula in enumerate(formulas, 1):
             require_affine(formula, intervals, file, f"{key}[{j}]")
-    lists: list[tuple[str, tuple[object, ...]]] = []
+    lists: list[Side] = []
     for corner in corners(intervals):
         texts = {**values, **parameter_texts(corner, (), file)}
         here = [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
@@ -90,9 +92,7 @@ def read_right_hand_sides(
     return RightHandSides(tuple(sides), written, tuple(waves), denominators, scale, *named)
 
 
-def _cleared(
-    lists: Sequence[tuple[str, tuple[object, ...]]], clearing: Clearing, file: str
-) -> tuple[list[tuple[str, tuple[object, ...]]], tuple[str, ...], str]:
+def _cleared(lists: Sequence[Side], clearing: Clearing, file: str) -> tuple[list[Side], tuple[str, ...], str]:
     """All lists without fractions, times one factor."""
     every = [formula for _, formulas in lists for formula in formulas]
     try:
@@ -105,7 +105,7 @@ def _cleared(
     return [(key, tuple(next(rest) for _ in side)) for key, side in lists], cleared.denominators, cleared.scale
 
 
-def _refused_key(lists: Sequence[tuple[str, tuple[object, ...]]], clearing: Clearing) -> str:
+def _refused_key(lists: Sequence[Side], clearing: Clearing) -> str:
     """The key of the first formula that cannot be cleared."""
     for key, formulas in lists:
         for j, formula in enumerate(formulas, 1):
@@ -120,11 +120,9 @@ def _received(error: ExpressionError) -> str:
     return str(error).partition(", received ")[2]
 
 
-def _enclosed(
-    lists: Sequence[tuple[str, tuple[object, ...]]], states: Collection[str], file: str, order: int
-) -> tuple[list[tuple[str, tuple[object, ...]]], list[Wave]]:
+def _enclosed(lists: Sequence[Side], states: Collection[str], file: str, order: int) -> tuple[list[Side], list[Wave]]:
     """All lists without sines and cosines of states."""
-    sides: list[tuple[str, tuple[object, ...]]] = []
+    sides: list[Side] = []
     waves: list[Wave] = []
     for key, formulas in lists:
         _require_arguments(formulas, states, file, key)
@@ -155,10 +153,8 @@ def _require_arguments(formulas: Sequence[object], states: Collection[str], file
         with suppress(ExpressionError):  # said where they are enclosed
             _, waves = named_formulas((formula,), frozenset(states))
             for wave in waves:
-                try:
+                with formula_refused(file, f"{key}[{j}]", formula):
                     parse_piecewise(wave.argument, states)
-                except ExpressionError as error:
-                    raise SceneError(file, f"{key}[{j}]", requirement(error), formula) from None
 
 
 def float_point(states: Sequence[str], values: Sequence[Exact] | None) -> dict[str, float]:

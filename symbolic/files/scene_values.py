@@ -18,7 +18,13 @@ from flint import arb, ctx
 from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationError, ValidationInfo
 from pydantic.fields import FieldInfo
 
-from nonsmooth.symbolic.formulas.expression import Expression, ExpressionError, decimal_value, parse
+from nonsmooth.symbolic.formulas.expression import (
+    Expression,
+    ExpressionError,
+    decimal_value,
+    formula_refused,
+    parse,
+)
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.mechanics.units import AngleUnit
 from nonsmooth.symbolic.messages import removed
@@ -237,10 +243,8 @@ class Numbers:
 
     def formula(self, formula: Expression, key: str, values: Mapping[str, Number]) -> Number:
         """Exact value of a formula of the given variables; raises as above."""
-        try:
+        with formula_refused(self.file, key, formula.text):
             number = formula.value(self.field, values)
-        except ExpressionError as error:
-            raise SceneError(self.file, key, requirement(error), formula.text) from None
         roots = len(self.field.radicands)
         if roots > MAX_ROOTS or roots * self.field.base_degree > MAX_ROOT_WORK:
             raise SceneError(self.file, key, "fewer independent square roots in one scene", StatedFact(f"{roots}"))

@@ -28,7 +28,7 @@ from nonsmooth.symbolic.files.system_document import (
 )
 from nonsmooth.symbolic.formulas.cleared_fractions import Clearing
 from nonsmooth.symbolic.formulas.enclosed_functions import LISTED, TURNING, has_waves
-from nonsmooth.symbolic.formulas.expression import ExpressionError, parse, parse_tree
+from nonsmooth.symbolic.formulas.expression import ExpressionError, formula_refused, parse, parse_tree
 from nonsmooth.symbolic.formulas.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in, refuse_waves_of_rooted, signed_root
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
@@ -60,10 +60,8 @@ def parse_lyapunov(
     Raises:
         SceneError: for anything else.
     """
-    try:
+    with formula_refused(file, key, text):
         return parse_piecewise(text, states, beside)
-    except ExpressionError as error:
-        raise SceneError(file, key, requirement(error), text) from None
 
 
 def build_system(data: dict[str, Any], file: str, path: Path, *, order: int = 0) -> SwitchedSystem:
@@ -252,17 +250,13 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
     single, _ = split_intervals(document.system.parameters, file)
     texts = parameter_texts(single, {*states, *RESERVED}, file)
     for key, formula in _keyed_formulas(document):
-        try:
+        with formula_refused(file, key, formula):
             for name, order in orders_in(formula, states, texts).items():
                 found[name] = lcm(found.get(name, 1), order)
-        except ExpressionError as error:
-            raise SceneError(file, key, requirement(error), formula) from None
     rooted = tuple(name for name in states if name in found)
     for key, formula in _keyed_formulas(document):
-        try:
+        with formula_refused(file, key, formula):
             refuse_waves_of_rooted(formula, rooted)
-        except ExpressionError as error:
-            raise SceneError(file, key, requirement(error), formula) from None
     roots = SignedRoots(states, rooted, tuple(found[name] for name in rooted), tuple(texts.items()))
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
         raise SceneError(file, "system.states", "a name that is not that of a square root", name)
@@ -335,10 +329,8 @@ def _parsed(
 
 
 def _float_point(states: tuple[str, ...], values: Sequence[Exact] | None, file: str) -> dict[str, float]:
-    try:
+    with formula_refused(file, "check.equilibrium", StatedFact("another")):
         return float_point(states, values)
-    except ExpressionError as error:
-        raise SceneError(file, "check.equilibrium", requirement(error), StatedFact("another")) from None
 
 
 def _require_zero_arguments(system: SwitchedSystem) -> None:
@@ -383,10 +375,8 @@ def _try_pieces(system: SwitchedSystem, side: int) -> None:
 
     system.velocity(sign_of)
     for lyapunov in system.check.quotient or (system.check.lyapunov,):
-        try:
+        with formula_refused(system.source, "check.lyapunov", lyapunov.text):
             lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
-        except ExpressionError as error:
-            raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None
     if system.check.quotient is not None:
         _require_denominator(system, system.check.quotient[1])
 

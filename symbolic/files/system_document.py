@@ -16,10 +16,10 @@ from pydantic import Field, PlainValidator, StrictBool
 
 from nonsmooth.symbolic.files.scene_values import Exact, ExactField, Name, TomlTable, read_exact
 from nonsmooth.symbolic.formulas.enclosed_functions import WAVES
-from nonsmooth.symbolic.formulas.expression import ExpressionError, with_whole_exponents
+from nonsmooth.symbolic.formulas.expression import formula_refused, with_whole_exponents
 from nonsmooth.symbolic.formulas.formula_text import first_that_holds, indicator, product_text
 from nonsmooth.symbolic.formulas.piecewise import NUMBERS, SWITCHES
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
 
 # ---- named parameters of a plain system: numbers that stand in its formulas by name --------------
 #
@@ -68,10 +68,8 @@ def parameter_texts(parameters: Mapping[str, Any], taken: Collection[str], file:
 
 
 def _text(value: Any, file: str, key: str) -> str:
-    try:
+    with formula_refused(file, key, value):
         number = read_exact(value)
-    except ExpressionError as error:
-        raise SceneError(file, key, requirement(error), value) from None
     return str(number) if isinstance(number, Fraction) else number.text
 
 

@@ -13,13 +13,14 @@ import operator
 import re
 import warnings
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from nonsmooth.symbolic.messages.scene_error import shown
+from nonsmooth.symbolic.messages.scene_error import SceneError, requirement, shown
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.square_roots import NestingError
@@ -47,6 +48,19 @@ OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {  # in any ar
 
 class ExpressionError(ValueError):
     """Text that is no number or formula of the accepted kind; the message says what was expected."""
+
+
+@contextmanager
+def formula_refused(file: str, key: str, received: object) -> Iterator[None]:
+    """A formula that cannot be used is an error of the scene, under its key; ``received`` stands in the message.
+
+    Raises:
+        SceneError: for an :class:`ExpressionError`.
+    """
+    try:
+        yield
+    except ExpressionError as error:
+        raise SceneError(file, key, requirement(error), received) from None
 
 
 @dataclass(frozen=True)

@@ -266,7 +266,7 @@ def _parts_of_size(corners: Sequence[Vector], size: Number, point: Vector) -> in
 
 
 def _least_multiple(step: Number, value: Number) -> int:
-    """The least whole n with ``n step >= value``, for a positive step."""
+    """The least whole n with ``n step >= value``, for a positive step; it may be longer than ``bisect`` takes."""
     low, high = 0, 1
     while high * step < value:
         low, high = high, 2 * high

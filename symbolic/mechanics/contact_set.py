@@ -15,7 +15,7 @@ from fractions import Fraction
 from math import hypot, isqrt
 from typing import NamedTuple
 
-from flint import arb, fmpq
+from flint import arb
 
 from nonsmooth.symbolic.mechanics.body import (
     Body,
@@ -29,6 +29,7 @@ from nonsmooth.symbolic.mechanics.load_model import LoadModel
 from nonsmooth.symbolic.mechanics.scene import LoadTable, Scene, Wheel, default_length
 from nonsmooth.symbolic.mechanics.springs import radius_to_check
 from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_text import exact_place, float_text
@@ -358,7 +359,7 @@ def free_angle(body: Body, places: Sequence[Vector], margin: Fraction) -> Fracti
         reach = body.outline.radius.accurate_ball(PRECISION) + _length(body.centroid)
     else:
         reach = max(dot(corner, corner) for corner in body.vertices).accurate_ball(PRECISION).sqrt()
-    far = reach + arb(fmpq(margin.numerator, margin.denominator))
+    far = reach + rational_ball(margin)
     turned = [place for place in places if any(place) and not _length(place) > far]
     return min((_turn_below(body, place) for place in turned), default=None)
 

@@ -21,8 +21,9 @@ from enum import StrEnum
 from functools import cached_property, reduce
 from itertools import combinations
 from math import comb
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias
 
+from nonsmooth.symbolic.mechanics.load_model import Three, X
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.messages.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
@@ -30,7 +31,6 @@ from nonsmooth.symbolic.numbers.number_text import brief_text
 from nonsmooth.symbolic.numbers.plane import Vector
 
 Triple: TypeAlias = tuple[Number, Number, Number]
-X = TypeVar("X", bound=Any)  # numbers of one arithmetic
 
 
 class RowKind(StrEnum):
@@ -137,13 +137,13 @@ def cross_product(a: Triple, b: Triple) -> Triple:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def total(zero: X, vectors: Iterable[tuple[X, X, X]]) -> tuple[X, X, X]:
+def total(zero: X, vectors: Iterable[Three[X]]) -> Three[X]:
     """Sum of vectors, zero where there are none; in any arithmetic."""
-    start: tuple[X, X, X] = (zero, zero, zero)
+    start: Three[X] = (zero, zero, zero)
     return reduce(added, vectors, start)
 
 
-def inner(a: tuple[X, X, X], b: tuple[X, X, X]) -> X:
+def inner(a: Sequence[X], b: Sequence[X]) -> X:
     """Inner product in three dimensions, in any arithmetic."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
@@ -153,7 +153,7 @@ def cofactors(a: Triple, b: Triple, c: Triple) -> tuple[Triple, Triple, Triple]:
     return cross_product(b, c), cross_product(c, a), cross_product(a, b)
 
 
-def gram(columns: Sequence[tuple[X, X, X]]) -> tuple[tuple[X, X, X], tuple[X, X, X], tuple[X, X, X]]:
+def gram(columns: Sequence[Three[X]]) -> tuple[Three[X], Three[X], Three[X]]:
     """``sum_k c_k c_k^T``, a symmetric matrix by its rows, in any arithmetic."""
 
     def entry(r: int, s: int) -> Any:
@@ -163,7 +163,7 @@ def gram(columns: Sequence[tuple[X, X, X]]) -> tuple[tuple[X, X, X], tuple[X, X,
     return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
 
 
-def added(a: tuple[X, X, X], b: tuple[X, X, X]) -> tuple[X, X, X]:
+def added(a: Three[X], b: Three[X]) -> Three[X]:
     """``a + b``, in any arithmetic."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
@@ -173,7 +173,7 @@ def subtracted(a: Triple, b: Triple) -> Triple:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-def scaled(vector: tuple[X, X, X], factor: X | int) -> tuple[X, X, X]:
+def scaled(vector: Three[X], factor: X | int) -> Three[X]:
     """``factor * vector``, in any arithmetic."""
     return vector[0] * factor, vector[1] * factor, vector[2] * factor
 

@@ -120,7 +120,7 @@ def seen(place: BallVector, theta: arb) -> BallVector:
 
 def length_of(vector: BallVector) -> arb:
     """Euclidean length."""
-    return (vector[0] * vector[0] + vector[1] * vector[1]).sqrt()
+    return (dot(vector, vector)).sqrt()
 
 
 def ball_of(value: Number) -> arb:

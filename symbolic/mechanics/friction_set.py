@@ -30,15 +30,14 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar, cast
+from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, cast
 
 import numpy as np
 from flint import arb
 
+from nonsmooth.symbolic.mechanics.load_model import Three, X
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
-
-X = TypeVar("X", bound=Any)  # numbers of one arithmetic
 
 
 class BorderPiece(StrEnum):
@@ -134,7 +133,7 @@ class CutEllipse(Generic[X]):
         tau = self._either(r, s, lambda: self.cut * _sign(y), lambda: y / _divisor(_length(x, y)))
         return self.along * rho, self.across * tau
 
-    def hessian(self, r: X, s: X) -> tuple[X, X, X]:
+    def hessian(self, r: X, s: X) -> Three[X]:
         """Its second derivatives ``(rr, rs, ss)``; in arrays zero where there are none, of intervals all numbers.
 
         Raises:
@@ -209,7 +208,7 @@ class CutEllipse(Generic[X]):
             room *= narrow[:, :, None] * narrow[:, None, :]
         return np.asarray(room)
 
-    def rounded_arc(self, r: X, s: X, third: X) -> tuple[X, X, X]:
+    def rounded_arc(self, r: X, s: X, third: X) -> Three[X]:
         """Lengths ``sqrt(X^2 + Y^2 + Z^2)`` of slips with a third part Z, and ``X`` and ``Y`` over them."""
         x, y = self._weighted(r, s)
         size = self._length(self._length(x, y), third)
@@ -228,7 +227,7 @@ class CutEllipse(Generic[X]):
         rho = np.where(np.abs(tau) > self.cut, self.corner * x / _length(x, third), rho)
         return self.along * rho, self.across * np.clip(tau, -self.cut, self.cut)
 
-    def rounded_hessian(self, r: X, s: X, third: X) -> tuple[X, X, X]:
+    def rounded_hessian(self, r: X, s: X, third: X) -> Three[X]:
         """The derivatives ``(rr, rs, ss)`` of that.
 
         At a corner the one across is of ``kappa sqrt(Y^2 + Z^2)``: D is straight there, but Newton's method must not
@@ -323,7 +322,7 @@ class Box(CutEllipse[X]):
         width = third / self.along
         return self.along * r / _length(r, width), self.across * s / _length(s, width)
 
-    def rounded_hessian(self, r: X, s: X, third: X) -> tuple[X, X, X]:
+    def rounded_hessian(self, r: X, s: X, third: X) -> Three[X]:
         """Its derivatives ``(rr, rs, ss)``."""
         width = third / self.along
         return self.along * _rounded_bend(r, width), r - r, self.across * _rounded_bend(s, width)

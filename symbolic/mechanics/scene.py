@@ -367,6 +367,11 @@ class CheckedSquare:
         return in_floats(self.equilibrium)
 
     @property
+    def half_width(self) -> float:
+        """The radius in floats."""
+        return float(self.radius)
+
+    @property
     def named_lyapunov(self) -> str | None:
         """The V that the scene names."""
         return None if self.lyapunov is None else self.lyapunov.text

@@ -231,5 +231,5 @@ def largest_correction(table: LoadTable, centre: Vector, at: Vector) -> Number:
 
     As a share of the weight.
     """
-    dx, dy = at[0] - centre[0], at[1] - centre[1]
+    dx, dy = minus(at, centre)
     return max(abs(b * dx + c * dy) for _, b, c in table.rows)

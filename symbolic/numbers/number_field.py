@@ -19,9 +19,9 @@ from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, ctx, fmpz
 
-from nonsmooth.symbolic.numbers.coefficients import Rational, exactly
+from nonsmooth.symbolic.numbers.coefficients import Rational, exactly, rational_ball
 from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS, direction_beside, rational_direction
 from nonsmooth.symbolic.numbers.rounded import rounded
@@ -184,7 +184,7 @@ def turn_of_radians(value: Fraction) -> tuple[Fraction, bool]:
     if not value:
         return Fraction(0), False
     with ctx.workprec(_PRECISION + int(abs(value)).bit_length()):
-        turn = exactly((arb(fmpq(value.numerator, value.denominator)) / arb.pi()).mid())
+        turn = exactly((rational_ball(value) / arb.pi()).mid())
     near = turn.limit_denominator(SHORT)
     is_near = 4 * abs(near - turn) < ROUNDING  # pi < 4
     return (near, True) if is_near else (turn, False)

@@ -26,9 +26,9 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, SupportsFloat, TypeAlias
 
-from flint import arb, ctx, fmpq
+from flint import arb, ctx
 
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.coefficients import as_fraction, rational_ball
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -118,7 +118,7 @@ def upper_text(value: Number | Lazy | Fraction, digits: int = DIGITS) -> str:
 
 
 def _nearest(value: Number | Lazy | Fraction, digits: int) -> str:
-    real = arb(fmpq(value.numerator, value.denominator)) if isinstance(value, Fraction) else value
+    real = rational_ball(value) if isinstance(value, Fraction) else value
     return decimal_text(real, digits)
 
 

@@ -20,8 +20,8 @@ E = TypeVar("E", bound=Any)  # a coordinate
 T = TypeVar("T")
 
 
-def in_floats(point: tuple[Any, Any]) -> XY:
-    """A point, or a vector, of exact numbers as one of floats."""
+def in_floats(point: Any) -> XY:
+    """A point, or a vector, of exact numbers or in an array, as one of floats."""
     return float(point[0]), float(point[1])
 
 
@@ -36,7 +36,12 @@ def turned(vector: tuple[E, E]) -> tuple[E, E]:
     return -vector[1], vector[0]
 
 
-def minus(a: tuple[E, E], b: tuple[E, E]) -> tuple[E, E]:
+def plus(a: Sequence[E], b: Sequence[E]) -> tuple[E, E]:
+    """``a + b``."""
+    return a[0] + b[0], a[1] + b[1]
+
+
+def minus(a: Sequence[E], b: Sequence[E]) -> tuple[E, E]:
     """``a - b``."""
     return a[0] - b[0], a[1] - b[1]
 
@@ -46,7 +51,7 @@ def dot(a: Sequence[E], b: Sequence[E]) -> E:
     return a[0] * b[0] + a[1] * b[1]
 
 
-def cross(a: tuple[E, E], b: tuple[E, E]) -> E:
+def cross(a: Sequence[E], b: Sequence[E]) -> E:
     """``a_x b_y - a_y b_x``."""
     return a[0] * b[1] - a[1] * b[0]
 

@@ -27,9 +27,74 @@ def places_of(wheels: Iterable[Any]) -> Floats:
     return float_points(wheel.position for wheel in wheels)
 
 
+def even_angles(count: int) -> Floats:
+    """Angles around a full turn from zero on (radian), all as far apart, shape (count,)."""
+    return 2 * np.pi * np.arange(count) / count
+
+
 def unit_vectors(angles: Floats | float) -> Floats:
     """Unit vectors at angles (radian), shape (..., 2)."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def norm(vector: Iterable[Any]) -> float:
+    """The length of a vector of the plane."""
+    return float(np.hypot(*vector))
+
+
+def norms(vectors: Floats) -> Floats:
+    """Lengths of vectors of shape (..., 2); of longer ones those of their first two coordinates."""
+    return np.hypot(*_coordinates(vectors))
+
+
+def following(corners: Floats) -> Floats:
+    """The next of each corner around a polygon, shape (m, n)."""
+    return np.roll(corners, -1, axis=0)
+
+
+def row_products(a: Floats, b: Floats) -> Floats:
+    """Inner products of vectors of any dimension, shape (m, n)."""
+    return (a * b).sum(axis=1)
+
+
+def finite_rows(vectors: Floats) -> Mask:
+    """Which vectors, shape (m, n), have finite entries alone."""
+    return np.asarray(np.isfinite(vectors).all(axis=1))
+
+
+def row_norms(vectors: Floats) -> Floats:
+    """Lengths of vectors of any dimension, shape (m, n)."""
+    return np.linalg.norm(vectors, axis=1)
+
+
+def max_norms(vectors: Floats) -> Floats:
+    """The largest absolute value of an entry of each vector, shape (m, n)."""
+    return np.abs(vectors).max(axis=1)
+
+
+def squared_norms(vectors: Floats) -> Floats:
+    """Squares of the lengths of vectors of any dimension, shape (m, n)."""
+    return (vectors**2).sum(axis=1)
+
+
+def are_finite(entries: Any) -> bool:
+    """Whether all entries are finite numbers."""
+    return bool(np.isfinite(entries).all())
+
+
+def max_norm(entries: Any) -> float:
+    """The largest absolute value of an entry; zero without any."""
+    return float(np.abs(entries).max(initial=0.0))
+
+
+def unit_rows(vectors: Floats) -> Floats:
+    """Vectors of any dimension, shape (m, n), divided by their lengths."""
+    return vectors / row_norms(vectors)[:, None]
+
+
+def spread(points: Floats) -> float:
+    """The largest difference of a coordinate among points, shape (m, n)."""
+    return float(np.ptp(points, axis=0).max(initial=0.0))
 
 
 def turned(vectors: Floats) -> Floats:
@@ -39,7 +104,7 @@ def turned(vectors: Floats) -> Floats:
 
 def point_velocities(twists: Floats, points: Floats) -> Floats:
     """``v + omega J c`` for spatial twists of shape (..., 3) and points c of shape (..., 2)."""
-    return np.asarray(twists[..., :2] + twists[..., 2:] * turned(points))
+    return twists[..., :2] + twists[..., 2:] * turned(points)
 
 
 def field_beside(velocity: Callable[[Floats], Floats], place: Floats, step: float) -> tuple[Floats, Floats]:
@@ -51,12 +116,12 @@ def field_beside(velocity: Callable[[Floats], Floats], place: Floats, step: floa
 
 def dot(a: Floats, b: Floats) -> Floats:
     """Inner products of vectors of shape (..., 2)."""
-    return np.asarray(plane.dot(_coordinates(a), _coordinates(b)))
+    return plane.dot(_coordinates(a), _coordinates(b))
 
 
 def cross(a: Floats, b: Floats) -> Floats:
     """``a_x b_y - a_y b_x`` for vectors of shape (..., 2)."""
-    return np.asarray(plane.cross(_coordinates(a), _coordinates(b)))
+    return plane.cross(_coordinates(a), _coordinates(b))
 
 
 def _coordinates(vectors: Floats) -> tuple[Floats, Floats]:

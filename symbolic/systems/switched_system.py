@@ -19,12 +19,12 @@ from math import ceil, floor, frexp, prod
 from typing import Any, ClassVar, Literal
 
 from nonsmooth.symbolic.formulas.enclosed_functions import Wave
-from nonsmooth.symbolic.formulas.expression import ExpressionError
+from nonsmooth.symbolic.formulas.expression import formula_refused
 from nonsmooth.symbolic.formulas.piecewise import PiecewiseExpression, SignOf, no_sign, parse_piecewise
 from nonsmooth.symbolic.formulas.signed_roots import SignedRoots, orders_in
 from nonsmooth.symbolic.formulas.surfaces import switching_factors
 from nonsmooth.symbolic.messages.notebook import ShortRepr
-from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line, requirement
+from nonsmooth.symbolic.messages.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.enclosures import rational_above, rational_below
 from nonsmooth.symbolic.numbers.number import Number
@@ -63,6 +63,11 @@ class SystemCheck:
     def place(self) -> tuple[float, ...]:
         """The checked point in floats."""
         return tuple(map(float, self.equilibrium))
+
+    @property
+    def half_width(self) -> float:
+        """The radius in floats."""
+        return float(self.radius)
 
     @property
     def named_lyapunov(self) -> str | None:
@@ -251,8 +256,9 @@ class SwitchedSystem(ShortRepr):
                 found[unknown.surface] = None
                 waiting += [{**signs, unknown.surface: -1}, {**signs, unknown.surface: 1}]
                 if len(waiting) + ended > MAX_PATTERNS:
-                    expected = "a formula with fewer switching surfaces"
-                    raise self._error(k, expected, StatedFact(f"over {MAX_PATTERNS} sign patterns")) from None
+                    key, expected = f"system.rhs[{k + 1}]", "a formula with fewer switching surfaces"
+                    received = StatedFact(f"over {MAX_PATTERNS} sign patterns")
+                    raise SceneError(self.origin, key, expected, received) from None
                 continue
             except SceneError as error:  # perhaps of a pattern that no state has
                 refusal = error
@@ -266,13 +272,8 @@ class SwitchedSystem(ShortRepr):
         return self._value(k, self.rhs[k], sign_of, values)
 
     def _value(self, k: int, formula: PiecewiseExpression, sign_of: SignOf, values: Sequence[Polynomial]) -> Polynomial:
-        try:
+        with formula_refused(self.origin, f"system.rhs[{k + 1}]", self.rhs[k].text):
             return formula.polynomial(self.named(values), sign_of)
-        except ExpressionError as error:
-            raise self._error(k, requirement(error), self.rhs[k].text) from None
-
-    def _error(self, k: int, expected: str, received: object) -> SceneError:
-        return SceneError(self.origin, f"system.rhs[{k + 1}]", expected, received)
 
 
 def require_plane(system: SwitchedSystem) -> None:

@@ -18,11 +18,11 @@ from itertools import combinations
 import numpy as np
 
 from nonsmooth.analysis.cells.box import build_box_partition
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, rule_of
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, SpringLoads, load_set, priced
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion
-from nonsmooth.analysis.cells.polygon import square
+from nonsmooth.analysis.cells.polygon import checked_square
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at, spin_candidates
 from nonsmooth.proofs.clauses.at_point.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.at_point.ellipse import are_strict, common_twist, ellipse_point, held_forces, is_carried
@@ -125,7 +125,7 @@ def wheel_slips(scene: Scene, omega: Number) -> tuple[Slip[Number], ...] | None:
 def under_load(scene: Scene, loads: Loads) -> LoadRegion:
     """The loads at the point of a centred scene as the clauses at a point ask for them; how they change is left out."""
     zero = scene.field.zero
-    domain = square(scene.check.equilibrium, scene.check.radius)
+    domain = checked_square(scene)
     loaded = frozenset(wheel.index for wheel, load in zip(scene.wheels, loads, strict=True) if load)
     return LoadRegion(domain, tuple((load, zero, zero) for load in loads), loaded)
 
@@ -240,7 +240,7 @@ def every_load_point(scene: Scene) -> EveryLoadPoint:
         LoadError: where the loads do not exist, or are too many.
     """
     loads = load_set(scene)
-    if isinstance(rule_of(scene), CellRule):
+    if has_cells(scene):
         return _box_point(scene, loads)
     return _smooth_point(scene, loads)
 
@@ -334,7 +334,7 @@ def _is_refuted(scene: Scene, load: Loads) -> bool:
     """Whether the point is no equilibrium under one load that may be, decided as for loads that are known."""
     if not is_admissible(scene, load):
         return False
-    if isinstance(rule_of(scene), CellRule):
+    if has_cells(scene):
         return is_driven_away(scene, load)
     return ellipse_point(scene, (under_load(scene, load),)).equilibrium is Equilibrium.FAILS
 

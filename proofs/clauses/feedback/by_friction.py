@@ -39,7 +39,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb, ctx
 
-from nonsmooth.analysis.cells.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.contact_rule import has_cells, rule_of
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
@@ -315,7 +315,7 @@ def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:
 
 def _imposed(own: Scene) -> list[ImposedTwist]:
     """Twists that some speeds impose as the only minimizer, forces and boxes inside friction sets together."""
-    boxed = None if isinstance(rule_of(own), CellRule) else inscribed_boxes(own)
+    boxed = None if has_cells(own) else inscribed_boxes(own)
     found = []
     for each in (own, boxed):
         if each is not None:
@@ -331,7 +331,7 @@ def _decide(own: Scene, length: Fraction) -> DrivenFeedback:
     """
     found = _decide_by_twists(own, length)
     boxed = None
-    if found.verdict is Feedback.UNDECIDED and not isinstance(rule_of(own), CellRule):
+    if found.verdict is Feedback.UNDECIDED and not has_cells(own):
         boxed = inscribed_boxes(own)
     inside = found if boxed is None else _decide_by_twists(boxed, length)
     if inside is found or inside.verdict is not Feedback.STABILIZABLE:
@@ -340,12 +340,12 @@ def _decide(own: Scene, length: Fraction) -> DrivenFeedback:
 
 
 def _decide_by_twists(own: Scene, length: Fraction) -> DrivenFeedback:
-    regions, has_cells = _regions_at(own), isinstance(rule_of(own), CellRule)
+    regions = _regions_at(own)
     candidates, complete = candidates_of(own, regions[0])
     unique = unique_ones(candidates)
     if rank_of(unique) == 3:
         three = best_three(own, unique)
-        others = [Drives(own, region) for region in regions[1:]] if has_cells else []
+        others = [Drives(own, region) for region in regions[1:]] if has_cells(own) else []
         elsewhere = tuple(drives.examine(one.twist) for drives in others for one in three)
         if all(one.is_unique for one in elsewhere):
             return _stabilizable(THREE, own, (LawCone(None, three, elsewhere),))
@@ -360,7 +360,7 @@ def _decide_by_twists(own: Scene, length: Fraction) -> DrivenFeedback:
     reason = f"twists of rank {rank} are proved to be imposed at c*; others are neither proved nor excluded"
     if not complete:
         reason = f"the first {len(candidates)} candidates show twists of rank {rank}; more were not looked at"
-    if has_cells and normal is None:
+    if has_cells(own) and normal is None:
         cones, why = law_by_direction(own, regions, possible)
         if cones:
             return _stabilizable(why, own, cones)
@@ -444,7 +444,7 @@ def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
         raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
     own = in_own_length(scene)
     model = contacts_under(rule, own)
-    radius, states = float(own.check.radius), STATES[functional]
+    radius, states = own.check.half_width, STATES[functional]
     free = free_motions(scene)
     if free:
         return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))

@@ -64,7 +64,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_above
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.number_text import float_text
 from nonsmooth.symbolic.numbers.plane import around, cross, dot, turned
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, places_of
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, norms, places_of
 
 LAW = (
     "u_w = d_w . (v + omega J p_w) for w = i, j with omega = -k theta, v = k |c| e - (n_i . J p_i) omega n_i, "
@@ -311,7 +311,7 @@ class TurnRegion:
     def _tops(self) -> Floats:
         """Unit vectors to the wheels."""
         tops = places_of(self.cascade.wheels)
-        units: Floats = tops / np.hypot(*tops.T)[:, None]
+        units: Floats = tops / norms(tops)[:, None]
         return units
 
 

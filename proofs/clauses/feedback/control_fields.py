@@ -384,7 +384,7 @@ class ControlLyapunov:
 
     def stalling_theta(self, c: Point, position: Point) -> Any:
         """The theta at which both coefficients vanish where ``P c . d_i = 0``: ``P c . J(p_i - c)/w``."""
-        arm = (position[0] - c[0], position[1] - c[1])
+        arm = minus(position, c)
         return dot(self.slope(c), turned(arm)) / self.weight
 
 

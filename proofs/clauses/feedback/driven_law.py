@@ -28,7 +28,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 )
 from nonsmooth.symbolic.mechanics.scene import Scene, Wheel
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, row_norms
 
 CHOICES = 64  # unique minimizers among which the best three are sought
 DIGITS = 8  # binary, of the lengths of twists
@@ -95,7 +95,7 @@ def best_three(scene: Scene, unique: Sequence[ImposedTwist]) -> tuple[ImposedTwi
     best = choices[np.argmax(least_products(vectors[choices]))]
     if rank_of([few[k] for k in best]) < 3:
         best = np.arange(3)  # the basis
-    longest = np.linalg.norm(vectors[best], axis=1).max()
+    longest = row_norms(vectors[best]).max()
     return tuple(_lengthened(few[k], factors[k] / longest) for k in best)
 
 
@@ -138,7 +138,7 @@ def least_products(twists: Floats) -> Floats:
     normals = np.cross(np.roll(twists, -1, axis=1), np.roll(twists, -2, axis=1))
     volumes = np.einsum("mr,mr->m", twists[:, 0], normals[:, 0])
     corners = np.einsum("sl,mlr->msr", np.array(CORNERS), normals)
-    return np.asarray(volumes**2 / np.maximum((corners**2).sum(axis=2).max(axis=1), np.finfo(float).tiny))
+    return volumes**2 / np.maximum((corners**2).sum(axis=2).max(axis=1), np.finfo(float).tiny)
 
 
 def certified_gain(twists: Sequence[Triple]) -> Fraction:

@@ -38,6 +38,7 @@ which V need not decrease, and where the body tips: no solution leaves ``V < L``
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -227,11 +228,9 @@ def balanced(inputs: RowInputs, shape: Shape) -> ControlLyapunov:
     """V with the smallest w, ``l^2`` times a power of two, that gives at least half the rate that any w can give."""
     floats, unit = _in_floats(_build_cones(inputs, ControlLyapunov(shape)), inputs.length)
     enough = _proposal(floats, 0.0) / 2
-    low, high = -_LARGEST_EXPONENT, _LARGEST_EXPONENT
-    while low < high:
-        middle = (low + high) // 2
-        low, high = (low, middle) if _proposal(floats, 2.0**-middle) >= enough else (middle + 1, high)
-    return ControlLyapunov(shape, inputs.length**2 * Fraction(2) ** (low - 2 * unit))
+    exponents = range(-_LARGEST_EXPONENT, _LARGEST_EXPONENT)
+    least = exponents[0] + bisect_left(exponents, True, key=lambda k: _proposal(floats, 2.0**-k) >= enough)
+    return ControlLyapunov(shape, inputs.length**2 * Fraction(2) ** (least - 2 * unit))
 
 
 def _build_cones(inputs: RowInputs, lyapunov: ControlLyapunov) -> tuple[ConeRate, ...]:

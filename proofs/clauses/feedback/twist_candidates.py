@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, beyond_floats, order
-from nonsmooth.analysis.cells.contact_rule import CellRule, friction_sets, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.contact_rule import friction_sets, has_cells, smooth_rule_of
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes, blocks
@@ -39,7 +39,7 @@ from nonsmooth.symbolic.mechanics.contact_states import (
 from nonsmooth.symbolic.mechanics.friction_set import Box, FrictionSet, float_sets
 from nonsmooth.symbolic.mechanics.scene import Friction, Scene
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, float_points, row_norms
 
 # ---- realizable twists: the motions that some speeds of the wheels impose under rule ``box`` -----
 #
@@ -223,7 +223,7 @@ ImposedTwist: TypeAlias = BoxTwist | BalancedTwist
 
 def imposer(scene: Scene, region: LoadRegion) -> Callable[[Triple], ImposedTwist]:
     """What imposes a twist under the rule of the scene."""
-    if isinstance(rule_of(scene), CellRule):
+    if has_cells(scene):
         return Drives(scene, region).examine
     return partial(balance_twist, scene, region)
 
@@ -325,7 +325,7 @@ class PromisingTwists:
     def _off(self, span: Sequence[Triple]) -> Floats:
         """Sine of the angle of each candidate with the span."""
         basis = np.linalg.qr(float_points(span).T)[0] if span else np.zeros((3, 0))
-        return np.asarray(np.linalg.norm(self._edges - self._edges @ basis @ basis.T, axis=1))
+        return row_norms(self._edges - self._edges @ basis @ basis.T)
 
     def _take(self, merit: Floats, usable: Mask) -> Triple | None:
         """The usable candidate of the largest merit; its multiples are not used again."""
@@ -365,14 +365,14 @@ class _Grip:
         slips[np.abs(slips) <= SAME * (np.abs(twists) @ np.abs(self.sides).T)] = 0
         signs = np.sign(slips)
         least = self.still + np.abs(signs) @ self.even - np.abs(signs @ self.odd)
-        return np.asarray((least / self.all).min(axis=1))
+        return (least / self.all).min(axis=1)
 
 
 def _least_grip(along: Floats, across: Floats) -> Floats:
     """Of the normals of pairs of rims, and the axes, those in which the rims hold least of what sides may push."""
     pairs = _some_pairs(len(along))
     normals = np.concatenate([np.cross(along[pairs[:, 0]], along[pairs[:, 1]]), np.eye(3)])
-    lengths = np.linalg.norm(normals, axis=1)
+    lengths = row_norms(normals)
     m = normals[lengths > lengths.max() * SAME] / lengths[lengths > lengths.max() * SAME, None]
     held, pushed = (
         np.concatenate([np.abs(block @ rows.T).sum(axis=1) for block in blocks(m)]) for rows in (along, across)
@@ -380,7 +380,7 @@ def _least_grip(along: Floats, across: Floats) -> Floats:
     grip = np.divide(held, pushed, out=np.full(len(m), np.inf), where=pushed > 0)
     few = min(DIRECTIONS, len(grip))
     least = np.flatnonzero(grip <= np.partition(grip, few - 1)[few - 1])
-    return np.asarray(m[least[np.argsort(grip[least], kind="stable")[:few]]])
+    return m[least[np.argsort(grip[least], kind="stable")[:few]]]
 
 
 def _some_pairs(count: int) -> Indices:

@@ -488,7 +488,7 @@ def _are_outside(slips: tuple[Slip[Number], ...], radius: Number) -> bool:
 
 def _squared_reach(slip: Slip[Number]) -> Number:
     """``|w|^2`` of its first two entries."""
-    return slip.w[0] * slip.w[0] + slip.w[1] * slip.w[1]
+    return dot(slip.w, slip.w)
 
 
 def _decay(point: EveryLoadPoint) -> DecayUnderLoads | None:
