@@ -168,9 +168,13 @@ def trees(system: System) -> Iterator[ast.expr]:
 
 
 def jumps(node: ast.AST) -> Iterator[ast.Call]:
-    """The calls of ``sign`` at which a formula jumps: those without a factor that vanishes where they do."""
+    """The calls of ``sign`` at which a formula jumps: those without a factor that vanishes where they do.
+
+    Those in arguments of others are among them: ``y + sign(x)`` is y where x is zero, and nowhere beside.
+    """
     if isinstance(node, ast.Call) and is_sign(node):
         yield node
+        yield from jumps(node.args[0])
         return
     factors = factors_of(node)
     for factor in factors:

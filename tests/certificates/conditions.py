@@ -622,6 +622,8 @@ def of_parts() -> Iterator[Forgery]:
     jumps: Record = {"jumps": True}
     for because, side, driven, more in (
         ("jumps with forms of first degree in the states of a part", "2*y*sign(x)**2 - y", y, jumps),
+        ("jumps with forms of first degree in the states of a part", "-2*sign(y + sign(x))", pulled, jumps),
+        ("jumps with forms of first degree in the states of a part", "-2*sign(y - 3*y*sign(x)**2)", pulled, jumps),
         ("jumps with forms whose gradients are independent", "-sign(y) - sign(y + x)", pulled, jumps),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {"jumps": False}),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {**jumps, "carried": True}),

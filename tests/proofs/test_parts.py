@@ -158,6 +158,7 @@ def test_what_parts_ask_is_exported() -> None:
 # What is driven only rests; jumps with what drives it; is driven on the way to a surface that it comes to.
 NOTHING = [
     (["-x**3", "x"], decide_by_cascade),
+    ([*SUPER_TWISTING, "-z - 2*sign(z + sign(y))"], decide_by_cascade),
     (["-x**3", "2*y*sign(x)**2 - y"], decide_by_cascade),
     (["y", "-x - y"], decide_by_cascade),
     (["-x**3", "x**2*sign(y)**2"], decide_by_cascade),
