@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from nonsmooth.proofs.checker.formulas import exact_tree
 from nonsmooth.proofs.checker.parts import jumps, names_in
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative, variable
 from nonsmooth.proofs.kernel.bounds import formula
@@ -122,7 +123,7 @@ def _trees(system: SwitchedSystem) -> Iterator[tuple[str, ast.expr]]:
     """The right-hand sides with the names of their states."""
     for formulas in stated_lists(system):
         for name, text in zip(system.stated_states, formulas, strict=True):
-            yield name, parse_tree(text, MAX_TEXT, "a formula")[1]
+            yield name, exact_tree(parse_tree(text, MAX_TEXT, "a formula")[0])
 
 
 def _plain_sides(system: SwitchedSystem) -> Iterator[list[tuple[str, str]]]:

@@ -204,10 +204,27 @@ def parsed(data: Any) -> ast.expr:
     formula = text(data).strip()
     BUDGET.spend(1 + len(formula))
     require(WRITTEN.fullmatch(formula), "formulas of names, decimals, brackets, commas and + - * /")
-    return _read_once(formula, mode="eval").body
+    return exact_tree(formula)
 
 
-_read_once = lru_cache(ast.parse)  # claims ask for the same few formulas again and again
+@lru_cache  # claims ask for the same few formulas again and again
+def exact_tree(formula: str) -> ast.expr:
+    """The tree of a text of Python's grammar, with its decimals as they are written."""
+    tree, written = ast.parse(formula, mode="eval").body, formula.encode()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, float):
+            node.value = Decimal(written[node.col_offset : node.end_col_offset].decode())
+    return tree
+
+
+class Decimal(float):
+    """A decimal of which ``ast.unparse`` makes the text that stood in the formula: different ones remain different."""
+
+    def __init__(self, written: str) -> None:
+        self.written = written
+
+    def __repr__(self) -> str:
+        return self.written
 
 
 @lru_cache

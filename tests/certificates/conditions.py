@@ -576,6 +576,12 @@ def of_parts() -> Iterator[Forgery]:
             ["-x", "2*y*x**0*sign(x)*sign(x) - y"],
             parts(x, y),
         ),
+        (  # decimals that floats do not tell apart
+            "formulas that are continuous in what is replaced",
+            ATTRACTS,
+            ["-x", "1e400*(x - 1e-400)*sign(x - 0.0) - y"],
+            parts(x, y),
+        ),
         ("a theorem about parts", ATTRACTS, ["-x", "-y"], parts((["x"], {**x[1], "theorem": "basin"}), y)),
     ):
         yield forged(because, claim, rhs, "cascade", own)
@@ -625,6 +631,12 @@ def of_parts() -> Iterator[Forgery]:
         ("jumps with forms of first degree in the states of a part", "-2*sign(y + sign(x))", pulled, jumps),
         ("jumps with forms of first degree in the states of a part", "-2*sign(y - 3*y*sign(x)**2)", pulled, jumps),
         ("jumps with forms whose gradients are independent", "-sign(y) - sign(y + x)", pulled, jumps),
+        (
+            "jumps with forms whose gradients are independent",
+            "-sign(y + 1.0*x) - sign(y + 1.00000000000000000001*x)",
+            pulled,
+            jumps,
+        ),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {"jumps": False}),
         ("parts that jump with others, and are not carried", "-2*sign(y + x)", pulled, {**jumps, "carried": True}),
     ):
@@ -672,6 +684,7 @@ def of_circles() -> Iterator[Forgery]:
 
     yield turns("sines and cosines of sums of multiples of angles", "-sin(x + 1)")
     yield turns("whole multiples of angles", "4*sin(x/2) - sin(x)")
+    yield turns("whole multiples of angles", "4e400*sin(1e-400*x) - sin(x)")  # floats: sin(0)
     yield turns("no other functions than sines and cosines on circles", "sin(x) + 0*tanh(y)")
     yield turns("formulas in the states", "-sin(x) + 0*sin_x")
     yield turns("a V that is zero at the point", "1", {"V ": PLAIN, "cell  field 0": PLAIN}, "1")
