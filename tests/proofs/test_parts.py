@@ -159,6 +159,7 @@ def test_what_parts_ask_is_exported() -> None:
 NOTHING = [
     (["-x**3", "x"], decide_by_cascade),
     ([*SUPER_TWISTING, "-z - 2*sign(z + sign(y))"], decide_by_cascade),
+    (["-x", "-y + 10**31*(x + 1 - 1.0000000000000000000000000000010)*sign(x + 1 - 1.0)"], decide_by_cascade),
     (["-x**3", "2*y*sign(x)**2 - y"], decide_by_cascade),
     (["y", "-x - y"], decide_by_cascade),
     (["-x**3", "x**2*sign(y)**2"], decide_by_cascade),
