@@ -144,7 +144,7 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
         raise ExpressionError(f"required at most {MAX_LENGTH} digits, received {shown(value)}")
     text = str(value).strip()
     if "#" not in text:  # a comment would go on
-        text = " ".join(text.splitlines())
+        text = " ".join(text.splitlines()).expandtabs(1)
     text = _ABS.sub("Abs(", text)
     most = longest if isinstance(value, str) else MAX_LENGTH
     if len(text) > most:

@@ -13,7 +13,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from nonsmooth.symbolic.formulas.expression import MAX_LENGTH, ExpressionError, decimal_value, parse, turn_of
+from nonsmooth.symbolic.formulas.expression import (
+    MAX_LENGTH,
+    ExpressionError,
+    decimal_value,
+    parse,
+    parse_tree,
+    turn_of,
+)
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from tests.thorough import examples, few
@@ -59,6 +66,11 @@ def test_values(text: object, value: Fraction | None) -> None:
         assert exact(text) ** 2 == 3
     else:
         assert exact(text) == value
+
+
+def test_a_tab_is_a_blank() -> None:
+    """Messages write it with a backslash, which is no formula."""
+    assert parse_tree("0.25*\tx", MAX_LENGTH, "a formula")[0] == "0.25* x"
 
 
 def test_variables() -> None:
