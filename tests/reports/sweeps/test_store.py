@@ -37,8 +37,8 @@ from tests.reports.conftest import Invoke
 from tests.thorough import keep
 
 COUNT = 16
-VARY = {"mu_side": f"1/10:2:{COUNT}"}
-COMMAND = [sys.executable, "-m", "nonsmooth", "sweep", "four-wheel", "--vary", f"mu_side={VARY['mu_side']}"]
+VARY = {"radius": f"1/10:1:{COUNT}"}  # no scene shares its check with another
+COMMAND = [sys.executable, "-m", "nonsmooth", "sweep", "four-wheel", "--vary", f"radius={VARY['radius']}"]
 
 
 def work() -> Work:
