@@ -19,7 +19,7 @@ from nonsmooth.analysis.loads.spring_loads import spring_loads
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.mechanics.friction_set import UnitDiscs
 from nonsmooth.symbolic.mechanics.springs import EqualSprings
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, finite_rows, max_norms
 
 STEPS = 25  # of Newton's method at one g
 SHARPER = 0.2  # from one g to the next
@@ -86,7 +86,7 @@ class Contacts(NamedTuple):
 
 
 class ManyTwists:
-    """Minimizers, each from the one of the step before.
+    """Minimizers, each from twists that are near it or may be.
 
     Attributes:
         work: multiplications so far, and what takes as long: the same on every machine.
@@ -142,14 +142,14 @@ class ManyTwists:
             share = _downhill(contacts, now, step, g)
             found[at] += share * step.twists
             now = now.after(step, share)
-            sizes = np.maximum(np.abs(step.twists).max(axis=1), np.abs(step.turning).max(axis=1, initial=0.0))
+            sizes = np.maximum(max_norms(step.twists), np.abs(step.turning).max(axis=1, initial=0.0))
             settled[at[sizes <= SETTLED * self._unit]] = True
             going = (sizes > SETTLED * self._unit) & (sizes < LOST * self._unit)
             if not going.any():
                 break
             if not going.all():
                 at, contacts, now = at[going], contacts.take(going), now.take(going)
-        return found, settled & np.isfinite(found).all(axis=1)
+        return found, settled & finite_rows(found)
 
 
 class _Step(NamedTuple):
@@ -159,6 +159,10 @@ class _Step(NamedTuple):
     slips: Floats
     forces: Floats
     turning: Floats
+
+    def take(self, chosen: Mask) -> _Step:
+        """Of some bodies."""
+        return _Step(self.twists[chosen], self.slips[:, chosen], self.forces[:, chosen], self.turning[chosen])
 
 
 class _Iterate(NamedTuple):
@@ -184,7 +188,7 @@ class _Iterate(NamedTuple):
         forces = np.array(sets.rounded_arc(slips[0], slips[1] - turning, g)[1:])
         return cls(sets, slips, forces, turning)
 
-    def take(self, chosen: Mask | Indices) -> _Iterate:
+    def take(self, chosen: Mask) -> _Iterate:
         """Of some bodies."""
         sets = UnitDiscs(self.sets.cut[chosen])
         return _Iterate(sets, self.slips[:, chosen], self.forces[:, chosen], self.turning[chosen])
@@ -220,16 +224,14 @@ def _downhill(contacts: Contacts, now: _Iterate, step: _Step, g: float) -> Float
     """The share (m, 1) of a step, halved until the smoothed D does not grow."""
     highest = now.values(contacts.loads, g) * (1 + ROUNDING)
     shares, trying = np.ones((len(highest), 1)), np.arange(len(highest))
-    loads, own = contacts.loads, step
+    loads = contacts.loads
     for _ in range(HALVINGS):
-        ahead = now._replace(
-            slips=now.slips + shares[trying] * own.slips, turning=now.turning + shares[trying] * own.turning
-        )
+        share = shares[trying]
+        ahead = now._replace(slips=now.slips + share * step.slips, turning=now.turning + share * step.turning)
         grows = ~(ahead.values(loads, g) <= highest[trying])
         if not grows.any():
             break
-        trying, loads, now = trying[grows], loads[grows], now.take(grows)
-        own = _Step(own.twists[grows], own.slips[:, grows], own.forces[:, grows], own.turning[grows])
+        trying, loads, now, step = trying[grows], loads[grows], now.take(grows), step.take(grows)
         shares[trying] /= 2
     return shares
 

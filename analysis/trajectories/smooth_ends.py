@@ -253,7 +253,7 @@ def _where_it_stands(field: _Field, place: Floats, radius: float) -> tuple[Float
             if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or max_norm(found) > radius:
                 return vanishing, speed
         step /= 2
-    return (np.round(found / (JUMPED * radius)) * JUMPED * radius), float("nan")
+    return np.round(found / (JUMPED * radius)) * JUMPED * radius, float("nan")
 
 
 def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Floats, float]:
