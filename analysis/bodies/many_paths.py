@@ -5,8 +5,15 @@ set to the other: the discrete form of Filippov's sliding, right to the order of
 smooth it out: where the mean hardly moves, steps are halved.  A path whose mean still hardly moves with the shortest
 steps rests (of a rule that keeps rows, the place: the steps drift to a heading there, at a rate that the rule leaves
 open), unless it goes to and fro by many steps: then it circles, and is followed to the last time.  One that moves on
-slowly, and within a window no farther than its mean does, drifts smoothly, and takes long steps again.  A path ends too
-where the body tips and where no wheel is left under it.  Nothing is proved.
+slowly, and within a window no farther than its mean does, drifts smoothly, and takes long steps again.
+
+On the same wheels motions of a rule without cells change smoothly, yet some within a layer narrower than a step.  There
+a path would go to and fro as well, and drift by the mean of the motions on both sides, which is not the one within.  So
+a step after which the motion has turned back is taken again, half as long, unless the mean hardly moves, down to where
+it is told from a jump.
+
+A path ends too where a body's own motion has died out, where it tips and where no wheel is left under it.  Nothing is
+proved.
 """
 
 from __future__ import annotations
@@ -34,6 +41,9 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, point
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest
+LAYER_HALVINGS = 6  # the same within a layer
+JUMP_WINDOWS = 2  # in which a path chatters that has met a jump, before it looks for layers again
+STILL = 1e-4  # speed of a body, of the fastest wheel's, below which it rests
 WINDOW = 20  # steps over which a pose is averaged
 SLOW = 0.04  # speed of the mean, of the fastest wheel's, below which steps are halved; above thrice it, doubled
 RESTS = 5e-3  # the same with the shortest steps, over a few windows: the body rests
@@ -100,6 +110,10 @@ class _State:
         self.turning = np.full(count, np.nan)  # mean rates of theta
         self.quiet = np.zeros(count, int)  # windows in a row with the shortest steps
         self.drifts = np.zeros(count, bool)  # slowly and smoothly, so that long steps do
+        self.slow = np.zeros(count, bool)  # in the mean, whether smoothly or not
+        self.at_jump = np.zeros(count, int)  # windows in which it chatters there
+        self.turned_back = np.zeros(count, bool)  # within the last window, on the same wheels
+        self.mean_times, self.anchor_times = np.zeros(count), np.zeros(count)
 
     @property
     def going(self) -> Indices:
@@ -128,7 +142,7 @@ class ManyPaths:
         if rule.needs_loads:
             require_springs(scene)
         self._numbers = np.array([*scene.numbers, 0])
-        self._scene, self._rule = scene, rule
+        self._scene, self._rule, self._has_layers = scene, rule, isinstance(rule, SmoothRule)
         self._model = contacts_under(rule, scene)
         self._outline = MovingOutline(scene.body, self._model.positions)
         self._turning = 0.0 if rule.keeps_rows or of_places else self._outline.size
@@ -169,6 +183,7 @@ class ManyPaths:
 
     def _window(self, state: _State, field: ManyRates, last: float) -> None:
         """A window of steps of every path."""
+        times = np.zeros(len(state.poses))
         sums, lowest, highest = np.zeros_like(state.poses), state.poses.copy(), state.poses.copy()
         for _ in range(WINDOW):
             paths = state.going
@@ -176,10 +191,11 @@ class ManyPaths:
                 return
             self._step(state, field, paths, last)
             sums[paths] += state.poses[paths]
+            times[paths] += state.times[paths]
             lowest[paths] = np.minimum(lowest[paths], state.poses[paths])
             highest[paths] = np.maximum(highest[paths], state.poses[paths])
         going = state.going
-        state.means[going] = sums[going] / WINDOW
+        state.means[going], state.mean_times[going] = sums[going] / WINDOW, times[going] / WINDOW
         state.extents = highest - lowest
 
     def _step(self, state: _State, field: ManyRates, paths: Indices, last: float) -> None:
@@ -187,8 +203,9 @@ class ManyPaths:
         poses = state.poses[paths]
         here = field.at(poses, paths)
         _end_fallen(state, paths, here)
-        stands = ~here.tips & here.known
-        paths, poses, rates = paths[stands], poses[stands], here.rates[stands]
+        self._end_still(state, paths, here)
+        goes = state.reasons[paths] < 0
+        paths, poses, rates, wheels = paths[goes], poses[goes], here.rates[goes], here.wheels[goes]
         if not len(paths):
             return
         reach = state.longest * self._fastest / np.maximum(self._distance(rates), 1e-300)
@@ -197,16 +214,29 @@ class ManyPaths:
         there = field.at(poses + steps[:, None] * rates, paths)
         usable = ~there.tips & there.known
         mean = np.where(usable[:, None], (rates + there.rates) / 2, rates)
+        if self._has_layers:
+            back = paths[usable & (wheels == there.wheels) & self._turns_back(rates, there.rates)]
+            steps[np.isin(paths, _halve(state, back))] = 0.0
         state.poses[paths] = poses + steps[:, None] * mean
         state.times[paths] += steps
         state.end(paths[state.times[paths] >= last * (1 - 1e-12)], BodyEnd.TIME)
+
+    def _end_still(self, state: _State, paths: Indices, here: Rates) -> None:
+        """End the paths of bodies that stand and do not move."""
+        speeds = np.hypot(*here.rates[:, :2].T) + self._outline.size * np.abs(here.rates[:, 2])
+        still = ~here.tips & here.known & (speeds < STILL * self._fastest)
+        state.turning[paths[still]] = here.rates[still, 2]
+        state.end(paths[still], BodyEnd.REST)
+
+    def _turns_back(self, first: Floats, second: Floats) -> Mask:
+        """Where the second of two motions is more than a right angle off the first."""
+        return np.asarray((first * second) @ [1.0, 1.0, self._outline.size**2] < 0)
 
     def _judge(self, state: _State) -> None:
         """Shorten and lengthen steps by how fast the means move, and end what rests."""
         paths, longest = state.going, state.longest
         shortest = longest / 2**HALVINGS
-        spans = WINDOW * state.steps[paths]
-        spans *= np.maximum(state.quiet[paths], 1)
+        spans = state.mean_times[paths] - state.anchor_times[paths]
         rates = (state.means[paths] - state.anchors[paths]) / spans[:, None]
         state.turning[paths] = rates[:, 2]
         drift = self._distance(rates) / (self._fastest or 1.0)
@@ -225,12 +255,19 @@ class ManyPaths:
         state.quiet[paths] = np.where(waits & ~full, state.quiet[paths] + 1, 0)
         again = ~waits | full
         state.anchors[paths[again]] = state.means[paths[again]]
+        state.anchor_times[paths[again]] = state.mean_times[paths[again]]
         state.quiet[paths[again & short]] = 1
-        slower, faster = paths[(drift < SLOW) & ~short & ~drifts], paths[(drift > 3 * SLOW) | drifts]
+        lengthens = (drift > 3 * SLOW) & ~state.turned_back[paths] | drifts
+        slower, faster = paths[(drift < SLOW) & ~short & ~drifts], paths[lengthens]
         state.steps[slower] /= 2
         state.anchors[slower] = np.nan
         state.steps[faster] *= 2
         state.steps[paths] = np.minimum(state.steps[paths], np.where(drifts, DRIFT_STEPS * longest, longest))
+        state.turned_back[paths] = False
+        state.at_jump[paths] = np.maximum(state.at_jump[paths] - 1, 0)
+        state.slow[paths] = np.where(np.isnan(drift), state.slow[paths], drift < SLOW)
+        slow = paths[state.slow[paths]]
+        state.steps[slow] = np.maximum(state.steps[slow], shortest)
 
     def _distance(self, differences: Floats) -> Floats:
         """Sizes of differences of poses, as lengths; of places alone under a rule that leaves headings at rest open."""
@@ -248,6 +285,21 @@ def _end_fallen(state: _State, paths: Indices, here: Rates) -> None:
     state.end(paths[~here.known], BodyEnd.UNKNOWN)
     state.end(paths[here.tips], BodyEnd.TIPS)
     state.end(paths[here.tips & here.none], BodyEnd.LEAVES)
+
+
+def _halve(state: _State, paths: Indices) -> Indices:
+    """Halve the steps of paths that have stepped over a layer; those which are to take the step again.
+
+    One that turns back with the shortest steps too has met a jump of motions on the same wheels, where it may chatter.
+    """
+    state.turned_back[paths] = True
+    paths = paths[state.at_jump[paths] == 0]
+    halvings = np.where(state.slow[paths], HALVINGS, LAYER_HALVINGS)
+    again = state.steps[paths] > state.longest / 2.0**halvings * 1.001
+    state.steps[paths[again]] /= 2
+    jumps = paths[~again & ~state.slow[paths]]
+    state.steps[jumps], state.at_jump[jumps] = state.longest, JUMP_WINDOWS
+    return paths[again]
 
 
 def turned_heading(angles: Floats) -> Floats:
@@ -328,6 +380,7 @@ class Rates:
         over: numbers of the two wheels (m, 2) over whose line it tips, -1 for none.
         none: where no wheel is under the body.
         known: where the motion was found.
+        wheels: a number for the set of wheels that carry (m,), which others hardly have.
     """
 
     rates: Floats
@@ -335,6 +388,7 @@ class Rates:
     over: Indices
     none: Mask
     known: Mask
+    wheels: Floats
 
 
 class Motions(Protocol):
@@ -376,6 +430,7 @@ class ManyRates:
         """For paths that begin at poses (m, 3)."""
         self._motions, self._outline, self._size = motions, outline, outline.size
         self._centres = poses[:, :2].copy()
+        self._marks = np.random.default_rng(0).random(len(outline.places) + 1)  # any set of wheels has a sum of its own
         self._near = nearest_wheels(outline.places, self._centres, self._size * (1 + AROUND))
 
     def at(self, poses: Floats, paths: Indices) -> Rates:
@@ -397,7 +452,8 @@ class ManyRates:
             own = near[stands], carrying[stands], levers[stands], poses[stands], paths[stands]
             found = self._motions.of(*own)
             rates[stands], known[stands] = found
-        return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known)
+        wheels = np.where(carrying, self._marks[near], 0.0).sum(axis=1)
+        return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known, wheels)
 
     def _look_around(self, poses: Floats, paths: Indices) -> None:
         """Look up the wheels near those bodies that have moved far, of all paths that are asked for."""
