@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.bodies.many_paths import (
+    ENDS,
     BodyEnd,
     CellMotions,
     LeastDissipation,
@@ -339,6 +340,44 @@ def test_a_body_that_drifts_slowly_takes_long_steps(tmp_path: Path) -> None:
     assert len(windows) < 60
     end = BodyPath(contacts_under(smooth_rule_of(scene), scene), scene).follow(start, until).end
     assert found.poses[0] == pytest.approx(end.state, abs=1e-4)
+
+
+# Wheels that slip easily across: a body slides along layers of some thousandths of the wheels' spacing.
+STIFF = (
+    '[grid]\nrows = {rows}\ncolumns = {columns}\n[field]\nkind = "radial"\nspeed = "unit"\n'
+    '[body]\nshape = "rectangle"\nwidth = "{width}"\nheight = "{height}"\n'
+    '[friction]\nmu_roll = 1\nmu_side = "{side}"\n[contact]\nrule = "ellipse"\n'
+)
+STIFF_HEADING_ERROR = 0.04  # without shorter steps in layers 0.1 to 1
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "width", "height", "side", "start"),
+    [
+        pytest.param(4, 5, "2.1", "1.9", "1/10", (0.44, 0.0, 0.3), id="the heading stays once the place rests"),
+        pytest.param(5, 4, "1.91", "2.5", "1/10", (0.66, -0.66, 0.55), id="it rests, and does not tip"),
+        pytest.param(5, 4, "2.13", "2.72", "1/20", (0.66, -0.66, 0.64), id="a layer narrower yet"),
+    ],
+)
+def test_bodies_that_slide_along_narrow_layers_end_where_paths_by_events_do(
+    rows: int, columns: int, width: str, height: str, side: str, start: tuple[float, float, float], tmp_path: Path
+) -> None:
+    file = tmp_path / "stiff.toml"
+    file.write_text(STIFF.format(rows=rows, columns=columns, width=width, height=height, side=side))
+    scene = load_scene(file)
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(np.array([start]))
+    end = BodyPath(contacts_under(smooth_rule_of(scene), scene), scene).follow(start, 60.0).end
+    assert (end.reason, ENDS[found.reasons[0]]) == (EndReason.REST, BodyEnd.REST)
+    assert np.abs(np.subtract(end.state[:2], found.poses[0, :2])).max() < PLACE_ERROR
+    assert abs(end.state[2] - found.poses[0, 2]) < STIFF_HEADING_ERROR
+
+
+def test_a_body_that_does_not_move_rests_at_once(tmp_path: Path) -> None:
+    scene = carton_file(tmp_path)
+    found = ManyPaths(scene, smooth_rule_of(scene)).follow(np.array([[0.0, 0.0, 0.3], [1.0, 0.9, 0.3]]), 0.2)
+    assert [ENDS[reason] for reason in found.reasons] == [BodyEnd.REST, BodyEnd.TIME]
+    assert found.times[0] == 0
+    assert found.turning[0] == pytest.approx(0, abs=1e-4)
 
 
 @thorough  # the small one: test_ends_agree_with_paths_by_events
