@@ -36,7 +36,7 @@ from nonsmooth.analysis.cells.nearest import preferred_rows
 from nonsmooth.analysis.cells.outline import ROUNDING, Filtered, Outline, OutlineSide, between
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, checked_square
-from nonsmooth.analysis.cells.slopes import FEW, Slopes
+from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.symbolic.mechanics.contact_states import ContactState, Twist, rows_with_friction, wheel_rows
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.lazy import Lazy, is_long
@@ -236,8 +236,6 @@ class _Walk:
         if outline is None:
             return None
         others = [k for k in slopes.possible if k not in likely and k not in slopes.flat]
-        if len(others) > FEW:  # what is positive at all corners is so on all parts
-            others = slopes.doubtful([corner.filtered for corner in outline.corners], others)
         for number in others:
             if outline is not None and not outline.keeps(slopes.filtered(number)):
                 outline = outline.clipped(_side(slopes[number]))

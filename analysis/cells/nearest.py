@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
-from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, checked_square
+from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, checked_square, clipped_by
 from nonsmooth.symbolic.mechanics.contact_states import (
     ContactState,
     Row,
@@ -138,17 +138,15 @@ class _Search:
 
     def _pairs(self, near: Indices, domain: Polygon) -> Iterator[tuple[tuple[int, ...], Polygon]]:
         """(nearest, second-nearest) where all these wheels have friction in both directions."""
-        positions = self.positions
-        places = positions if self.prune else None
         for i in near:
-            rivals = near[np.argsort(distances_from(positions[near], positions[i]), kind="stable")]
-            first = _certain_region(self.bisectors, i, rivals, domain, places, by_distance=True)
+            distances = distances_from(self.positions[near], self.positions[i])
+            first = _certain_region(self.bisectors, i, near[np.argsort(distances, kind="stable")], domain)
             if first is None:
                 continue
             others = near[near != i]
-            contenders = _contenders(positions, others, first, 1) if self.prune else others
+            contenders = _contenders(self.positions, others, first, 1) if self.prune else others
             for j in contenders:
-                cell = _certain_region(self.bisectors, j, contenders, first, places)
+                cell = _certain_region(self.bisectors, j, contenders, first)
                 if cell is not None:
                     yield (int(i), int(j)), cell
 
@@ -161,7 +159,7 @@ class _Search:
         following = self._next(basis, region)
         self.considered.update(following)
         for i in following:
-            part = _region(self.bisectors, i, following, region, self.positions if self.prune else None)
+            part = _region(self.bisectors, i, following, region)
             if part is not None:
                 yield from self._longer((*chain, i), part)
 
@@ -218,55 +216,12 @@ def _contenders(positions: Floats, among: Indices, region: Polygon, rank: int) -
     return among[order]
 
 
-def _region(
-    bisectors: _Bisectors,
-    i: int,
-    rivals: Iterable[int],
-    within: Polygon,
-    positions: Floats | None = None,
-    *,
-    by_distance: bool = False,
-) -> Polygon | None:
-    """Points of ``within`` at least as near to wheel i as to every rival.
-
-    Args:
-        bisectors: of all wheels.
-        i: the wheel.
-        rivals: the others, also i itself.
-        within: where the points are sought.
-        positions: of all wheels in floats, which decide the clear signs; without, every sign is exact.
-        by_distance: whether the rivals come in the order of their distance from wheel i.  Then it stops at the first
-            rival whose bisector lies beyond the farthest vertex: twice as far from the wheel as that.
-    """
-    region = within
-    corners = None if positions is None else float_vertices(region)
-    for k in rivals:
-        if k == i:
-            continue
-        if positions is not None and corners is not None:
-            near, far = positions[i].tolist(), positions[k].tolist()
-            if by_distance and math.dist(far, near) > 2 * reach_of(corners, near):
-                break
-            if is_clearly_nearer(corners, near, far):
-                continue
-        closer = region.clipped(bisectors.between(i, k))
-        if closer is None:
-            return None
-        if closer is not region and positions is not None:
-            corners = float_vertices(closer)
-        region = closer
-    return region
+def _region(bisectors: _Bisectors, i: int, rivals: Iterable[int], within: Polygon) -> Polygon | None:
+    """Points of ``within`` at least as near to wheel i as to every rival, among which it may be itself."""
+    return clipped_by(within, (bisectors.between(i, int(k)) for k in rivals if k != i))
 
 
-def _certain_region(
-    bisectors: _Bisectors,
-    i: int,
-    rivals: Indices,
-    within: Polygon,
-    positions: Floats | None = None,
-    *,
-    by_distance: bool = False,
-) -> Polygon | None:
+def _certain_region(bisectors: _Bisectors, i: int, rivals: Indices, within: Polygon) -> Polygon | None:
     """The same region; of rounded places what counts is whether its shape is certain, not the way to it.
 
     It is where every corner lies certainly on its side of every line but its own two; and where there is no region, if
@@ -274,7 +229,7 @@ def _certain_region(
     """
     field = bisectors.field
     before = field.rounded_signs
-    region = _region(bisectors, i, rivals, within, positions, by_distance=by_distance)
+    region = _region(bisectors, i, rivals, within)
     if field.rounded_signs == before:
         return region
     lines = [bisectors.between(i, int(k)) for k in rivals if k != i]
@@ -384,16 +339,6 @@ SMALLEST_NORMAL = float(np.finfo(np.float64).tiny)  # below it floats lose their
 def float_vertices(region: Polygon) -> list[Place]:
     """The vertices of a region in floats."""
     return [in_floats(vertex) for vertex in region.vertices]
-
-
-def is_clearly_nearer(corners: Sequence[Place], near: Place, far: Place) -> bool:
-    """Whether floats are sure that all corners are nearer to one place than to another.
-
-    Beyond the range of floats a difference is nan or its bound is infinite: then nothing is sure.
-    """
-    size = _size(corners) + _size([near]) + _size([far])
-    distances = ((math.dist(corner, near), math.dist(corner, far)) for corner in corners)
-    return all(there - here > CANDIDATE_MARGIN * (size + there + here) + SMALLEST_NORMAL for here, there in distances)
 
 
 def reach_of(corners: Sequence[Place], place: Place) -> float:

@@ -200,7 +200,10 @@ Part = TypeVar("Part", bound=_Clipped)
 
 def clipped_by(whole: Part, sides: Iterable[Any]) -> Part | None:
     """The part of a polygon, a region or an outline behind several sides; None where no area is left."""
-    part: Part | None = whole
+    part = whole
     for side in sides:
-        part = part and part.clipped(side)
+        clipped = part.clipped(side)
+        if clipped is None:
+            return None
+        part = clipped
     return part

@@ -27,9 +27,6 @@ MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number 
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
 SHORTEST = 2.0**-30  # of the domain: sides that are shorter may be corners
-FEW = 32  # slopes that are looked at one by one
-DEEP_CUTS = 16  # that leave out most of many slopes
-TOUCHING = 2.0**-24  # of the size of a slope: what is larger at all corners of a cell vanishes at none
 WIDER = 1 + 2.0**-6  # than the square in which no slope vanishes, in floats: there one surely does
 LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
 
@@ -99,19 +96,12 @@ class Slopes:
             back.build, back.is_learned = (lambda: minus(before.exact)), True
         return back
 
-    def doubtful(self, points: Sequence[Filtered], among: Sequence[int]) -> list[int]:
-        """Of these numbers those of the slopes that are not certainly positive at all points."""
-        numbers = np.array(among, dtype=int)
-        places, sizes = (np.array(part, dtype=float) for part in zip(*(point[:2] for point in points), strict=True))
-        sure = certainty(self._values[numbers], self._bounds[numbers], places, sizes) > 1
-        return numbers[~sure.all(axis=1)].tolist()
-
     def sides(self) -> list[int]:
         """Numbers of the slopes that seem to bound the cell, found by cutting the load region in floats."""
         outline: list[Corner] = [(x, y, -1) for _, x, y in self._arrangement.corners.tolist()]
         reach = self._arrangement.reach
         doubts = (self._bounds @ (reach * FLOAT_DOUBT)).tolist()
-        for number in self.possible if len(self.possible) <= FEW else self._near(outline, self.possible):
+        for number in self.possible:
             a, b, c = self._numbers[number]
             values = [a + b * x + c * y for x, y, _ in outline]
             if min(values, default=0.0) < -doubts[number]:
@@ -119,20 +109,6 @@ class Slopes:
         around = zip(outline, [*outline[1:], *outline[:1]], strict=True)
         least = max(reach[1:].tolist()) * SHORTEST
         return sorted({k for (x, y, k), (u, v, _) in around if k >= 0 and abs(u - x) + abs(v - y) > least})
-
-    def _near(self, outline: list[Corner], numbers: Sequence[int]) -> list[int]:
-        """Of these numbers those of the slopes that seem to vanish within or near what some deep cuts leave."""
-        forms, sizes = self._values[numbers], self._bounds[numbers] @ self._arrangement.reach
-        for _ in range(DEEP_CUTS):
-            values = forms @ np.array([(1.0, x, y) for x, y, _ in outline]).T
-            least = np.nan_to_num(values.min(axis=1) / sizes, nan=np.inf)  # what is not known cuts nothing here
-            deepest = int(least.argmin())
-            if least[deepest] >= 0:
-                break
-            outline = _clipped(outline, values[deepest].tolist(), deepest)
-            if not outline:
-                return list(numbers)
-        return [numbers[k] for k in np.flatnonzero(least < TOUCHING).tolist()]
 
     def at(self, point: Floats, sizes: Floats | None = None) -> tuple[int | None, list[int]]:
         """At a point ``(1, x, y)``: the number of the slope that most certainly falls, and those that may vanish."""
@@ -188,8 +164,7 @@ class _PairTable:
     def __init__(self, arrangement: Arrangement, signs: Indices) -> None:
         self.arrangement = arrangement
         (tight,) = (signs == 0).nonzero()  # few, most often: `take` is then much quicker than an index of numbers
-        self.tight = len(tight)
-        self.pairs = tight.take(_pairs(self.tight))
+        self.pairs = tight.take(_pairs(len(tight)))
         normals, weights = arrangement.normals, arrangement.float_weights
         first, second = self.pairs.T
         self.directions = arrangement.directions(first, second)
@@ -204,8 +179,6 @@ class _PairTable:
 
     def distinct(self, numbers: Indices) -> Indices:
         """Of these pairs the first of each direction; none of those whose rows are parallel."""
-        if self.tight == 3 and self._is_basis:
-            return numbers
         ways = self.arrangement.lines.ways(self.pairs.take(numbers, 0))
         if ways is not None:
             firsts: dict[Three, int] = {}
@@ -213,20 +186,11 @@ class _PairTable:
                 firsts.setdefault(way, k)
             firsts.pop((0, 0, 0), None)
             return np.array(list(firsts.values()), dtype=int)
-        if self.tight <= 3:
-            return np.array([k for k in numbers.tolist() if self._has_direction(k)], dtype=int)
         keys = self._keys(numbers)
         order = np.argsort(keys, kind="stable")
         ends = [0, *(np.flatnonzero(np.diff(keys[order])) + 1).tolist(), len(order)]
         others = [k for ends in pairwise(ends) for k in self._distinct_in(numbers[order[slice(*ends)]])]
         return np.array(sorted(others), dtype=int)
-
-    @property
-    def _is_basis(self) -> bool:
-        """Whether floats show that three tight rows are independent; then their pairs have three directions."""
-        third = int(self.pairs[2, 1])
-        size = float(self.sizes[0] @ self.arrangement.sizes[third])
-        return bool(abs(self.directions[0] @ self.arrangement.normals[third]) > size * FLOAT_DOUBT + SMALLEST_NORMAL)
 
     def _has_direction(self, pair: int) -> bool:
         """Whether the rows of a pair are not parallel."""

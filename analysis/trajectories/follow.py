@@ -100,7 +100,6 @@ class PolynomialInterpolant:
         unit: what the variable of the polynomials counts the time since then in.
         states: coefficients of each state, the first that where the step begins.
         value: of a variable and coefficients, one by one, linear in these.
-        sloped: the same with its derivative by the variable, where there is code for it.
     """
 
     def __init__(
@@ -109,57 +108,18 @@ class PolynomialInterpolant:
         unit: float,
         states: Sequence[Sequence[float]],
         value: Callable[..., Any],
-        sloped: Callable[..., tuple[float, float]] | None = None,
     ) -> None:
-        self._start, self._unit, self._states, self._value, self._sloped = t, unit, states, value, sloped
+        self._start, self._unit, self._states, self._value = t, unit, states, value
 
     def __call__(self, times: Any) -> Floats:
         """The state at a time, or at many."""
         s = (times - self._start) / self._unit
         return np.array([self._value(s, *own) for own in self._states])
 
-    def along(self, normal: Sequence[float], first: float) -> PolynomialAlong:
+    def along(self, normal: Sequence[float], first: float) -> Callable[[float], float]:
         """A linear function of the state with a gradient, and a value where the step begins, as a function of time."""
         _, *others = np.dot(normal, self._states).tolist()
-        return PolynomialAlong(self._start, self._unit, (first, *others), self._value, self._sloped)
-
-
-class PolynomialAlong:
-    """A function of time within a step; its arguments are those of :class:`PolynomialInterpolant`, for one function."""
-
-    def __init__(
-        self,
-        start: float,
-        unit: float,
-        coefficients: Sequence[float],
-        value: Callable[..., Any],
-        sloped: Callable[..., tuple[float, float]] | None,
-    ) -> None:
-        self._start, self._unit, self._coefficients, self._value = start, unit, coefficients, value
-        self.sloped = sloped
-
-    def __call__(self, time: float) -> float:
-        """Its value at a time."""
-        return float(self._value((time - self._start) / self._unit, *self._coefficients))
-
-    def newton_root(self, before: tuple[float, float], after: tuple[float, float]) -> float:
-        """As :func:`find_root`, by Newton's method; what is left is halved where a step does not halve the last one.
-
-        Raises:
-            ValueError: without code for the slope.
-        """
-        if self.sloped is None:
-            raise ValueError("required code for the slope")
-        (low, first), (high, last) = before, after
-        time, moved = low + (high - low) * first / (first - last), high - low
-        while moved > RELATIVE_ULPS * high:
-            value, slope = self.sloped((time - self._start) / self._unit, *self._coefficients)
-            low, high = (time, high) if value > 0 else (low, time)
-            following = time - value * self._unit / slope if slope else math.inf
-            if not (low <= following <= high and abs(following - time) <= moved / 2):
-                following = low + (high - low) / 2
-            time, moved = following, abs(following - time)
-        return time
+        return lambda time: float(self._value((time - self._start) / self._unit, first, *others))
 
 
 class Stepper(Protocol):
@@ -403,8 +363,6 @@ def find_root(value: Callable[[float], float], before: tuple[float, float], afte
     """
     if before[1] <= 0:
         return before[0]
-    if isinstance(value, PolynomialAlong) and value.sloped is not None:
-        return value.newton_root(before, after)
     from scipy.optimize import brentq
 
     ends, finest = dict([before, after]), math.ulp(after[0])

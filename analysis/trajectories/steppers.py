@@ -58,12 +58,10 @@ class SeriesCode(NamedTuple):
         series: from A and b over rho, row by row, and the states where a step begins: the coefficients of each state,
             and the largest of the first two, of those before the last and of the last.
         value: from s and coefficients.
-        sloped: the same with its derivative by s.
     """
 
     series: Callable[..., tuple[tuple[Numbers, ...], float, float, float]]
     value: Callable[..., Any]
-    sloped: Callable[..., tuple[float, float]]
 
 
 @cache
@@ -81,13 +79,8 @@ def series_code(count: int) -> SeriesCode:
     lines.append(f"return ({series}), {', '.join(f'max({own}, 0.0)' for own in sizes)}")
     powers = names("c", DEGREE + 1)
     value = "".join(f"{own} + s*(" for own in powers[:-1]) + powers[-1] + ")" * DEGREE
-    steps = [line for own in reversed(powers[:-1]) for line in ("d = d*s + v", f"v = v*s + {own}")]  # Horner's
-    arguments = "s, " + listed(powers)
-    return SeriesCode(
-        compiled("".join(map(listed, (*a, b, c[0]))), *lines),
-        compiled(arguments, f"return {value}"),
-        compiled(arguments, f"v, d = {powers[-1]}, 0.0", *steps, "return v, d"),
-    )
+    begun = "".join(map(listed, (*a, b, c[0])))
+    return SeriesCode(compiled(begun, *lines), compiled("s, " + listed(powers), f"return {value}"))
 
 
 class TaylorSteps:
@@ -122,7 +115,7 @@ class TaylorSteps:
         end = min(start + _reach(*sizes) / rho, self._until) if rho else self._until
         if not end > start:
             raise TrajectoryError(f"the integrator stopped at t = {start:.6g}: floats do not hold its next step")
-        between = PolynomialInterpolant(start, 1 / (rho or 1.0), states, self._code.value, self._code.sloped)
+        between = PolynomialInterpolant(start, 1 / (rho or 1.0), states, self._code.value)
         last = between(end)
         slope = self._rate(end, last)
         easy = len(self.y) > 2 and (not rho or (end - start) * rho > EASY)

@@ -371,6 +371,16 @@ KEPT = 0.5  # of the largest margin, with the least sum of sizes
 LEAST_MARGIN = 2.0**-20  # of rows, each in units of its largest entry, that is proposed
 
 
+def largest_margin(rows: Floats) -> Floats | None:
+    """The c, at most 1 in size, of the largest margin m, the least ``r . c`` of all rows r; and m, the last entry.
+
+    None without a margin of at least zero.
+    """
+    table, bounds = np.hstack([-rows, np.ones((len(rows), 1))]), [(-1, 1)] * rows.shape[1] + [(0, 1)]
+    found = solve_program([*np.zeros(rows.shape[1]), -1.0], A_ub=table, b_ub=np.zeros(len(rows)), bounds=bounds)
+    return None if found.status else found.x
+
+
 def with_margin(rows: Floats, costs: Floats) -> Floats | None:
     """The c, at most 1 in size, of the least weighted sum of sizes that keeps half of the largest margin.
 
@@ -381,9 +391,8 @@ def with_margin(rows: Floats, costs: Floats) -> Floats | None:
     Returns:
         None without a margin.
     """
-    table = np.hstack([-rows, np.ones((len(rows), 1))])
-    found = solve_program([*np.zeros(rows.shape[1]), -1.0], A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1))
-    if found.status or found.x[-1] < LEAST_MARGIN:
+    found = largest_margin(rows)
+    if found is None or found[-1] < LEAST_MARGIN:
         return None
-    least = least_sum(-rows, np.full(len(rows), -KEPT * found.x[-1]), costs, 1)
-    return found.x[:-1] if least is None else least
+    least = least_sum(-rows, np.full(len(rows), -KEPT * found[-1]), costs, 1)
+    return found[:-1] if least is None else least

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from flint import ctx, fmpq, fmpq_mat, fmpq_poly
@@ -213,21 +214,16 @@ def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
 def solve_lyapunov(matrix: fmpq_mat) -> fmpq_mat | None:
     """P with ``A^T P + P A = -I``; None where it is not unique."""
     size = matrix.nrows()
-    pairs = [(i, j) for j in range(size) for i in range(j + 1)]
-    place = {pair: k for k, pair in enumerate(pairs)}
-    rows = []
-    for i, j in pairs:
-        row = [fmpq(0)] * len(pairs)
+    system, right = fmpq_mat(size * size, size * size), fmpq_mat(size * size, 1)
+    for i, j in product(range(size), repeat=2):
         for k in range(size):
-            row[place[min(k, j), max(k, j)]] += matrix[k, i]
-            row[place[min(i, k), max(i, k)]] += matrix[k, j]
-        rows.append(row)
-    right = fmpq_mat(len(pairs), 1, [fmpq(-1 if i == j else 0) for i, j in pairs])
+            system[i * size + j, k * size + j] += matrix[k, i]
+            system[i * size + j, i * size + k] += matrix[k, j]
+        right[i * size + j, 0] = -int(i == j)
     try:
-        found = fmpq_mat(rows).solve(right)
+        return fmpq_mat(size, size, system.solve(right).entries())
     except ZeroDivisionError:
         return None
-    return fmpq_mat([[found[place[min(i, j), max(i, j)], 0] for j in range(size)] for i in range(size)])
 
 
 def _short_quadratic(matrix: fmpq_mat) -> fmpq_mat | None:

@@ -19,6 +19,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Place, shapes_about
 from nonsmooth.proofs.robust.rings import TouchingRings, root_above
@@ -37,7 +38,6 @@ from nonsmooth.symbolic.numbers.plane_arrays import (
     following,
     norm,
     norms,
-    places_of,
 )
 
 Velocity: TypeAlias = Callable[[Floats], Floats]
@@ -339,24 +339,18 @@ def velocity_of(scene: Scene) -> Velocity | None:
 
 def _nearest_velocity(scene: Scene) -> Velocity:
     """Both rows of the nearest wheel, then the rows of the next ones in the order of their friction."""
-    places = places_of(scene.wheels)
-    rims = float_points(wheel.unit_direction for wheel in scene.wheels)
-    speeds = [float(wheel.speed) for wheel in scene.wheels]
-    rows = []
-    for k, wheel in enumerate(scene.wheels):
-        (a, b), (x, y) = rims[k].tolist(), places[k].tolist()
-        along, across = ([a, b, x * b - y * a], speeds[k]), ([-b, a, x * a + y * b], 0.0)
-        rows.append([along, across] if wheel.friction.roll >= wheel.friction.side else [across, along])
+    model = contact_model(scene)
 
     def velocity(place: Floats) -> Floats:
-        chosen: list[tuple[list[float], float]] = []
-        for k in np.argsort(norms(places - place)):
-            for row in rows[k]:
-                trial = np.array([entries for entries, _ in [*chosen, row]])
-                if np.linalg.svd(trial, compute_uv=False)[-1] > 2.0**-30:
-                    chosen.append(row)
+        chosen: list[int] = []
+        for k in np.argsort(norms(model.positions - place)):
+            pair = [2 * k, 2 * k + 1]
+            for row in sorted(pair, key=lambda row: -model.friction[row]):
+                trial = [*chosen, row]
+                if np.linalg.svd(model.rows[trial], compute_uv=False)[-1] > 2.0**-30:
+                    chosen = trial
                 if len(chosen) == 3:
-                    x, y, omega = np.linalg.solve(trial, [value for _, value in chosen])
+                    x, y, omega = np.linalg.solve(model.rows[chosen], model.targets[chosen])
                     return np.array([x - omega * place[1], y + omega * place[0]])
         return np.zeros(2)
 

@@ -29,7 +29,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
 from nonsmooth.proofs.checker.cells import Face
 from nonsmooth.proofs.inequalities.forms import Sense
-from nonsmooth.proofs.inequalities.linear_program import solve_program
+from nonsmooth.proofs.inequalities.linear_program import largest_margin
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.kernel.bases import (
     LookedAt,
@@ -352,28 +352,12 @@ def _kept_margin(rows: Floats, kept: Sequence[int], least: float = LEAST_MARGIN)
     used = normalized(rows[:, kept])
     if len(used) < len(rows) or not len(rows):
         return None  # where all functions vanish, so does V or its derivative
-    found = _largest_margin(used, least)
-    if found is None:
+    found = largest_margin(used) if are_finite(used) else None
+    if found is None or not found[-1] > least:
         return None
     coefficients = np.zeros(rows.shape[1])
-    coefficients[list(kept)] = found
+    coefficients[list(kept)] = found[:-1]
     return coefficients
-
-
-def _largest_margin(rows: Floats, least: float) -> Floats | None:
-    """Coefficients c, at most 1 in size, with the largest m such that ``r . c >= m`` for all rows.
-
-    None where m is less than asked for, and for rows beyond floats.
-    """
-    if not are_finite(rows):
-        return None
-    count = rows.shape[1]
-    costs = np.zeros(count + 1)
-    costs[-1] = -1.0
-    system = np.hstack([-rows, np.ones((len(rows), 1))])
-    bounds = [(-1, 1)] * count + [(0, 1)]
-    found = solve_program(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds)
-    return found.x[:-1] if found.status == 0 and found.x[-1] > least else None
 
 
 def _rounded(scaled: Floats) -> Iterator[Coefficients]:

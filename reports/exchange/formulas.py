@@ -8,6 +8,8 @@ parameters at their values.  V is a function of the states, not of the displacem
 from __future__ import annotations
 
 import ast
+import math
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,7 +17,7 @@ from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.reports.exchange.reading import Reading
-from nonsmooth.symbolic.formulas.expression import decimal_value, parse_tree
+from nonsmooth.symbolic.formulas.expression import OPERATIONS, decimal_value, parse_tree
 from nonsmooth.symbolic.formulas.formula_text import (
     difference_text,
     first_that_holds,
@@ -91,15 +93,7 @@ class Target:
 
 def _objects(number: Callable[[Fraction], Any], pi: Any, functions: Mapping[str, Callable[..., Any]]) -> Target:
     """A target whose formulas are objects with Python's operators."""
-    operators: dict[type, Callable[..., Any]] = {
-        ast.Add: lambda a, b: a + b,
-        ast.Sub: lambda a, b: a - b,
-        ast.Mult: lambda a, b: a * b,
-        ast.Div: lambda a, b: a / b,
-        ast.Pow: lambda a, b: a**b,
-        ast.USub: lambda a: -a,
-    }
-    return Target(number, pi, functions, operators)
+    return Target(number, pi, functions, {**OPERATIONS, ast.Pow: operator.pow, ast.USub: operator.neg})
 
 
 # ---- what is written -----------------------------------------------------------------------------
@@ -236,23 +230,9 @@ def _target(names: dict[str, str], pi: str, power: Callable[..., str]) -> Target
     return Target(_number, pi, functions, {**_OPERATORS, ast.Pow: power})
 
 
-PYTHON = _target(
-    {"sgn": "sgn", "Abs": "abs", "sqrt": "sqrt", "Max": "max", "Min": "min", **dict(zip(SMOOTH, SMOOTH, strict=True))},
-    "pi",
-    "({} ** {})".format,
-)
-C = _target(
-    {
-        "sgn": "sgn",
-        "Abs": "fabs",
-        "sqrt": "sqrt",
-        "Max": "fmax",
-        "Min": "fmin",
-        **dict(zip(SMOOTH, SMOOTH, strict=True)),
-    },
-    repr(3.141592653589793),
-    "pow({}, {})".format,
-)
+_SAME = {name: name for name in ("sgn", "sqrt", *SMOOTH)}
+PYTHON = _target({**_SAME, "Abs": "abs", "Max": "max", "Min": "min"}, "pi", "({} ** {})".format)
+C = _target({**_SAME, "Abs": "fabs", "Max": "fmax", "Min": "fmin"}, repr(math.pi), "pow({}, {})".format)
 
 
 def _head(formulas: FieldFormulas) -> list[str]:

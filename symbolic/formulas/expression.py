@@ -86,9 +86,7 @@ class Expression:
 
     def turns(self) -> Iterator[Fraction]:
         """Every angle ``pi * turn`` under a sine or cosine: these fix the base of the number field."""
-        for node in ast.walk(self.tree):
-            if isinstance(node, ast.Call) and _name(node.func) in ("sin", "cos"):
-                yield turn_of(node.args[0], self.text)
+        return turns_in(self.tree, self.text)
 
     def parts_in_pi(self) -> tuple[Fraction, Fraction]:
         """Rational a and b of a formula ``a + b pi``.
@@ -224,6 +222,13 @@ def decimal_value(text: str) -> Fraction:
     return Fraction(number) if number else Fraction(0)
 
 
+def turns_in(tree: ast.expr, text: str) -> Iterator[Fraction]:
+    """Every angle ``pi * turn`` under a sine or cosine of a formula; raises as :func:`turn_of`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("sin", "cos"):
+            yield turn_of(node.args[0], text)
+
+
 def turn_of(node: ast.expr, text: str) -> Fraction:
     """Rational t with ``node = t * pi``.
 
@@ -353,7 +358,3 @@ def _bounded(value: Number, text: str, factor: int = 1) -> Number:
     if value.size_bits * factor > MAX_BITS:
         raise ExpressionError(f"required numbers of at most {MAX_BITS} bits, received {shown(text)}")
     return value
-
-
-def _name(node: ast.expr) -> str:
-    return node.id if isinstance(node, ast.Name) else ""

@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache, reduce
 from typing import TypeAlias
 
-from nonsmooth.symbolic.formulas.expression import OPERATIONS, Expression, ExpressionError, parse, parse_tree, turn_of
+from nonsmooth.symbolic.formulas.expression import OPERATIONS, Expression, ExpressionError, parse, parse_tree, turns_in
 from nonsmooth.symbolic.messages.scene_error import shown
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -56,9 +56,7 @@ class PiecewiseExpression:
 
     def turns(self) -> Iterator[Fraction]:
         """Every angle ``pi * turn`` under a sine or cosine."""
-        for node in ast.walk(self.tree):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("sin", "cos"):
-                yield turn_of(node.args[0], self.text)
+        return turns_in(self.tree, self.text)
 
     @cached_property
     def switching_parts(self) -> tuple[PiecewiseExpression, ...]:

@@ -19,7 +19,6 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from nonsmooth.analysis.cells import arrangement as arrangement_module
 from nonsmooth.analysis.cells import cell_complex
 from nonsmooth.analysis.cells import outline as outline_module
-from nonsmooth.analysis.cells import slopes as slopes_module
 from nonsmooth.analysis.cells.arrangement import Arrangement, SlopeOfD
 from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
 from nonsmooth.analysis.cells.loads import Affine, load_regions, value_at
@@ -206,24 +205,6 @@ def test_slopes_that_are_handed_on_are_those_that_are_built(monkeypatch: pytest.
     monkeypatch.setattr(Slopes, "learn", learned)
     cells = build_box_partition(load_scene(name, rule="box")).cells
     assert len(found) > len(cells)
-
-
-@pytest.mark.parametrize("name", ["grid-4x4", "ring-5", "elliptic"])
-def test_deep_cuts_leave_out_no_side(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    """Looked at one by one or not, the same slopes bound the cells."""
-    sides, compared = Slopes.sides, list[int]()
-
-    def both(self: Slopes) -> list[int]:
-        monkeypatch.setattr(slopes_module, "FEW", 0)
-        found = sides(self)
-        monkeypatch.setattr(slopes_module, "FEW", len(self))
-        assert found == sides(self)
-        compared.append(len(self))
-        return found
-
-    monkeypatch.setattr(Slopes, "sides", both)
-    assert build_box_partition(load_scene(name, rule="box")).tiles
-    assert max(compared) > 10
 
 
 @pytest.mark.parametrize("scale", [1, 10**9 + 7])

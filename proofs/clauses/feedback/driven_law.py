@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -32,7 +31,6 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, float_points, row_no
 
 CHOICES = 64  # unique minimizers among which the best three are sought
 DIGITS = 8  # binary, of the lengths of twists
-FLOAT_DOUBT = 2.0**-40  # of the sum of absolute terms: the error of a rim's speed in floats
 CORNERS = ((1, 1, 1), (1, 1, -1), (1, -1, 1), (-1, 1, 1))  # up to the sense
 
 
@@ -100,28 +98,9 @@ def best_three(scene: Scene, unique: Sequence[ImposedTwist]) -> tuple[ImposedTwi
 
 
 def effort(scene: Scene, imposed: ImposedTwist) -> float:
-    """``|xi| max_i |u_i|``: the speed of the fastest rim for an error ``|g| = 1`` along xi, at gain one.
-
-    Floats leave out the wheels that are certainly slower.
-    """
-    twist = np.array([float(x) for x in imposed.twist])
-    (along, across), known = _float_rows(scene), imposed.slip_ratios
-    ratios = np.array([known.get(wheel.index, 0.0) for wheel in scene.wheels])
-    speeds = np.abs(along @ twist - ratios * (across @ twist))
-    doubt = FLOAT_DOUBT * (np.abs(along) @ np.abs(twist) + np.abs(ratios) * (np.abs(across) @ np.abs(twist)))
-    near = np.flatnonzero(speeds + doubt >= (speeds - doubt).max())
-    fastest = max(abs(_rim_speed(scene.wheels[k], imposed.twist, known)) for k in near.tolist())
-    return float(np.linalg.norm(twist)) * fastest
-
-
-@lru_cache(maxsize=8)  # many twists of one array are compared
-def _float_rows(scene: Scene) -> tuple[Floats, Floats]:
-    """Of all wheels, by the twist: the speed at which none slips along its friction axis, and the slip across."""
-    rolls = [roll_row(wheel) for wheel in scene.wheels]
-    along = [[float(x) for x in row.unit_normal] for row in rolls]
-    gains = [1.0 if row.wheel.axis is None else float(row.gain / row.wheel.grip_length) for row in rolls]
-    across = [[float(x) for x in side_row(wheel).unit_normal] for wheel in scene.wheels]
-    return np.array(along) / np.array(gains)[:, None], np.array(across)
+    """``|xi| max_i |u_i|``: the speed of the fastest rim for an error ``|g| = 1`` along xi, at gain one."""
+    size = float(np.linalg.norm([float(x) for x in imposed.twist]))
+    return size * max(map(abs, rim_speeds(scene, imposed)))
 
 
 def _lengthened(imposed: ImposedTwist, factor: float) -> ImposedTwist:

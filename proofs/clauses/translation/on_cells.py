@@ -290,10 +290,9 @@ def _equilibrium_ray(derivatives: tuple[CellDerivative, ...]) -> Witness | None:
     On such a ray the velocities with zero radial part are tangential; two opposite ones, or a rest, hold 0 in
     their hull (the term ``omega J c`` is of higher order near the equilibrium).
     """
-    for derivative in local_derivatives(derivatives):
-        for vertex, rate in zip(derivative.cell.polygon.vertices, derivative.rates, strict=True):
-            if any(vertex) and not rate and _rests_on_ray(derivatives, vertex):
-                return Witness(vertex, rate, "0 in F on the ray")
+    for vertex, rate in _local_rates(derivatives):
+        if not rate and _rests_on_ray(derivatives, vertex):
+            return Witness(vertex, rate, "0 in F on the ray")
     return None
 
 
