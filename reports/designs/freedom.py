@@ -26,7 +26,8 @@ HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading
 WHEELS = "wheels"  # which wheels of the array there are
 DEGREE_DIGITS = 3  # of headings that are written in degrees
 RATIONAL = re.compile(r"-?\d+(/\d+)?")  # as exact numbers are written
-KINDS = ("headings", "speeds", "positions")
+FIELDS = {"headings": "direction", "speeds": "given_speed", "positions": "position"}  # of a wheel
+KINDS = tuple(FIELDS)
 STRETCHES = ((1, 1), (1, 0), (0, 1))  # in x and y
 
 
@@ -105,10 +106,9 @@ class Freedom:
         for orbit in self._orbits(scene):
             chosen = self._chosen(scene.wheels[orbit[0]], [next(numbers) for _ in range(self.numbers_per_wheel)])
             for step, place in enumerate(orbit):
-                turns = step * 4 // self.order
-                own = scene.wheels[place]
-                like = replace(chosen, friction=own.friction, speed_limit=own.speed_limit, named=own.named)
-                placed = wheel_after_turns(scene, like, turns)
+                like = wheel_after_turns(scene, chosen, step * 4 // self.order)
+                free = {FIELDS[kind]: getattr(like, FIELDS[kind]) for kind in self.kinds}
+                placed = replace(scene.wheels[place], **free)  # what is not free stays its own
                 entry = wheel_entry(placed, scene, unit)
                 tables[place] = _measured(entry, placed) if scene.units.in_degrees else entry
         return {**kept, "wheel": tables}
@@ -169,7 +169,6 @@ def wheel_after_turns(scene: Scene, chosen: Wheel, turns: int) -> Wheel:
         chosen,
         position=(x + at[0], y + at[1]),
         direction=quarter_turns(chosen.direction, turns),
-        axis=None if chosen.axis is None else quarter_turns(chosen.axis, turns),
         given_speed=chosen.speed,
     )
 

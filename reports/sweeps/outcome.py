@@ -185,7 +185,7 @@ def _begun(
         with beyond_floats_named(scene) as is_beyond:
             if is_beyond:  # done with at once: only there errors of arithmetic have that reason
                 found = _decided(scene, failures=failures)
-                return _ended(found, iter(ends_from([found.sample]))) if found.sample else found
+                return _ended(found, iter(ends_from([found.sample]) if found.sample else ()))
             source = _follows_from(scene, paths, entries)
             if source in earlier:
                 return earlier[source]

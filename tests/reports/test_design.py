@@ -116,6 +116,30 @@ def test_every_wheel_of_an_orbit_keeps_its_own_limit() -> None:
     assert [None if w.speed_limit is None else float(w.speed_limit) for w in changed.wheels] == [None, None, 3, None]
 
 
+def test_every_wheel_of_an_orbit_keeps_its_name_and_its_axis() -> None:
+    """Two wheels of one name would be refused, and rollers would turn about other axes than those that are stated."""
+    document, label, path = read_document("four-wheel")
+    document["wheel"] = [entry | {"name": name} for entry, name in zip(document["wheel"], "ABCD", strict=True)]
+    document["wheel"][1]["axis"] = [1, 0]
+    scene = build_scene(document, label, path)
+    freedom = Freedom(("headings",), order=4)
+    changed = build_scene(freedom.document(document, scene, [0.6]), label, path)
+    assert [str(wheel.index) for wheel in changed.wheels] == list("ABCD")
+    assert [wheel.axis and [float(x) for x in wheel.axis] for wheel in changed.wheels] == [None, [1, 0], None, None]
+
+
+def test_headings_that_are_not_free_stay_as_they_are() -> None:
+    document, label, path = read_document("four-wheel")
+    document["wheel"] = [entry | {"heading": f"{40 * k} deg"} for k, entry in enumerate(document["wheel"])]
+    scene = build_scene(document, label, path)
+    for kinds in (("speeds",), ("positions",)):
+        freedom = Freedom(kinds, order=4)
+        vector = [0.6] * freedom.numbers_per_wheel
+        changed = build_scene(freedom.document(document, scene, vector), label, path)
+        own, found = ([[float(x) for x in wheel.unit_direction] for wheel in one.wheels] for one in (scene, changed))
+        assert np.allclose(own, found, rtol=0, atol=1e-12), kinds
+
+
 def test_the_start_is_the_scene_itself() -> None:
     document, label, path = read_document("rectangle")
     scene = build_scene(document, label, path)

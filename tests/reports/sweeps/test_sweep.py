@@ -326,6 +326,14 @@ def test_scenes_that_are_checked_together_have_the_outcomes_of_each(name: str) -
     assert outcomes_of(base, paths, scenes) == [outcome_of(base, paths, scene) for scene in scenes]
 
 
+def test_a_square_beyond_floats_is_refused(invoke: Invoke) -> None:
+    """What is compared after the check divides by its half-width, though no path is followed there."""
+    done = invoke("sweep", "four-wheel", "--rule", "ellipse", "--radius", "1e-400", "--vary", "mu_side=1/4,1/2")
+    assert (done.status, done.out) == (2, "")
+    required = "check.radius: required 0 or a size of 1e-150 to 1e+150"
+    assert done.err.startswith(f"nonsmooth: --vary: required a scene that can be checked, received {required}")
+
+
 @pytest.mark.parametrize(
     ("varied", "values", "shared"),
     [
