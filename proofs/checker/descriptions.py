@@ -177,8 +177,10 @@ def _cube(said: Any, system: System) -> str:
 
 
 def _function(said: Any, system: System) -> str:
-    own = said["function"]
+    own, bottom = said["function"], said.get("denominator")
     words = f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
+    if bottom is not None:
+        words = f"V = ({own})/({bottom})" if type(own) is str else f"{words}, each over {bottom}"
     return f"{words} of the displacement" if any(system.origin) else words
 
 
