@@ -53,7 +53,7 @@ from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, M
 from nonsmooth.proofs.systems.scalar_stability import distance_hypotheses
 from nonsmooth.proofs.theorem_searches import scalar_theorem, show_verdict
 from nonsmooth.proofs.verified import verified
-from nonsmooth.symbolic.files.system_builder import with_order
+from nonsmooth.symbolic.files.system_builder import stated_lists, with_order
 from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.systems.switched_system import NoEnclosureError, SwitchedSystem, enclose_numbers
 
@@ -599,8 +599,32 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     subject = data["statement"]["subject"]
     order = subject.get("order", 0)  # of sines and cosines, which a check chooses
     system = with_order(system, order) if system.waves and order != system.order else system
-    differences = [_difference(about(own), subject) for own in subjects_of(system)]
+    differences = [_difference(about(own), subject) or _of_others_alone(data, own) for own in subjects_of(system)]
     return differences[0] if all(differences) else ""
+
+
+def _of_others_alone(certificate: Record, system: SwitchedSystem) -> str:
+    """What an accepted certificate says of its right-hand sides, and so not of the stated ones; empty where nothing.
+
+    Fractions are cleared by a positive factor, which changes speeds.  Where several right-hand sides enclose a stated
+    one, what is true of all their solutions is true of those of the stated one, and one solution shows nothing.
+    """
+    statement = certificate["statement"]
+    if system.scale is not None and any({"rate", "gain"} & set(claim) for claim in statement["claims"]):
+        return "rates of right-hand sides without fractions"
+    encloses = len(statement["subject"]["rhs"]) > len(stated_lists(system))
+    if encloses and {"stability": "unstable"} in statement["claims"] and _follows_one(certificate["evidence"]):
+        return "one solution of right-hand sides that enclose the stated ones"
+    return ""
+
+
+def _follows_one(evidence: Any) -> bool:
+    """Whether a theorem in some evidence, or in parts of it, shows one solution that leaves."""
+    if isinstance(evidence, list):
+        return any(map(_follows_one, evidence))
+    return isinstance(evidence, dict) and (
+        evidence.get("theorem") in ("choice", "escape") or any(map(_follows_one, evidence.values()))
+    )
 
 
 def _difference(own: Record, subject: Record) -> str:

@@ -355,6 +355,8 @@ def show_verdict(system: SwitchedSystem, verdict: str) -> Entry:
             return search_for.show(system, verdict)
         except (NotShownError, BeyondReachError) as error:
             reasons.append(str(error))
+        except OverflowError:
+            reasons.append("numbers beyond floats")
     raise NotShownError("; ".join(reasons) or "no theorem was found that shows it")
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 from .basin import NAMES
@@ -16,7 +18,6 @@ from .tower import Field, Number
 from .work import rational
 
 SHORT = 20  # characters of a number that is printed as it is written
-BITS = 64  # to which another one is enclosed
 
 
 def describe(statement: Any, notes: Any = None) -> list[str]:
@@ -45,27 +46,36 @@ def _of_array(statement: Any, name: Any) -> list[str]:
 
 def _number(data: Any, field: Field) -> str:
     """A number as it is written, if that is short."""
-    return data if type(data) is str and len(data) <= SHORT else f"about {_decimal(data, field):.6g}"
+    return data if type(data) is str and len(data) <= SHORT else f"about {_digits(field.parse(data).rounded)}"
 
 
-def _decimal(data: Any, field: Field) -> float:
-    return field.parse(data).enclosure(BITS)[0] / (1 << BITS)
+def _digits(value: Fraction, count: int = 6) -> str:
+    """So many digits of a number; those that are beyond the range of floats have others, too."""
+    try:
+        own = float(value)
+    except OverflowError:
+        own = 0.0
+    if own or not value:
+        return f"{own:.{count}g}"
+    return f"{Decimal(value.numerator) / Decimal(value.denominator):.{count}g}"
 
 
 def _further(kind: str, said: Any, field: Field) -> str:
     """A claim beside the clauses: c is the centre of mass from the point, c0 a start."""
     if type(said) is list:  # of three numbers
-        a, b, c = (_decimal(data, field) for data in said)
+        a, b, c = (field.parse(data).rounded for data in said)
         if kind == "obstruction":
-            plane = f"{a:.6g} v_x + {b:.6g} v_y + {c:.6g} omega = 0"
+            plane = f"{_digits(a)} v_x + {_digits(b)} v_y + {_digits(c)} omega = 0"
             return f"obstruction: no static law serves, near the point all motions obey {plane}, rounded"
-        return f"drift: a body that rests at the point turns at rates from {a / c:.6g} to {b / c:.6g}, rounded"
+        low, high = _digits(a / c), _digits(b / c)
+        return f"drift: a body that rests at the point turns at rates from {low} to {high}, rounded"
     if "mesh" in said:
         starts = f"from one of {len(said['mesh']['triangles'])} triangles with W < {said['below']} a body"
         if kind == "attracts":
             return f"attracts: {starts} comes to the point"
-        radius = float(rational(said["squared_radius"])) ** 0.5
-        return f"ends: {starts} comes to within {radius:.4g} of the point, rounded, and stays there"
+        squared = rational(said["squared_radius"])
+        distance = Fraction((Decimal(squared.numerator) / Decimal(squared.denominator)).sqrt())
+        return f"ends: {starts} comes to within {_digits(distance, 4)} of the point, rounded, and stays there"
     own = {key: _number(data, field) for key, data in said.items() if data is not None and key != "form"}
     starts = f"from abs(c0)^2 <= {own.get('squared_radius')} a body"
     match kind:
@@ -84,8 +94,9 @@ def _further(kind: str, said: Any, field: Field) -> str:
             mixed = f" + 2 {_times(q, 'x y')}" if q != "0" else ""
             function = f"V = {_times(p, 'x^2')}{mixed} + {_times(s, 'y^2')} + {_times(own['weight'], 'theta^2')}"
             return f"feedback rate: the law of gain K has V' <= -2 K {_factor(own['kappa'])} V{where}, {function}"
-    radius, start, rate = (f"{float(rational(said[key])):.4g}" for key in ("radius", "start", "rate"))
-    return f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"
+    radius, start, rate = (_digits(rational(said[key]), 4) for key in ("radius", "start", "rate"))
+    words = f"bodies from within {start} end within {radius}, at a rate of at least {rate}, rounded"
+    return f"within the tolerances: {words}"
 
 
 def _factor(number: str) -> str:
@@ -113,7 +124,7 @@ def _of_system(statement: Any) -> list[str]:
 
 def _coordinate(value: Any) -> str:
     """A fraction as it is, an irrational number rounded."""
-    return f"({float(value):.6g} rounded)" if type(value) is Number else str(value)
+    return f"({_digits(value.rounded)} rounded)" if type(value) is Number else str(value)
 
 
 def _generator(entry: Any) -> str:
@@ -177,8 +188,10 @@ def _cube(said: Any, system: System) -> str:
 
 
 def _function(said: Any, system: System) -> str:
-    own = said["function"]
+    own, bottom = said["function"], said.get("denominator")
     words = f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
+    if bottom is not None:
+        words = f"V = ({own})/({bottom})" if type(own) is str else f"{words}, each over {bottom}"
     return f"{words} of the displacement" if any(system.origin) else words
 
 

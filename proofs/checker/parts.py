@@ -313,7 +313,7 @@ def show_sliding(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     require(system.coordinates == system.states, "a surface without roots of states")
     inclusion = Inclusion(system, cells, ["0"], proofs)
     j = whole(number, len(inclusion.surfaces.listed) - 1)
-    require(name in system.states, "a state")
+    require(name in system.states and system.count > 1, "a state beside others")
     surface, k = inclusion.surfaces.listed[j], system.states.index(name)
     across = surface.derivative(k)
     require(across and not across.degree and not surface.at_origin, "a surface through the point that gives the state")

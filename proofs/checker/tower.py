@@ -272,8 +272,16 @@ class Number:
         return self.inverse() * value
 
     def __float__(self) -> float:
-        low, high = self._interval(PRECISIONS[0])
-        return float(Fraction(low + high, self.bottom << PRECISIONS[0] + 1))
+        return float(self.rounded)
+
+    @property
+    def rounded(self) -> Fraction:
+        """A rational number near it, of its sign where that is shown."""
+        for bits in PRECISIONS:
+            low, high = self._interval(bits)
+            if low > 0 or high < 0:
+                break
+        return Fraction(low + high, self.bottom << bits + 1)
 
     def __pow__(self, exponent: int) -> Number:
         return math.prod([self] * exponent, start=self.field.rational(1))

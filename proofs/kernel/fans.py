@@ -54,9 +54,9 @@ from nonsmooth.symbolic.formulas.piecewise import parse_piecewise
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.plane import plus
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norms
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norms
+from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, float_values
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
-from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.systems.switched_system import SwitchedSystem
 
 Ray: TypeAlias = tuple[Any, Any]  # fractions, or numbers of the checker or of the program
@@ -201,11 +201,15 @@ def build_cones(inclusion: Inclusion) -> list[FanCone]:
 # ---- the linear program --------------------------------------------------------------------------
 
 
+@BEYOND_FLOATS
 def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
     """Values of V on the first rays of all cones, with which V falls as fast as it can; None where it does not.
 
     For a stable point that need not attract V does not rise, and for an unstable one it is negative on some ray.
+    Floats that do not tell the rays of a cone apart, or hold no velocity, propose nothing.
     """
+    if not all(np.linalg.det(np.stack([_floats(cone.start), _floats(cone.end)])) for cone in cones):
+        return None
     degree = min((sum(e) for cone in cones for c in cone.cells for _, f in c.fields for p in f for e in p.terms))
     rows = [*_rows_of_cones(cones, degree), *_rows_of_rays(cones, degree)]
     count = len(cones)
@@ -217,6 +221,8 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
     else:
         above, bounds = speeds, [(-1.0, 1.0)] * count + [(0.0, 1.0)]
     table = np.column_stack([slopes, above])
+    if not are_finite(table):
+        return None
     if verdict != UNSTABLE:
         table = np.vstack([table, np.column_stack([-np.eye(count), np.ones(count)])])
     found = solve_program(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)

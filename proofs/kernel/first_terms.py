@@ -9,6 +9,7 @@ Floats propose, the theorem's own claims decide on a small cube.
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
@@ -185,7 +186,7 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
     from scipy.linalg import solve_continuous_lyapunov
 
     values = np.linalg.eigvals(matrix) - mu
-    if np.abs(values[:, None] + values[None, :]).min() < max(TIE, RELATIVE_TIE * float(np.linalg.norm(matrix))):
+    if np.abs(values[:, None] + values[None, :]).min() < max(TIE, RELATIVE_TIE * math.hypot(*matrix.flat)):
         return None
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)  # of eigenvalues that are one, which floats spread

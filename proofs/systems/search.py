@@ -194,8 +194,10 @@ def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> Floats:
 
 
 def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> Floats:
-    """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
+    """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``; no numbers where floats see one ray."""
     basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
+    if not np.linalg.det(basis):
+        return np.full((2, 2), np.nan)
     return np.linalg.solve(basis, float_slopes(cone.velocity) @ basis)
 
 

@@ -208,7 +208,9 @@ def _times(top: str, factors: Counter[str]) -> str:
 
 def _is_sum_of_squares(text: str) -> bool:
     """Whether a denominator is written as a positive number and even powers with plus signs: positive everywhere."""
-    return all(_is_square(term) for term in _terms(parse_tree(text, MAX_TEXT, "a formula")[1]))
+    terms = _terms(parse_tree(text, MAX_TEXT, "a formula")[1])
+    numbers = [term.value for term in terms if isinstance(term, ast.Constant)]
+    return all(map(_is_square, terms)) and any(isinstance(own, int | float) and own > 0 for own in numbers)
 
 
 def _terms(node: ast.expr) -> list[ast.expr]:

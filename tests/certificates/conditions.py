@@ -661,13 +661,16 @@ def of_parts() -> Iterator[Forgery]:
         ("a surface that all cells lead to", ["y", "sign(x + y)"], "x + y", "y"),
         ("a surface through the point that gives the state", ["-x", "1 - sign(y - 1)"], "y - 1", "y"),
         ("a surface through the point that gives the state", ["-x", "-sign(x + y**3 + y)"], "x + y**3 + y", "y"),
-        ("a state", ["-x", "-sign(x + y)"], "x + y", "z"),
+        ("a state beside others", ["-x", "-sign(x + y)"], "x + y", "z"),
         ("formulas that are continuous in what is replaced", ["2*x*sign(y)**2 - x", "-sign(y)"], "y", "y"),
     ):
         own = {"cells": {**cube("1/2"), "surfaces": [surface]}, "surface": 0, "state": state, "entry": x[1]}
         yield forged(because, ATTRACTS, rhs, "sliding", own)
     own = {"cells": {**cube("1/2"), "surfaces": ["y"]}, "surface": 0, "state": "y", "entry": x[1]}
     yield forged("a surface without roots of states", ATTRACTS, ["-x", "-sign(y)"], "sliding", own, roots=["x"])
+    alone = {"cells": {**cube("1/2"), "surfaces": ["x"]}, "surface": 0, "state": "x", "entry": x[1]}
+    line = {"states": ["x"], "rhs": [["-sign(x)"]], "at": ["0"]}
+    yield of_subject("a state beside others", line, [ATTRACTS], "sliding", alone, {})
 
 
 def of_circles() -> Iterator[Forgery]:

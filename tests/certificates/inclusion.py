@@ -352,7 +352,9 @@ def judge_gain(own: FloatInclusion, said: Record, half: float) -> str:
 
 
 def levels(own: FloatInclusion, said: Record, z: Array) -> Array:
-    """V at some displacements, from one formula or from pieces."""
+    """V at some displacements, from one formula or from pieces, each over the denominator where there is one."""
+    if said.get("denominator") is not None:
+        return levels(own, {**said, "denominator": None}, z) / own.function(said["denominator"], z)
     if isinstance(said["function"], str):
         return own.function(said["function"], z)
     found = np.full(len(z), np.nan)

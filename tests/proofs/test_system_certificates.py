@@ -19,7 +19,7 @@ from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.files import EARLIER, check_file
 from nonsmooth.proofs.kernel.cells import stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
-from nonsmooth.proofs.kernel.subject import about
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.domain import SublevelRegion
@@ -187,6 +187,19 @@ def test_functions_of_numbers_that_are_rational_are_that_number(written: list[st
     (one, other) = (ns.System(states, rhs, name="one").check().certificate() for rhs in (written, plain))
     assert one["statement"]["claims"] == other["statement"]["claims"]
     assert one == json.loads(json.dumps(other).replace("-(1/2)*x", "(-1/2)*x").replace("-(2)*x", "(-2)*x"))
+
+
+@pytest.mark.parametrize("rhs", [["-x + 1e200*y", "-y"], ["-x - 1e400*y", "-y"], ["-1e300*x + y", "-1e-300*y"]])
+def test_numbers_beyond_floats_may_have_no_certificate(rhs: list[str]) -> None:
+    result = decide_system(built(rhs))
+    assert str(result.verdict) == "asymptotically stable"
+    with pytest.raises(NoCertificateError, match="the checker does not show it"):
+        certificate_of(result)
+
+
+def test_lines_that_floats_do_not_tell_apart_are_told_apart() -> None:
+    result = decide_system(built(["x*sign(1.00000000000000000001*x + y) - x*sign(x + y) - x", "-y"]))
+    assert {"stability": "asymptotically stable"} in certificate_of(result)["statement"]["claims"]
 
 
 def test_irrational_numbers_lie_between_rational_ones_in_space() -> None:

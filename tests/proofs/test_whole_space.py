@@ -84,6 +84,15 @@ def test_what_holds_on_the_square_need_not_hold_beyond(rhs: list[str]) -> None:
     assert not decided(rhs).reach.everywhere
 
 
+def test_a_denominator_that_is_a_square_may_be_zero_elsewhere() -> None:
+    """On the line ``x = 0`` the point has no velocity: what is said of the plane needs a number beside the square."""
+    sides = [f"-(x - 1)/{below}" for below in ("x**2", "(1 + x**2)")]
+    assert [decided([side, side.replace("x - 1", "y")], equilibrium=[1, 0]).reach.everywhere for side in sides] == [
+        False,
+        True,
+    ]
+
+
 @pytest.mark.parametrize(
     ("key", "value"),
     [

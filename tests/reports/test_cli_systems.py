@@ -14,7 +14,11 @@ from matplotlib.text import Text
 from rich.console import Console
 
 import nonsmooth as ns
+from nonsmooth.proofs.checker.roots import read_subject
+from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.findings import Fact, Quantity, Translation, row_fact, text_fact, unsaid
+from nonsmooth.proofs.kernel.search import Search
+from nonsmooth.proofs.kernel.subject import about, subjects_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.domain import plane_cells
@@ -295,6 +299,49 @@ def test_certificates_of_one_state_of_damping_and_of_three(
     forged = {**record["statement"], "claims": [{"stability": "unstable"}]}
     Path(file).write_text(json.dumps({**record, "statement": forged}), encoding="utf-8")
     assert invoke("verify", file).status == 1
+
+
+CUBE = {"within": "1", "surfaces": [], "empty": []}
+VERDICT = {"verdict": "asymptotically stable", "everywhere": False, "below": False, "level": None}
+FALLS = {"cells": CUBE, "function": "x**2", "second": None, **VERDICT}
+GROWS = {"cells": CUBE, "function": "-x**2", "second": None, "direction": ["1"]}
+
+
+@pytest.mark.parametrize(
+    ("rhs", "number", "theorem", "hypotheses", "words"),
+    [
+        (  # V' is 200 times that of the stated right-hand side, which has no rate of 2
+            "-x/(100 + x**2)", 0, "lyapunov",
+            {**FALLS, "rate": {"kind": "exponential", "kappa": "2"}},
+            "rates of right-hand sides without fractions",
+        ),
+        (  # the number is larger than sqrt(2), and less than what bounds that in the certificate
+            "sqrt(2)*x - 1.41421356238*x", 1, "choice",
+            {"choice": 1, "theorem": "instability", "hypotheses": GROWS},
+            "other rhs",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_true_of_other_right_hand_sides_alone_is_not_about_a_scene(
+    invoke: Invoke, tmp_path: Path, rhs: str, number: int, theorem: str, hypotheses: dict[str, Any], words: str
+) -> None:
+    """These stand for the stated ones: after fractions were cleared, and at both bounds of irrational numbers."""
+    scene, file = tmp_path / "s.toml", tmp_path / "c.json"
+    scene.write_text(f'[system]\nstates = ["x"]\nrhs = ["{rhs}"]\n', encoding="utf-8")
+    subject = list(map(about, subjects_of(load_system(str(scene)))))[number]
+    entry, shown = Search().entry(read_subject(subject), theorem, hypotheses)
+    statement = {"subject": subject, "claims": shown}
+    record = {"version": VERSION, "statement": statement, "evidence": [entry]}
+    file.write_text(json.dumps(record), encoding="utf-8")
+    assert invoke("verify", str(file)).status == 0
+    compared = invoke("verify", str(file), str(scene))
+    assert (compared.status, compared.out.splitlines()[0]) == (
+        1, f"rejected: required a certificate about {scene}, received one with {words}"
+    )  # fmt: skip
+    if theorem == "lyapunov":  # without its rate it is about the scene
+        del shown[1]
+        file.write_text(json.dumps(record), encoding="utf-8")
+        assert invoke("verify", str(file), str(scene)).status == 0
 
 
 def test_a_state_with_the_name_of_the_function_is_told_apart(invoke: Invoke, tmp_path: Path) -> None:

@@ -242,6 +242,12 @@ def test_each_claim_of_an_array_is_said_on_a_line() -> None:
     }
 
 
+def test_a_region_of_a_quotient_is_said_with_its_denominator() -> None:
+    """Where V is a hundredth of that, ``V < 1/4`` is another set."""
+    (line,) = (own for own in describe(good_certificates()["quotient-relay"]["statement"]) if "V < 1/4" in own)
+    assert line.endswith("V = (x**2 + y**2)/(1 + x**2)")
+
+
 # ---- Arithmetic on a grid and clipped polygons of the checker, against fractions, which are not rounded.
 
 ENDS = st.integers(-(1 << 140), 1 << 140) | st.integers(-3, 3) | st.integers(-(1 << 64), 1 << 64)

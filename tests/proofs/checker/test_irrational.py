@@ -25,6 +25,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.written import exact, twin, written_number
 from nonsmooth.proofs.system_certificates import certificate_of, find_system_difference
 from nonsmooth.proofs.system_decision import decide_system
+from tests.certificates.corpus import good_arrays, good_certificates
 from tests.certificates.inclusion import contradiction, half_width
 from tests.plain import refused
 from tests.thorough import but, few
@@ -100,6 +101,21 @@ def test_an_equality_holds_for_the_exact_number_alone() -> None:
 def test_the_numbers_of_the_subject_are_said_in_words() -> None:
     lines = describe(record_of("weighted centre")["statement"])
     assert lines[-1] == "sqrt_2 is the root t > 0 of (-2) + (1) t^2"
+
+
+def test_numbers_beyond_floats_are_said() -> None:
+    """A point at ``10^400``, and one beside which no float but zero is near."""
+    plain = good_certificates()["one-linear-1"]
+    for square, said in (("1" + 800 * "0", "1.00000e+400"), ("1", "1")):
+        root = {"name": "t", "polynomial": [f"-{square}", "0", "1"], "above": "1/2"}
+        subject = {"states": ["x"], "rhs": [["-x"]], "at": [[["1", 0]]], "numbers": [root]}
+        (line, *_) = describe({**plain["statement"], "subject": subject})
+        assert f"at (({said} rounded))" in line
+    field = [{"polynomial": ["-2", "0", "1"], "above": "1"}]
+    array = good_arrays()["array-four-wheel-nearest"]["statement"]
+    drift = {"drift": [[["1", 0]], "2", "1/" + "1" + 400 * "0"]}
+    lines = describe({"subject": {**array["subject"], "field": field}, "claims": [drift]})
+    assert lines[-1].endswith("turns at rates from 1.41421e+400 to 2.00000e+400, rounded")
 
 
 def test_a_scene_is_told_from_one_with_another_root(tmp_path: Any) -> None:
