@@ -41,7 +41,7 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, Mask, point
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
 HALVINGS = 3  # from the longest step to the shortest
-LAYER_HALVINGS = 6  # the same within a layer
+LAYER_HALVINGS = 10  # the same within a layer; what turns back yet is a jump
 JUMP_WINDOWS = 2  # in which a path chatters that has met a jump, before it looks for layers again
 STILL = 1e-4  # speed of a body, of the fastest wheel's, below which it rests
 WINDOW = 20  # steps over which a pose is averaged
@@ -233,9 +233,8 @@ class ManyPaths:
         return np.asarray((first * second) @ [1.0, 1.0, self._outline.size**2] < 0)
 
     def _judge(self, state: _State) -> None:
-        """Shorten and lengthen steps by how fast the means move, and end what rests."""
-        paths, longest = state.going, state.longest
-        shortest = longest / 2**HALVINGS
+        """End what rests, and choose the next steps, by how fast the means move."""
+        paths, shortest = state.going, state.longest / 2**HALVINGS
         spans = state.mean_times[paths] - state.anchor_times[paths]
         rates = (state.means[paths] - state.anchors[paths]) / spans[:, None]
         state.turning[paths] = rates[:, 2]
@@ -249,7 +248,6 @@ class ManyPaths:
         ways = DRIFTS * drift * fastest * WINDOW * state.steps[paths]
         state.drifts[paths[full & (drift >= RESTS) & (extents <= ways)]] = True
         state.drifts[paths[(drift < RESTS) | (extents > ways)]] = False
-        drifts = state.drifts[paths]
         state.poses[paths[rests]] = state.means[paths[rests]]
         state.end(paths[rests], BodyEnd.REST)
         state.quiet[paths] = np.where(waits & ~full, state.quiet[paths] + 1, 0)
@@ -257,17 +255,21 @@ class ManyPaths:
         state.anchors[paths[again]] = state.means[paths[again]]
         state.anchor_times[paths[again]] = state.mean_times[paths[again]]
         state.quiet[paths[again & short]] = 1
-        lengthens = (drift > 3 * SLOW) & ~state.turned_back[paths] | drifts
-        slower, faster = paths[(drift < SLOW) & ~short & ~drifts], paths[lengthens]
+        self._choose_steps(state, paths, drift)
+
+    def _choose_steps(self, state: _State, paths: Indices, drift: Floats) -> None:
+        """Shorten and lengthen the steps of paths whose means move at these speeds, not numbers where not known yet."""
+        longest, shortest, drifts = state.longest, state.longest / 2**HALVINGS, state.drifts[paths]
+        state.slow[paths] = np.where(np.isnan(drift), state.slow[paths], drift < SLOW)
+        slower = paths[(drift < SLOW) & (state.steps[paths] > shortest * 1.001) & ~drifts]
         state.steps[slower] /= 2
         state.anchors[slower] = np.nan
-        state.steps[faster] *= 2
+        state.steps[paths[(drift > 3 * SLOW) & ~state.turned_back[paths] | drifts]] *= 2
         state.steps[paths] = np.minimum(state.steps[paths], np.where(drifts, DRIFT_STEPS * longest, longest))
+        slow = paths[state.slow[paths]]  # these chatter in layers too
+        state.steps[slow] = np.maximum(state.steps[slow], shortest)
         state.turned_back[paths] = False
         state.at_jump[paths] = np.maximum(state.at_jump[paths] - 1, 0)
-        state.slow[paths] = np.where(np.isnan(drift), state.slow[paths], drift < SLOW)
-        slow = paths[state.slow[paths]]
-        state.steps[slow] = np.maximum(state.steps[slow], shortest)
 
     def _distance(self, differences: Floats) -> Floats:
         """Sizes of differences of poses, as lengths; of places alone under a rule that leaves headings at rest open."""

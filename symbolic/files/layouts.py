@@ -231,7 +231,8 @@ def read_name(value: object) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         return str(value)
     if not isinstance(value, str) or not _NAME.fullmatch(value):
-        raise ValueError(f"required a name of at most {MAX_NAME} letters, digits, blanks and .:/+#()-_")
+        characters = "letters, digits, blanks and .:/+#()-_, the first a letter or digit, the last one of these or )"
+        raise ValueError(f"required a name of at most {MAX_NAME} {characters}")
     return value
 
 

@@ -357,6 +357,7 @@ STIFF_HEADING_ERROR = 0.04  # without shorter steps in layers 0.1 to 1
         pytest.param(4, 5, "2.1", "1.9", "1/10", (0.44, 0.0, 0.3), id="the heading stays once the place rests"),
         pytest.param(5, 4, "1.91", "2.5", "1/10", (0.66, -0.66, 0.55), id="it rests, and does not tip"),
         pytest.param(5, 4, "2.13", "2.72", "1/20", (0.66, -0.66, 0.64), id="a layer narrower yet"),
+        pytest.param(3, 4, "2.52", "1.77", "1/30", (-0.5, -0.5, 0.65), id="and one of a thousandth"),
     ],
 )
 def test_bodies_that_slide_along_narrow_layers_end_where_paths_by_events_do(
