@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 PROGRAM = "nonsmooth"
 # Typer's own errors of usage; before Typer 0.27.3 they are Click's, the second base of this one.
 USAGE_ERROR: Any = getattr(typer, "TyperException", typer.BadParameter.__mro__[2])
+MAX_WORD = 200  # characters of what was typed that a line of usage repeats
 BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
 # What is required, by the kind of what cannot be read as one: as newer versions of Typer tell it, then as Click does.
 WHOLE, ANY = "a whole number", "a number"
@@ -105,7 +106,8 @@ def _refuse(message: str) -> int:
 
 def _usage_line(error: Any) -> str:
     """Typer's message on one line, with the place where help is; of what was removed, what to do without."""
-    message = " ".join(error.format_message().split()).removesuffix(".").replace("Value error, ", "")
+    words = error.format_message().removesuffix(".").replace("Value error, ", "").split()
+    message = " ".join(word if len(word) <= MAX_WORD else f"{word[:MAX_WORD]}..." for word in words)
     context = getattr(error, "ctx", None)
     instead = _instead(message, "" if context is None else context.info_name, getattr(error, "option_name", ""))
     if instead is not None:

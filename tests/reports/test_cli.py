@@ -191,6 +191,14 @@ REFUSED = [
 ]
 
 
+@pytest.mark.parametrize("line", ["check four-wheel --rule {}", "simulate four-wheel --from 0,0,0 --method {}", "{}"])
+def test_a_line_of_usage_repeats_the_start_of_what_is_long(line: str, invoke: Invoke) -> None:
+    refused = invoke(*line.format("7" * 5000).split())
+    assert (refused.status, refused.out, refused.err.count("\n")) == (2, "", 1)
+    assert "7777..." in refused.err
+    assert len(refused.err) < 500
+
+
 def test_a_start_may_be_given_by_formulas(invoke: Invoke) -> None:
     path = ("simulate", "four-wheel", "--until", "0.1", "--json", "--from")
     formulas = invoke(*path, "1/5, sqrt(2)/4, pi/4").record
