@@ -1,13 +1,15 @@
 """Small problems about convex hulls: basic solutions of ``sum l_k w_k = 0`` and the point of least norm.
 
-The hulls have few vertices (cells around a point), so all basic solutions are listed at once; the point of least norm
-of their hull is a non-negative least-squares problem (Lawson & Hanson 1974, ch. 23).
+The hulls mostly have few vertices (cells around a point), so all basic solutions are listed at once; where many
+surfaces cross, linear programs find those that matter.  The point of least norm of their hull is a non-negative
+least-squares problem (Lawson & Hanson 1974, ch. 23).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
+from itertools import combinations, product
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,8 @@ from nonsmooth.symbolic.numbers.plane_arrays import Floats, Indices, max_norm
 RANK_SLACK = 1e-10
 # Weights this much below zero are zero: the systems solved have entries of size one.
 WEIGHT_SLACK = 1e-10
+MOST_SUBSETS = 5_000  # of vectors whose basic solutions are listed: four surfaces that cross have 4,368
+MOST_MIXED = 40  # basic solutions that are sought for one point of least norm
 
 
 def basic_weights(vectors: Floats) -> Floats:
@@ -46,6 +50,8 @@ def central_weights(vectors: Floats) -> Floats | None:
     count = len(vectors)
     columns = _columns(vectors)
     rank = columns.shape[1] - 1
+    if comb(count, rank) > MOST_SUBSETS:
+        return _central_by_program(columns)
     chosen = [(*subset, count) for subset in combinations(range(count), rank)]
     subsets, solutions = _basic_solutions(np.vstack([columns, columns.sum(axis=0)]), chosen, rank)
     if not len(subsets):
@@ -53,6 +59,68 @@ def central_weights(vectors: Floats) -> Floats | None:
     best = np.argmax(solutions[:, -1])
     weights = np.full(count, solutions[best, -1])
     weights[subsets[best, :-1]] += solutions[best, :-1]
+    return weights
+
+
+def _central_by_program(columns: Floats) -> Floats | None:
+    """The same by a linear program in t and p, the entries above it."""
+    raised = np.vstack([columns, columns.sum(axis=0)])
+    prices = np.zeros(len(raised))
+    prices[-1] = 1.0
+    found = _best_weights(raised, prices, [(0, None)] * len(columns) + [(None, None)])
+    return None if found is None else found[:-1] + found[-1]
+
+
+def shortest_mixture(vectors: Floats, fields: Floats) -> Floats | None:
+    """Weights ``l @ vectors = 0, sum l = 1, l >= 0`` for which ``l @ fields`` is shortest; None where there are none.
+
+    Of many vectors basic solutions are sought one by one, each the best along the shortest mixture of those before,
+    until none is better (Wolfe 1976, "Finding the nearest point in a polytope").
+    """
+    columns = _columns(vectors)
+    if _are_listed(columns):
+        possible = basic_weights(vectors)
+        return least_norm_weights(possible @ fields) @ possible if len(possible) else None
+    found: list[Floats] = []
+    better = _best_weights(columns, np.zeros(len(vectors)))
+    mixed, velocity = better, np.zeros(fields.shape[1])
+    while better is not None and len(found) < MOST_MIXED:
+        found.append(better)
+        mixed = least_norm_weights(np.array(found) @ fields) @ np.array(found)
+        velocity = mixed @ fields
+        better = _best_weights(columns, -(fields @ velocity))
+        if better is None or velocity @ (velocity - better @ fields) <= WEIGHT_SLACK * max_norm(fields) ** 2:
+            break
+    return mixed
+
+
+def extreme_mixtures(vectors: Floats, fields: Floats) -> Floats:
+    """Some ``l @ fields`` of such weights, with the least and largest value of each coordinate among all; (m, n)."""
+    columns = _columns(vectors)
+    if _are_listed(columns):
+        return basic_weights(vectors) @ fields
+    ends = (_best_weights(columns, side * part) for part, side in product(fields.T, (1, -1)))
+    return np.array([own @ fields for own in ends if own is not None]).reshape(-1, fields.shape[1])
+
+
+def _are_listed(columns: Floats) -> bool:
+    return comb(*columns.shape) <= MOST_SUBSETS
+
+
+def _best_weights(columns: Floats, prices: Floats, bounds: Any = (0, None)) -> Floats | None:
+    """The solution of ``l @ columns = (0, ..., 0, 1)`` with the largest ``l . prices``; None where there is none.
+
+    The program is solved to some seven digits; what it says is which weights are zero, and the others follow.
+    """
+    from scipy.optimize import linprog
+
+    target = np.zeros(columns.shape[1])
+    target[-1] = 1.0
+    found = linprog(-prices, A_eq=columns.T, b_eq=target, bounds=bounds, method="highs-ds")
+    if found.x is None:
+        return None
+    weights, used = np.zeros(len(columns)), np.flatnonzero(found.x)
+    weights[used] = np.linalg.lstsq(columns[used].T, target)[0]
     return weights
 
 

@@ -1,4 +1,4 @@
-"""The field of a cell of a planar system as it was stated: a polynomial in the states and in sines and cosines of them.
+"""The field of a cell as it was stated: a polynomial in the states and in sines and cosines of them.
 
 Cells of a system with sines hold the polynomials that enclose its field; pictures, borders and tables show the field
 itself.  Without sines it is the one polynomial field of the cell.
@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.region import Region
-from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, sign_on
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, sign_on
+from nonsmooth.symbolic.formulas.piecewise import SignOf
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, Mask
 from nonsmooth.symbolic.numbers.polynomial import BEYOND_FLOATS, Polynomial
 from nonsmooth.symbolic.systems.switched_system import PLANE, SwitchedSystem
 
 
 @dataclass(frozen=True)
-class PlaneWave:
+class StatedWave:
     """A sine, or another function that is enclosed.
 
     Attributes:
@@ -41,15 +41,15 @@ class PlaneWave:
 
 @dataclass(frozen=True)
 class StatedField:
-    """The rates of both states inside a cell.
+    """The rates of all states inside a cell; pictures and values at places are those of two.
 
     Attributes:
         rates: polynomials in the displacement from the checked point and in one variable for each of the waves.
         waves: what these variables are.
     """
 
-    rates: PlaneField
-    waves: tuple[PlaneWave, ...] = ()
+    rates: tuple[Polynomial, ...]
+    waves: tuple[StatedWave, ...] = ()
 
     def names(self, states: Sequence[str]) -> tuple[str, ...]:
         """The variables of the rates as formulas."""
@@ -86,28 +86,31 @@ def stated_fields(system: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[S
     """
     if not system.names:
         return tuple(StatedField(cell.velocities[0]) for cell in cells)
-    variables = (*PLANE, *(wave.name for wave in system.names))
-    field, centre = system.field, system.check.equilibrium
-    states = [Polynomial.variable(field, variables, name) + c for name, c in zip(PLANE, centre, strict=True)]
-    named = system.named(states)
-    named |= {wave.name: Polynomial.variable(field, variables, wave.name) for wave in system.names}
-    return tuple(StatedField(_rates(system, cell.region, named), _waves(system, cell.region)) for cell in cells)
+    return tuple(stated_field(system, PLANE, partial(sign_on, cell.region)) for cell in cells)
 
 
-def _rates(system: SwitchedSystem, region: Region, named: dict[str, Polynomial]) -> PlaneField:
-    """The rates on a region on which nothing switches; inside switching parts there are no sines."""
+def stated_field(system: SwitchedSystem, displacement: tuple[str, ...], sign_of: SignOf) -> StatedField:
+    """The field where switching expressions have given signs.
 
-    def sign_of(expression: Polynomial) -> int:
-        terms = {exponents[: len(PLANE)]: c for exponents, c in expression.terms.items()}
-        return sign_on(region, Polynomial(expression.field, PLANE, terms))
+    Args:
+        system: in any number of states, with one stated field.
+        displacement: names of the displacement from the checked point.
+        sign_of: the sign of an expression in these; inside switching parts there are no sines.
+    """
+    variables = (*displacement, *(wave.name for wave in system.names))
+    number, centre, states = system.field, system.check.equilibrium, system.displaced(displacement)
+    named = system.named(
+        [Polynomial.variable(number, variables, v) + c for v, c in zip(displacement, centre, strict=True)]
+    )
+    named |= {wave.name: Polynomial.variable(number, variables, wave.name) for wave in system.names}
 
-    first, second = (part.polynomial(named, sign_of) for part in system.named_rhs)
-    return first, second
+    def sign_in_states(expression: Polynomial) -> int:
+        terms = {exponents[: len(displacement)]: c for exponents, c in expression.terms.items()}
+        return sign_of(Polynomial(expression.field, displacement, terms))
 
-
-def _waves(system: SwitchedSystem, region: Region) -> tuple[PlaneWave, ...]:
-    states, sign_of = system.displaced(PLANE), partial(sign_on, region)
-    return tuple(PlaneWave(wave.kind, system.argument_of(wave, states, sign_of)) for wave in system.names)
+    rates = tuple(part.polynomial(named, sign_in_states) for part in system.named_rhs or system.rhs)
+    waves = (StatedWave(wave.kind, system.argument_of(wave, states, sign_of)) for wave in system.names)
+    return StatedField(rates, tuple(waves))
 
 
 # ---- values at many places -----------------------------------------------------------------------

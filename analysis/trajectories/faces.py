@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.fields.convex_weights import (
-    basic_weights,
     central_weights,
+    extreme_mixtures,
     least_mix,
-    least_norm_weights,
+    shortest_mixture,
 )
 from nonsmooth.analysis.fields.float_code import Numbers
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, ScalarVelocity, Velocity, length
@@ -87,10 +87,9 @@ class FaceMotion:
             known = not self.open and second != first
             share = second / (second - first) if known else least_mix(fields[0], fields[1])
             return np.array([share, 1 - share])
-        possible = basic_weights(speeds)
-        if len(possible):
-            return least_norm_weights(possible @ fields) @ possible
-        weights = central_weights(speeds)
+        weights = shortest_mixture(speeds, fields)
+        if weights is None:
+            weights = central_weights(speeds)
         return np.full(len(fields), 1.0 / len(fields)) if weights is None else weights
 
     def least_weight(self, t: float, x: Floats) -> float:
@@ -135,7 +134,7 @@ class FaceMotion:
         return tuple((m.name, float(w)) for m, w in zip(self.face.members, mix, strict=True) if w)
 
     def extremes(self, t: float, x: Floats, slack: float = TANGENT_SLACK) -> Floats:
-        """Velocities whose hull are the possible motions; none where the mode is impossible.
+        """Possible motions with the least and largest value of each coordinate; none where the mode is impossible.
 
         Speeds within the slack, relative to the fields, are zero.
         """
@@ -144,7 +143,7 @@ class FaceMotion:
             return fields
         speeds = self.normal_speeds(x, fields)
         cleaned = np.where(np.abs(speeds) > slack * largest(fields), speeds, 0.0)
-        return basic_weights(cleaned) @ fields
+        return extreme_mixtures(cleaned, fields)
 
 
 def largest(fields: Floats) -> float:

@@ -23,7 +23,7 @@ from flint import arb, arb_series, ctx, fmpq
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment, affine, common_edges, on_edge
 from nonsmooth.analysis.cells.switched_cells import FieldCell
-from nonsmooth.analysis.fields.stated_field import PlaneWave, StatedField
+from nonsmooth.analysis.fields.stated_field import StatedField, StatedWave
 from nonsmooth.proofs.inequalities.real_roots import (
     RealRoot,
     along_edge,
@@ -165,7 +165,7 @@ class NormalPart:
         end: of the border, where t = 1.
     """
 
-    def __init__(self, rate: Polynomial, waves: Sequence[PlaneWave], start: Point, end: Point) -> None:
+    def __init__(self, rate: Polynomial, waves: Sequence[StatedWave], start: Point, end: Point) -> None:
         self._rate, self._waves, self._ends = rate, waves, (start, end)
         self._at = in_balls(rate)
         self._arguments = [(wave.kind, in_balls(wave.argument)) for wave in waves]

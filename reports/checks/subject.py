@@ -162,6 +162,9 @@ class ReportSubject(ABC):
         """What the verdict rests on."""
 
 
+UNMISSED = "it is about other scenes"  # of sections that nobody looks for in a report
+
+
 @dataclass(frozen=True)
 class ReportPart:
     """A section under its name on the command line.
@@ -169,7 +172,7 @@ class ReportPart:
     Attributes:
         name: for ``--only`` and ``--without``.
         build: the section.
-        lacks: why the subject has no such section; empty where it has.
+        lacks: why the subject has no such section, empty where it has; reports tell it unless it is :data:`UNMISSED`.
     """
 
     name: str

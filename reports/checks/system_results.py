@@ -412,5 +412,9 @@ def _proof_words(result: StabilityResult) -> str:
     function = result.function
     if function is None:
         return result.reason
-    shown = f"a V in {len(function.pieces)} pieces" if len(function.pieces) > 1 else f"V = {function.text}"
-    return f"{shown}, on {function.domain.text(result.scene.states)}: {result.reason}"
+    return f"{brief_function(function)}, on {function.domain.text(result.scene.states)}: {result.reason}"
+
+
+def brief_function(function: ExaminedFunction) -> str:
+    """V as a formula, or in how many pieces it is."""
+    return f"a V in {len(function.pieces)} pieces" if len(function.pieces) > 1 else f"V = {function.text}"

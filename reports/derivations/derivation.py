@@ -167,7 +167,7 @@ def derive_report(
     """Check the scene and write the derivation down.
 
     Args:
-        scene: an array, or a plain system in two states.
+        scene: an array, or a plain system.
         invocation: how the report was asked for, from which the commands that reproduce it and its figures follow;
             None for the scene as it stands.
         parts: names of the sections to write, see :data:`nonsmooth.reports.derivations.parts.PARTS`; all unless given.
@@ -176,7 +176,6 @@ def derive_report(
 
     Raises:
         RefusalError: where the motion is not determined.
-        SceneError: for a plain system in another number of states.
     """
     chosen = names_of(scene.kind) if parts is None else parts
     subject = subject_of(scene.kind)(scene, invocation or Invocation(scene.origin), chosen, announce)

@@ -17,7 +17,7 @@ from nonsmooth.proofs.findings import Theorem4
 from nonsmooth.proofs.theorem4 import CellCheck
 from nonsmooth.reports.checks.answers import GOES, destinations_head, destinations_table, stated_answers
 from nonsmooth.reports.checks.continuum import continuum_section
-from nonsmooth.reports.checks.subject import ArraySubject, ReportPart, ReportSubject
+from nonsmooth.reports.checks.subject import UNMISSED, ArraySubject, ReportPart, ReportSubject
 from nonsmooth.reports.output.document import (
     Block,
     Bullets,
@@ -65,13 +65,11 @@ from nonsmooth.symbolic.messages.scene_error import one_line
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
 
-FOR_SMOOTH_RULES = "for rules without cells"  # of sections that nobody misses beside cells
-
 
 def subject_of(kind: SceneKind) -> type[ReportSubject]:
     """What reports about scenes of a kind are about: arrays, or plain systems, which alone load what they need."""
     if kind is SceneKind.SYSTEM:
-        from nonsmooth.reports.sections.plain_system import SystemSubject
+        from nonsmooth.reports.checks.system_subject import SystemSubject
 
         return SystemSubject
     return ArraySubject
@@ -118,8 +116,8 @@ def sections_of(subject: ReportSubject) -> Iterator[Section]:
 def _left_out(subject: ReportSubject) -> Section:
     """What was not computed, and which sections were not written, with the reasons."""
     parts = parts_of(subject.scene.kind)
-    reasons = [(part.name, part.lacks(subject)) for part in parts if part.name in subject.parts]
-    reasons = [(name, why) for name, why in reasons if why not in {"", FOR_SMOOTH_RULES}]
+    asked = [part for part in parts if part.name in subject.parts]
+    reasons = [(part.name, why) for part in asked if (why := part.lacks(subject)) not in {"", UNMISSED}]
     reasons += [(part.name, "not asked for") for part in parts if part.name not in subject.parts]
     items: list[Text] = [(said,) for said in subject.left_out]
     items += [(f"Section {name}: {why}.",) for name, why in reasons]
@@ -149,7 +147,7 @@ def _unknown_loads(subject: ArraySubject) -> str:
 
 
 def _no_situation(subject: ArraySubject) -> str:
-    return FOR_SMOOTH_RULES if isinstance(subject.result, CellCheck) else _unknown_loads(subject)
+    return UNMISSED if isinstance(subject.result, CellCheck) else _unknown_loads(subject)
 
 
 def _not_the_papers(subject: ArraySubject) -> str:

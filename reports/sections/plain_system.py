@@ -1,17 +1,19 @@
-"""The report of a plain system: verdict, formulas, Filippov's inclusion, what decides stability, picture, solutions."""
+"""The report of a plain system: verdict, formulas, Filippov's inclusion, what decides stability, picture, solutions.
+
+It is of any number of states; what is told of two states alone is in :mod:`nonsmooth.reports.sections.plane_system`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from functools import cached_property
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from itertools import cycle
 
-from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
-from nonsmooth.analysis.fields.stated_field import StatedField
-from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
-from nonsmooth.proofs.findings import Record, Translation
-from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.proofs.findings import Equilibrium, Translation
+from nonsmooth.proofs.kernel.cells import BeyondReachError
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
+from nonsmooth.proofs.parts import Parts, names_of
 from nonsmooth.proofs.system_facts import (
     gain_words,
     rate_words,
@@ -20,51 +22,43 @@ from nonsmooth.proofs.system_facts import (
     rewriting_words,
     system_facts,
 )
-from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
+from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import disturbance_letter
-from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method, PlaneFunction
-from nonsmooth.proofs.systems.ray_moves import values_at_origin
-from nonsmooth.reports.checks.phase_portrait import PhasePortrait
-from nonsmooth.reports.checks.subject import (
-    BACCIOTTI_CERAGIOLI,
-    FILIPPOV,
-    HOMOGENEITY,
-    SHEVITZ_PADEN,
-    Reference,
-    ReportPart,
-    ReportSubject,
-)
-from nonsmooth.reports.checks.system_results import SystemCheckResult, system_answers
+from nonsmooth.proofs.systems.findings import ExaminedFunction, Method, PlaneFunction
+from nonsmooth.reports.checks.subject import UNMISSED, ReportPart
+from nonsmooth.reports.checks.system_results import brief_function, system_answers
+from nonsmooth.reports.checks.system_subject import SystemSubject
 from nonsmooth.reports.output.document import (
     Block,
+    Bullets,
     Code,
     Entry,
     Figure,
     Listing,
     Math,
     Section,
-    Text,
     Tone,
     Verdict,
     decimal,
-    display,
-    number,
     point,
     table,
 )
 from nonsmooth.reports.output.facts import fact_rows
-from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
+from nonsmooth.reports.output.field_formulas import polynomial_math, rates_header, stated_math
+from nonsmooth.reports.output.prose import paragraph, with_formulas
 from nonsmooth.reports.output.refusals import LARGEST, LEAST
-from nonsmooth.reports.simulations.paths import follow_system
+from nonsmooth.reports.sections.plane_system import (
+    borders_section,
+    derivative_blocks,
+    leading_section,
+    polygons_section,
+    portrait_section,
+)
+from nonsmooth.reports.simulations.paths import SystemPath, follow_system
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
-from nonsmooth.symbolic.formulas.enclosed_functions import kinds_text
 from nonsmooth.symbolic.formulas.formula_text import tidied
-from nonsmooth.symbolic.formulas.surfaces import symbol_latex
 from nonsmooth.symbolic.messages.scene_error import SceneError, one_line
 from nonsmooth.symbolic.numbers.number_text import float_text, place_text
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands
-from nonsmooth.symbolic.systems.switched_system import SwitchedSystem, require_plane
 
 TONES = {
     Translation.ASYMPTOTICALLY_STABLE: Tone.GOOD,
@@ -72,64 +66,28 @@ TONES = {
     Translation.UNSTABLE: Tone.BAD,
     Translation.UNDECIDED: Tone.OPEN,
 }
-STARTS = ((0.4, 0.8), (-0.8, 0.4), (-0.4, -0.8), (0.8, -0.4))  # of the half-width of the square, from its middle
+STARTS = ((0.4, 0.8), (-0.8, 0.4), (-0.4, -0.8), (0.8, -0.4))  # in turn for all states: half-widths from the point
 UNTIL = 10.0  # last time of the solutions that are shown
-SHOWN_BORDERS = 60  # rows; a picture shows the others
-LADDER = (
-    "Three sets bound the derivative of V along solutions, each inside the one before, and the last one decides: all "
-    "products of gradients and velocities that meet at a point (naive), the set of Shevitz and Paden, and that of "
-    "Bacciotti and Ceragioli. Their signs over the domain without the point:"
+SHOWN_FIELDS = 60  # rows of the table of cells
+BRANCHES = {True: "", False: "; other solutions branch off", None: "; whether others branch off is not decided"}
+INEQUALITIES = {
+    ("V", True): "V > 0 on a cell",
+    ("cell", True): "V' < 0 along a field of a cell",
+    ("cell", False): "V' <= 0 along a field of a cell",
+    ("face", True): "V' < 0 along all that slides on a face",
+    ("face", False): "V' <= 0 along all that slides on a face",
+}
+EVIDENCE = {
+    "squares": "sums of squares",
+    "simplices": "coefficients on simplices",
+    "pairs": "pairs of fields",
+    "mixture": "a mixture of what bounds the cell",
+}
+CLAIMED = (
+    "Cells are cut where V bends, too. The certificate shows these inequalities, at all points but the checked one:"
 )
-
-
-class SystemSubject(ReportSubject):
-    """A plain system in two states.
-
-    Raises:
-        SceneError: for another number of states.
-    """
-
-    scene: SwitchedSystem
-    left_out = ()
-
-    def __post_init__(self) -> None:
-        require_plane(self.scene)
-
-    @cached_property
-    def result(self) -> StabilityResult:
-        """The stability of the checked point."""
-        return decide_system(self.scene)
-
-    @property
-    def headline(self) -> str:
-        """The stability of the checked point."""
-        return str(self.result.verdict)
-
-    @cached_property
-    def cells(self) -> tuple[FieldCell, ...]:
-        """The cells of the checked square, measured from the checked point."""
-        return system_cells(self.scene, square_regions(self.scene.check.radius))
-
-    @cached_property
-    def portrait(self) -> PhasePortrait:
-        """Cells, borders and picture.
-
-        Raises:
-            SceneError: under arbitrary switching.
-        """
-        return PhasePortrait(self.scene)
-
-    @property
-    def records(self) -> Record:
-        """The verdict, and the phase portrait of one field."""
-        portrait = self.portrait.facts() if self.scene.has_one_field else None
-        return {"check": SystemCheckResult(self.result).facts(), "phase_portrait": portrait}
-
-    @property
-    def works(self) -> list[Reference]:
-        """Filippov, the authors of the derivatives of V, and of leading terms where these decide."""
-        works = [FILIPPOV, SHEVITZ_PADEN, BACCIOTTI_CERAGIOLI]
-        return [*works, HOMOGENEITY] if self.result.by(Method.LEADING) is not None else works
+IN_HULL = {Equilibrium.HOLDS: "holds", Equilibrium.FAILS: "fails", Equilibrium.UNDECIDED: "is undecided"}
+CUBES = {1: "interval", 2: "square"}  # by the number of states; of more a cube
 
 
 def verdict_section(subject: SystemSubject) -> Section:
@@ -152,18 +110,19 @@ def verdict_section(subject: SystemSubject) -> Section:
 
 def system_section(subject: SystemSubject) -> Section:
     """The formulas as they were written, and what is checked."""
-    system = subject.scene
-    check = system.check
+    system, radius = subject.scene, subject.scene.check.radius
     where = paragraph(
-        "Checked at {}, on the square of half-width {} about it. On switching surfaces the values of the formulas are "
+        "Checked at {}, on the {} of half-width {} about it{}. On switching surfaces the values of the formulas are "
         "ignored: solutions are those of Filippov's inclusion.",
-        point(check.equilibrium),
-        point([check.radius]) if len(str(check.radius)) > len("1000000") else Code(str(check.radius)),
+        point(system.stated_point),
+        _cube(subject),
+        point([radius]) if len(str(radius)) > len("1000000") else Code(str(radius)),
+        "" if system.by_roots is None else f" in {', '.join(system.states)}",
     )
     blocks: list[Block] = []
     members = system.members
     if system.written:
-        blocks += [_formulas(system.states, formulas) for formulas in system.written]
+        blocks += [_formulas(system.stated_states, formulas) for formulas in system.written]
         blocks.append(paragraph("{} What is proved of the following is proved of that.", rewriting_words(system)))
     if system.others and system.has_one_field:
         blocks.append(paragraph("At every point the field is a mixture of these {}:", str(len(members))))
@@ -176,6 +135,10 @@ def system_section(subject: SystemSubject) -> Section:
     return Section("The system", (*blocks, where))
 
 
+def _cube(subject: SystemSubject) -> str:
+    return CUBES.get(len(subject.scene.states), "cube")
+
+
 def _formulas(states: Sequence[str], formulas: Sequence[str]) -> Listing:
     lines = (f"{name}' = {one_line(text)}" for name, text in zip(states, formulas, strict=True))
     return Listing("\n".join(lines))
@@ -185,84 +148,40 @@ def _formulas(states: Sequence[str], formulas: Sequence[str]) -> Listing:
 
 
 def cells_section(subject: SystemSubject) -> Section:
-    """The pieces of the square on which the fields are polynomials."""
-    states = subject.scene.states
+    """The pieces of the checked cube on which the fields are polynomials, by the signs of switching surfaces."""
+    if subject.is_in_plane:
+        return polygons_section(subject)
+    cells, states = subject.sign_cells, subject.scene.states
+    surfaces = [polynomial_math(surface, states) for surface in cells.surfaces]
+    named = [(Math(f"s_{{{k}}} = {own.latex}", f"s_{k} = {own.plain}"),) for k, own in enumerate(surfaces, 1)]
+    curved = any(surface.degree > 1 for surface in cells.surfaces)
     words = paragraph(
-        "The switching surfaces and the axes through the checked point cut the square into {} cells. On each the field "
-        "is {}. Corners and rates are written in the displacement from the point, whose entries are called "
-        "like the states.",
-        str(len(subject.cells)),
-        f"a polynomial in the states and in {kinds_text(subject.scene.names)} of them"
-        if subject.scene.names
-        else "a polynomial",
+        "Rates are written in the displacement from the point, whose entries are called like the states. {}",
+        f"The signs of these functions cut the {_cube(subject)} into {len(cells.cells)} cells"
+        f"{', some of which may have no point, beside curved surfaces' if curved else ''}. Where cells meet, every "
+        "mixture of their fields is in Filippov's inclusion:"
+        if named
+        else "Nothing switches:",
     )
-    rows = [row for k, cell in enumerate(subject.cells) for row in _cell_rows(k, cell, subject)]
-    header: list[Entry] = ["cell", "corners", *(Math(rf"\dot{{{state_latex(name)}}}", f"{name}'") for name in states)]
-    return Section("Cells", (words, table(header, rows, (0.07, 0.41, 0.26, 0.26))))
-
-
-def _cell_rows(index: int, cell: FieldCell, subject: SystemSubject) -> Iterable[list[Entry]]:
-    """A row for the field of a cell, or for each that may act there."""
-    states = subject.scene.states
-    where: Text = listed([point((x / w, y / w)) for x, y, w in cell.region.generators])
-    for guard in cell.region.guards:
-        bound = polynomial_math(guard, states)
-        where = (*where, "; ", Math(f"{bound.latex} > 0", f"{bound.plain} > 0"))
-    known = [subject.portrait.fields[index]] if subject.scene.names else map(StatedField, cell.velocities)
-    for k, field in enumerate(known):
-        yield [str(index + 1) if not k else "", where if not k else "", *stated_math(field, states)]
-
-
-def borders_section(subject: SystemSubject) -> Section:
-    """What solutions do where two cells meet along a straight side."""
-    borders = subject.portrait.borders
-    blocks: list[Block] = [
-        paragraph(
-            "Across these straight borders the field jumps. With f and g on the two sides and a normal n, solutions "
-            "cross where n . f and n . g have one sign. Where both fields push onto the border, solutions slide along "
-            "it with the only mixture that is tangent:"
-        ),
-        display(
-            r"f_s = \frac{(n \cdot g)\, f - (n \cdot f)\, g}{n \cdot g - n \cdot f}",
-            "f_s = ((n . g) f - (n . f) g)/(n . g - n . f)",
-        ),
-    ]
-    if not borders:
-        return Section("Filippov's inclusion on borders", (paragraph("No straight border lies between two fields."),))
-    rows = [[*_ends(part), str(part.kind), _velocity(part)] for part in borders[:SHOWN_BORDERS]]
-    blocks.append(table(("from", "to", "solutions", "f_s midway"), rows, (0.25, 0.25, 0.2, 0.3)))
-    if len(borders) > SHOWN_BORDERS:
-        blocks.append(paragraph("{} more are drawn in the phase portrait.", str(len(borders) - SHOWN_BORDERS)))
-    return Section("Filippov's inclusion on borders", tuple(blocks))
-
-
-def _ends(part: BorderPart) -> Iterable[Entry]:
-    """Exact ends; those at zeros of sines are rounded."""
-    rounded = part.fields[0].waves and not part.is_exact
-    return (place_text(end, 4) if rounded else point(end) for end in (part.start, part.end))
-
-
-def _velocity(part: BorderPart) -> Entry:
-    if part.kind not in {BorderKind.SLIDING, BorderKind.REPELLING}:
-        return ""
-    velocity = sliding_velocity(part, _middle(part))
-    return place_text(velocity, 4) if any(field.waves for field in part.fields) else point(velocity)
-
-
-def _middle(part: BorderPart) -> Point:
-    first, second = ((a + b) / 2 for a, b in zip(part.start, part.end, strict=True))
-    return (first, second)
+    rows: list[list[Entry]] = []
+    for signs, fields in subject.fields():
+        rows += [[signs if not k else "", *stated_math(field, states)] for k, field in enumerate(fields)]
+    blocks: list[Block] = [words, Bullets(tuple(named))] if named else [words]
+    blocks.append(table(("signs", *rates_header(states)), rows[:SHOWN_FIELDS]))
+    if len(rows) > SHOWN_FIELDS:
+        blocks.append(paragraph("{} more rows are left out.", str(len(rows) - SHOWN_FIELDS)))
+    return Section("Cells", tuple(blocks))
 
 
 def point_section(subject: SystemSubject) -> Section:
     """Whether the checked point is an equilibrium: 0 in the hull of the fields of all cells that hold it."""
-    values = [point(value) for value in values_at_origin(subject.cells)]
+    values = [point(value) for value in subject.values_at_point()]
     latex, plain = r",\allowbreak\ ".join(value.latex for value in values), ", ".join(value.plain for value in values)
     words = paragraph(
         "At the checked point F is the convex hull of the values of the fields of all cells that touch it: {}. "
         "The point is an equilibrium if 0 is in this hull; here that {}.",
         Math(latex, plain),
-        str(subject.result.equilibrium),
+        IN_HULL[subject.result.equilibrium],
     )
     return Section("The checked point", (words,))
 
@@ -271,14 +190,17 @@ def point_section(subject: SystemSubject) -> Section:
 
 
 def lyapunov_section(subject: SystemSubject) -> Section:
-    """The V that proves the verdict, with the derivatives, its region and its rate; else what the scene's V shows."""
-    result, reach, states = subject.result, subject.result.reach, subject.scene.states
-    shown = result.function or result.given
+    """The V that proves the verdict, with its conditions, region and rate; else what the scene's V shows."""
+    shown, reach, states = subject.shown, subject.result.reach, subject.scene.states
     if shown is None:
-        raise TypeError("required a system in two states")
+        raise TypeError("required a system of which some V is looked at")
     blocks: list[Block] = [paragraph("{} on {}:", Code(f"V = {shown.text}"), shown.domain.text(states))]
     blocks.append(paragraph("{}", _meaning(subject, shown)))
-    blocks += [paragraph(LADDER), _ladder(shown), *_pieces(subject, shown)]
+    if isinstance(shown, PlaneFunction):
+        blocks += derivative_blocks(subject, shown)
+    elif isinstance(shown, ExaminedLyapunov) and shown.asked:
+        header = ("inequality", "how often", "shown by")
+        blocks += [paragraph("{}", CLAIMED), table(header, _shown_claims(shown), (0.5, 0.15, 0.35))]
     if reach.region is not None:
         blocks.append(paragraph("Region of attraction: {}.", region_words(reach.region, states)))
     if reach.rate is not None:
@@ -293,98 +215,84 @@ def lyapunov_section(subject: SystemSubject) -> Section:
 def _meaning(subject: SystemSubject, shown: ExaminedFunction) -> str:
     if shown.grows:
         return "V is positive and grows along every solution, so solutions leave: it proves instability."
-    found = f"Decided exactly on every cell, edge and corner: {shown.reason}."
+    places = "cell, edge and corner" if isinstance(shown, PlaneFunction) else "cell and face"
+    how = "Examined" if shown.decrease is Decrease.UNDECIDED else "Decided exactly"
+    found = f"{how} on every {places}: {shown.reason}."
     return found if subject.result.function is not None else f"{found} The verdict does not rest on this V."
 
 
-def _ladder(shown: ExaminedFunction) -> Block:
+def _shown_claims(shown: ExaminedLyapunov) -> Iterator[list[Entry]]:
+    """How many inequalities of each kind are shown by each kind of evidence."""
+    counted = Counter[tuple[str, str]]()
+    for own in shown.asked:
+        if own.found is not None:
+            kind, evidence = own.claim.name.split()[0], next(iter(own.found.evidence))
+            counted[INEQUALITIES[kind, own.found.strict], EVIDENCE[evidence]] += 1
+    for (inequality, evidence), count in counted.items():
+        yield [inequality, str(count), evidence]
+
+
+def parts_section(subject: SystemSubject) -> Section:
+    """The parts of the system that were decided by themselves, and by what."""
+    found = subject.result.deciding
+    parts: Parts = found.proofs
     rows: list[list[Entry]] = []
-    for key, found in shown.suprema.items():
-        largest: Entry = ""
-        if found.value is not None and found.point is not None:
-            largest = (number(found.value), " at ", point(found.point))
-        rows.append([DERIVATIVES[key], str(found.trend), largest])
-    return table(("derivative", "sign", "largest value, where it is attained"), rows, (0.3, 0.25, 0.45))
-
-
-def _pieces(subject: SystemSubject, shown: PlaneFunction) -> list[Block]:
-    """V and its derivative on each cell."""
-    states = subject.scene.states
-    rows: list[list[Entry]] = [
-        [str(k), polynomial_math(cell.potential, states), polynomial_math(rate, states)]
-        for k, cell in enumerate(shown.result.cells, 1)
-        for rate in cell.rates
-    ]
-    words = paragraph("On each cell of its domain, V and its derivative along the field of the cell:")
-    return [words, table(("cell", "V", "grad V . f"), rows, (0.08, 0.4, 0.52))]
-
-
-def leading_section(subject: SystemSubject) -> Section:
-    """The homogeneous parts of lowest degree on tangent cones."""
-    found = subject.result.by(Method.LEADING)
-    if found is None:
-        raise TypeError("required a system that its leading terms decide")
-    leading = found.proofs
+    for own in parts.results:
+        function = "" if own.function is None else brief_function(own.function)
+        rows.append([names_of(own.scene.stated_states), str(own.verdict), own.reason, function])
     words = paragraph(
-        "Near the point the fields are looked at to leading order on the tangent cones of their cells, where solutions "
-        "of the homogeneous field turn and grow by functions of the direction alone; what follows for them holds for "
-        "the system. Here, {}: {}.",
-        found.reason,
-        str(leading.verdict),
+        "The verdict follows from these parts by theorem {}; each is decided by itself:", str(found.theorem)
     )
-    rows: list[list[Entry]] = [
-        [point(m.ray), ("inward", "at rest", "outward")[m.direction + 1], "sliding" if m.sliding else "in a cone"]
-        for m in leading.motions
-    ]
-    blocks: list[Block] = [words]
-    if rows:
-        blocks.append(paragraph("Rays along which a radial motion is possible:"))
-        blocks.append(table(("ray", "direction", "kind"), rows, (0.5, 0.25, 0.25)))
-    return Section("Leading terms", tuple(blocks))
+    return Section("Parts", (words, table(("states", "the point is", "because", "by"), rows, (1, 2, 3, 3))))
 
 
 # ---- portrait and solutions ----------------------------------------------------------------------
 
 
-def portrait_section(subject: SystemSubject) -> Section:
-    """The phase portrait."""
-    figure = Figure(
-        "phase-portrait",
-        (
-            "Field lines, nullclines, borders, and level sets of the V that proves the verdict, over the checked "
-            "square; measured from the checked point.",
-        ),
-        f"Phase portrait of {one_line(subject.scene.name)}: {subject.result.verdict}.",
-        subject.invocation.line("partition", "-o", "portrait.svg"),
-        subject.portrait.content,
-    )
-    return Section("Phase portrait", (figure,))
-
-
 def paths_section(subject: SystemSubject) -> Section:
-    """Filippov solutions from four starts, followed from event to event."""
-    system = subject.scene
-    radius = system.check.half_width
-    middle = system.check.place
-    rows: list[list[Entry]] = []
-    for shares in STARTS:
-        start = tuple(m + share * radius for m, share in zip(middle, shares, strict=True))
-        try:
-            path = follow_system(system, SimulateOptions(start=start, until=UNTIL)).trajectory
-        except (SceneError, TrajectoryError, ValueError) as error:
-            rows.append([place_text(start), "", "", "", f"not followed: {error}"])
-            continue
-        rows.append(_path_row(start, path))
+    """Filippov solutions from four starts, followed from event to event; a picture where there is no portrait."""
+    paths = {start: _followed(subject, start) for start in _starts(subject)}
     words = paragraph("Filippov solutions from four starts, followed from event to event until t = {}:", f"{UNTIL:g}")
     header = ("start", "events", "ends at t", "in", "because")
-    return Section("Solutions", (words, table(header, rows, (0.2, 0.1, 0.13, 0.25, 0.32))))
+    rows = [_path_row(start, path) for start, path in paths.items()]
+    blocks: list[Block] = [words, table(header, rows, (0.2, 0.1, 0.13, 0.25, 0.32))]
+    drawn = next(((start, path) for start, path in paths.items() if isinstance(path, SystemPath)), None)
+    if drawn is not None and not subject.is_in_plane:
+        blocks.append(_path_figure(subject, *drawn))
+    return Section("Solutions", tuple(blocks))
 
 
-def _path_row(start: tuple[float, ...], path: Trajectory) -> list[Entry]:
-    end = path.end
-    unique = "" if path.unique else "; other solutions branch off"
-    time = decimal(float_text(end.t))
-    return [place_text(start), str(len(path.events)), time, place_text(end.state, 4), f"{end.reason}{unique}"]
+def _starts(subject: SystemSubject) -> Iterator[tuple[float, ...]]:
+    radius, middle = subject.scene.check.half_width, list(map(float, subject.scene.stated_point))
+    for shares in STARTS:
+        yield tuple(m + share * radius for m, share in zip(middle, cycle(shares), strict=False))
+
+
+def _followed(subject: SystemSubject, start: tuple[float, ...]) -> SystemPath | str:
+    """The solution from a start, or why it is not followed."""
+    try:
+        return follow_system(subject.scene, SimulateOptions(start=start, until=UNTIL))
+    except (SceneError, TrajectoryError, ValueError) as error:
+        return f"not followed: {error}"
+
+
+def _path_row(start: tuple[float, ...], path: SystemPath | str) -> list[Entry]:
+    if isinstance(path, str):
+        return [place_text(start), "", "", "", path]
+    end, events = path.trajectory.end, str(len(path.trajectory.events))
+    time, because = decimal(float_text(end.t)), f"{end.reason}{BRANCHES[path.trajectory.unique]}"
+    return [place_text(start), events, time, place_text(end.state, 4), because]
+
+
+def _path_figure(subject: SystemSubject, start: tuple[float, ...], path: SystemPath) -> Figure:
+    place = ",".join(f"{x:.12g}" for x in start)
+    return Figure(
+        "solution",
+        (f"The first of these solutions: every state over time, with its events, from {place_text(start)}.",),
+        f"A solution of {one_line(subject.scene.name)} over time.",
+        subject.invocation.line("simulate", f"--from={place}", "--until", f"{UNTIL:g}", "-o", "path.svg"),
+        path.content,
+    )
 
 
 # ---- what sections need, and their order ---------------------------------------------------------
@@ -395,88 +303,45 @@ def _several_fields(subject: SystemSubject) -> str:
     return "" if subject.scene.has_one_field else switches
 
 
+def _no_cells(subject: SystemSubject) -> str:
+    try:
+        subject.polygons if subject.is_in_plane else subject.sign_cells  # noqa: B018 - whether they are built
+    except BeyondReachError as error:
+        return str(error)
+    return ""
+
+
+def _not_in_plane(subject: SystemSubject) -> str:
+    return "" if subject.is_in_plane else "it is about systems in two states, without roots of them"
+
+
+def _no_function(subject: SystemSubject) -> str:
+    return "no V is looked at" if subject.shown is None else ""
+
+
+def _no_parts(subject: SystemSubject) -> str:
+    return "" if isinstance(subject.result.deciding.proofs, Parts) else UNMISSED
+
+
+def _no_leading_terms(subject: SystemSubject) -> str:
+    return "" if subject.result.by(Method.LEADING) else "what decides are not the leading terms"
+
+
 def _no_picture(subject: SystemSubject) -> str:
     beyond = "the checked square is beyond what floats, which pictures need, hold"
     is_known = LEAST <= subject.scene.check.half_width <= LARGEST
-    return _several_fields(subject) or ("" if is_known else beyond)
+    return _not_in_plane(subject) or _several_fields(subject) or ("" if is_known else beyond)
 
 
 SYSTEM_PARTS = (
     ReportPart("verdict", verdict_section),
     ReportPart("system", system_section),
-    ReportPart("cells", cells_section),
-    ReportPart("borders", borders_section, _several_fields),
-    ReportPart("point", point_section),
-    ReportPart("lyapunov", lyapunov_section),
-    ReportPart(
-        "leading-terms",
-        leading_section,
-        lambda subject: "" if subject.result.by(Method.LEADING) else "what decides are not the leading terms",
-    ),
+    ReportPart("cells", cells_section, _no_cells),
+    ReportPart("borders", borders_section, lambda subject: _not_in_plane(subject) or _several_fields(subject)),
+    ReportPart("point", point_section, _no_cells),
+    ReportPart("lyapunov", lyapunov_section, _no_function),
+    ReportPart("parts", parts_section, _no_parts),
+    ReportPart("leading-terms", leading_section, _no_leading_terms),
     ReportPart("portrait", portrait_section, _no_picture),
     ReportPart("trajectories", paths_section, _several_fields),
 )
-
-
-# ---- formulas ------------------------------------------------------------------------------------
-
-
-GREEK = frozenset({
-    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi",
-    "rho", "sigma", "tau", "phi", "chi", "psi", "omega",
-})  # fmt: skip
-
-
-def state_latex(name: str) -> str:
-    """A state's name: one letter or a Greek one as a symbol with its index, a word as a word."""
-    stem, _, index = name.partition("_")
-    if stem in GREEK:
-        stem = rf"\{stem}"
-    elif len(stem) != 1:
-        word = name.replace("_", r"\_")
-        return rf"\mathit{{{word}}}"
-    return symbol_latex(f"{stem}_{index}") if index else stem
-
-
-def polynomial_math(polynomial: Polynomial, states: Sequence[str]) -> Math:
-    """A polynomial in the displacement, whose entries are called like the states.
-
-    Args:
-        polynomial: in as many variables as there are states.
-        states: their names.
-    """
-    return _polynomial_math(polynomial, states, list(map(state_latex, states)))
-
-
-def _polynomial_math(polynomial: Polynomial, names: Sequence[str], symbols: Sequence[str]) -> Math:
-    """A polynomial by the plain names of its variables and by their symbols in LaTeX."""
-    named = replace(polynomial, variables=tuple(names))
-    summands: list[Summand] = []
-    for exponents, coefficient in sorted(polynomial.terms.items(), key=lambda term: (-sum(term[0]), term[0][::-1])):
-        powers = [_power(symbol, k) for symbol, k in zip(symbols, exponents, strict=True) if k]
-        summands.append(_term(number_summands(coefficient), powers))
-    return Math(latex_sum(summands) if summands else "0", str(named))
-
-
-def stated_math(field: StatedField, states: Sequence[str]) -> tuple[Math, ...]:
-    """The rate of each state, with its sines and cosines."""
-    waves = [polynomial_math(wave.argument, states) for wave in field.waves]
-    named = [{"atan": "arctan"}.get(wave.kind, wave.kind) for wave in field.waves]
-    latex = [rf"\{name}\left({math.latex}\right)" for name, math in zip(named, waves, strict=True)]
-    return tuple(
-        _polynomial_math(rate, field.names(states), [*map(state_latex, states), *latex]) for rate in field.rates
-    )
-
-
-def _power(symbol: str, exponent: int) -> str:
-    return symbol if exponent == 1 else rf"{symbol}^{{{exponent}}}"
-
-
-def _term(coefficients: list[Summand], powers: list[str]) -> Summand:
-    """A coefficient times powers; a sum as a coefficient stands in parentheses."""
-    if len(coefficients) > 1:
-        text = latex_sum(coefficients)
-        return Summand(False, "", " ".join([rf"\left({text}\right)", *powers]) if powers else text)
-    (only,) = coefficients
-    shown = [only.latex] * (only.latex != "1" or not powers)
-    return Summand(only.negative, "", " ".join([*shown, *powers]))

@@ -2,7 +2,7 @@
 
 The right-hand sides are formulas with ``sign``, ``Abs``, ``Max``, ``Min``: polynomials on each cell that the switching
 surfaces cut.  On the surfaces the values of f are ignored (Filippov 1988, sec. 4).  Solutions are followed in any
-number of states, and stability is decided in any number; cells are drawn and derived for two (:func:`require_plane`).
+number of states, and stability is decided and derived in any number; cells are drawn in two (:func:`require_plane`).
 Verdicts are about the displacement from the checked point.
 """
 

@@ -16,6 +16,7 @@ from nonsmooth.analysis.cells.cell_complex import AtCorner
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.fields import convex_weights
 from nonsmooth.analysis.fields.constant_field import (
     CellwiseField,
     ConstantField,
@@ -24,7 +25,13 @@ from nonsmooth.analysis.fields.constant_field import (
     array_field,
     feedback_field,
 )
-from nonsmooth.analysis.fields.convex_weights import basic_weights, central_weights, origin_distance
+from nonsmooth.analysis.fields.convex_weights import (
+    basic_weights,
+    central_weights,
+    extreme_mixtures,
+    origin_distance,
+    shortest_mixture,
+)
 from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
@@ -361,6 +368,40 @@ def test_central_weights_against_a_linear_program(seed: int) -> None:
             assert weights @ vectors == pytest.approx(np.zeros(rank), abs=1e-9)
             assert weights.min() == pytest.approx(-least.fun, rel=1e-7, abs=1e-9)
             assert (weights.min() >= 0) == bool(len(basic_weights(vectors)))
+
+
+@few(1)
+@pytest.mark.parametrize("seed", range(10))
+def test_programs_find_of_many_vectors_what_lists_hold(monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(10):
+        rank = int(rng.integers(1, 4))
+        count = int(rng.integers(rank + 1, 11))
+        vectors, fields = rng.normal(size=(count, rank)) + rng.uniform(0, 0.5), rng.normal(size=(count, 4))
+        if rank > 1 and rng.random() < 0.3:
+            vectors[:, -1] = vectors[:, 0]
+        central, shortest = central_weights(vectors), shortest_mixture(vectors, fields)
+        extremes = extreme_mixtures(vectors, fields)
+        with monkeypatch.context() as patched:
+            patched.setattr(convex_weights, "MOST_SUBSETS", 0)
+            assert central_weights(vectors) == (None if central is None else pytest.approx(central, abs=1e-8))
+            sought, ends = shortest_mixture(vectors, fields), extreme_mixtures(vectors, fields)
+        assert (sought is None) == (shortest is None) == (not len(extremes)) == (not len(ends))
+        if sought is not None and shortest is not None:
+            assert sought @ vectors == pytest.approx(np.zeros(rank), abs=1e-9)
+            assert sought @ fields == pytest.approx(shortest @ fields, abs=1e-4)
+            assert np.linalg.norm(sought @ fields) == pytest.approx(np.linalg.norm(shortest @ fields), abs=1e-8)
+            assert ends.min(axis=0) == pytest.approx(extremes.min(axis=0), abs=1e-9)
+            assert ends.max(axis=0) == pytest.approx(extremes.max(axis=0), abs=1e-9)
+
+
+def test_where_six_surfaces_cross(tmp_path: Path) -> None:
+    """64 fields meet there, of which seven mix in 621 million ways: these are not listed."""
+    states, start = "abcdef", [0.1, -0.2, 0.3, -0.4, 0.5, -0.6]
+    path = follow(tmp_path, states, [f"-sign({name})" for name in states], start, 1.0)
+    assert event_times(path) == pytest.approx(np.abs(start), abs=EVENT_ERROR)
+    assert path.end.state == pytest.approx(np.zeros(6), abs=EVENT_ERROR)
+    assert path.unique
 
 
 def test_a_flat_secant_is_not_a_root() -> None:

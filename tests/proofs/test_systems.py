@@ -35,7 +35,6 @@ from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import Method, PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.reports.derivations.derivation import derive_report
 from nonsmooth.symbolic.files.documents import builtin_scenes, builtin_systems
 from nonsmooth.symbolic.files.scene_file import load_any, load_scene, load_system, system_descriptions
 from nonsmooth.symbolic.formulas.expression import ExpressionError
@@ -294,8 +293,6 @@ def test_malformed_systems(tmp_path: Path, text: str, key: str, words: str) -> N
     ("states", "decide"),
     [
         (["x"], lambda system: audit(system, "x**2")),
-        (["x"], derive_report),
-        (["x", "y", "theta"], derive_report),
     ],
 )
 def test_planar_decisions_need_two_states(

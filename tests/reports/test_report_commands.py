@@ -19,6 +19,7 @@ from nonsmooth.proofs.systems.border_motion import BorderKind, sliding_velocity
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.checks.subject import ArraySubject, Invocation
+from nonsmooth.reports.checks.system_subject import SystemSubject
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.derivations.parts import brief_document, names_of
@@ -28,9 +29,10 @@ from nonsmooth.reports.output.prose import with_formulas
 from nonsmooth.reports.sections.opening import answers_section
 from nonsmooth.symbolic.files.documents import builtin_scenes
 from nonsmooth.symbolic.files.scene_file import load_scene, load_system
-from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.symbolic.files.system_builder import build_system, stated_lists
 from nonsmooth.symbolic.formulas.formula_text import tidied
 from nonsmooth.symbolic.messages.scene_kind import SceneKind
+from nonsmooth.symbolic.numbers.polynomial import float_values
 from tests.oracles.floats import value
 from tests.reports.conftest import Invoke
 from tests.thorough import few, keep, thorough
@@ -187,7 +189,7 @@ def test_every_section_is_written_or_named_as_left_out() -> None:
     report = RELAYS.derive()
     text = report.text(".md")
     left_out = text.split("## What was left out, and why")[1].split("##")[0]
-    assert len(report.sections) == len(names_of(SceneKind.SYSTEM)) - 1
+    assert len(report.sections) == len(names_of(SceneKind.SYSTEM)) - 2  # nobody misses parts
     assert "Section leading-terms: " in left_out
     assert report.verdict == "asymptotically stable"
     with pytest.raises(AttributeError, match="plain system"):
@@ -206,6 +208,56 @@ def test_under_arbitrary_switching_the_rest_is_written() -> None:
     assert "Section borders: the field may switch at any time" in text
     assert json.loads(report.text(".json"))["phase_portrait"] is None
     assert "Phase portrait" not in report.sections
+
+
+# Systems in other numbers of states, with roots and sines of these, and by parts; where V is told in each report, and
+# sections that it has beside those of all.
+ANY_STATES = {
+    "one": (ns.System(["x"], ["-sign(x) - x**3"]), set()),
+    "three": (ns.System(["x", "y", "z"], ["-sign(x) + y/2", "-sign(y) + z/2", "-sign(z) - x/2"]), {"lyapunov"}),
+    "roots": (ns.System(["x", "y"], ["-2*sqrt(Abs(x))*sign(x) + y", "-sign(x)"]), {"lyapunov", "leading"}),
+    "sines": (ns.System(["x", "y", "z"], ["y - x", "-sin(y)", "-z - sign(z)*Abs(x)"]), {"lyapunov"}),
+    "parts": (
+        ns.System(["a", "e", "w"], ["-a - sign(a + e)", "-3/2*sqrt(Abs(e))*sign(e) + w", "-11/10*sign(e)"]),
+        {"parts"},
+    ),
+    "curves": (ns.System(["x", "y", "z"], ["-x + y*sign(y - z**2)", "-y", "-z"]), {"lyapunov"}),
+}
+
+
+@pytest.mark.parametrize("name", ANY_STATES)
+def test_reports_are_of_any_number_of_states(name: str) -> None:
+    system, more = ANY_STATES[name]
+    report = system.derive(without="versions,references")
+    assert report.verdict == "asymptotically stable"
+    headings = {"lyapunov": "A Lyapunov function", "parts": "Parts", "leading": "Leading terms"}
+    always = ["The verdict", "The system", "Cells", "The checked point", "Solutions"]
+    told = [headings[own] for own in headings if own in more]
+    assert sorted(report.sections) == sorted([*always, *told, "What was left out, and why"])
+    assert "solution.pdf" in report.text(".tex")
+
+
+@pytest.mark.parametrize("name", [name for name in ANY_STATES if name not in {"roots", "parts"}])
+def test_rows_of_cells_are_the_stated_field(name: str) -> None:
+    """At random places the row of their signs has the velocity that the formulas have."""
+    system = ANY_STATES[name][0].system
+    subject = SystemSubject(system, Invocation(system.origin), ())
+    rows, names = dict(subject.fields()), system.states
+    for place in np.random.default_rng(0).uniform(-0.5, 0.5, (20, len(names))):
+        values = dict(zip(names, place.tolist(), strict=True))
+        signs = [float_values(surface.terms, place[None])[0] > 0 for surface in subject.sign_cells.surfaces]
+        (field,) = rows[" ".join("+" if sign else "-" for sign in signs)]
+        assert [value(text, **values) for text in field.texts(names)] == pytest.approx(
+            [value(text, **values) for text in stated_lists(system)[0]]
+        )
+
+
+def test_cells_beside_the_point_do_not_count_at_it() -> None:
+    """Only those that touch it: x' is -6 beyond x = 1/4."""
+    for states in (["x", "y"], ["x", "y", "z"]):
+        rhs = ["-x - 3*(1 + sign(x - 1/4))", "-sign(y)", "-z"][: len(states)]
+        text = ns.System(states, rhs).derive(only="point").text(".md")
+        assert ("-1" in text, "-6" in text) == (True, False)
 
 
 def test_leading_terms_stand_where_they_decide() -> None:
