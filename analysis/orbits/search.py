@@ -21,11 +21,12 @@ from nonsmooth.analysis.fields.switched_field import ScalarVelocity, Velocity
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitError, follow_turn, newton_system
 from nonsmooth.analysis.trajectories.faces import largest
 from nonsmooth.analysis.trajectories.follow import find_root
-from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
 from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm, spread
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 
+RUNS_AWAY = "the path runs away"
 EVALUATIONS = 240_000  # of a field, along one path
 SHOOTING = 1_000_000  # in all of shooting: some seconds; the derivative of each turn takes 4 n + 1 for one of the path
 NEARBY = 0.1  # of the extent of the path: a start that returns so near is beside an orbit
@@ -144,16 +145,19 @@ def _legs(field: SignField, start: Sequence[float], until: float) -> tuple[tuple
 
     Where a path runs away or cannot be followed, the legs are those of the longest of some shorter times.
     """
-    reason = ""
+    reason, refusal = "", f"the path cannot be followed until t = {until:g}: it runs away, or has no continuation"
     for k in range(SHORTER):
         try:
             with _limited(field, EVALUATIONS) as limited:
-                _, legs = follow_legs(limited, start, until / 4**k)
+                path, legs = follow_legs(limited, start, until / 4**k)
         except TrajectoryError:
-            reason = f"the path cannot be followed until t = {until:g}: it runs away, or has no continuation"
+            reason = refusal
             continue
         except WorkLimitError:
             reason = f"the path until t = {until:g} takes more than {EVALUATIONS} evaluations of the field"
+            continue
+        if path.end.reason in {EndReason.ESCAPES, EndReason.FAR}:
+            reason = refusal if path.end.reason is EndReason.ESCAPES else RUNS_AWAY
             continue
         legs = tuple(leg for leg in legs if leg.end > leg.start)
         if not reason and (not legs or legs[-1].end < until):
@@ -213,7 +217,7 @@ def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Floa
     places = np.array([state for other in later for state in other.stretch.states])
     extent = spread(places)
     if math.isinf(len(x) * max_norm(along) * extent):  # heights over the section are beyond floats
-        raise OrbitError("the path runs away")
+        raise OrbitError(RUNS_AWAY)
     returns = _returns(later, x, along, moment)
     near = [(t, distance) for t, distance in returns if distance <= within * extent]
     if not near:

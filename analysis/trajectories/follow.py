@@ -33,9 +33,10 @@ from nonsmooth.analysis.trajectories.result import (
     Samples,
     State,
     Trajectory,
+    TrajectoryError,
 )
 from nonsmooth.symbolic.messages.under_way import is_watched, tell
-from nonsmooth.symbolic.numbers.plane_arrays import Floats
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, max_norm
 
 Rate: TypeAlias = Callable[[float, Floats], Floats]  # time derivative of the state at a time and a state
 Interpolant: TypeAlias = Callable[[Any], Floats]  # of a time, as a state (n,); of times (m,), as states (n, m)
@@ -43,6 +44,7 @@ Interpolant: TypeAlias = Callable[[Any], Floats]  # of a time, as a state (n,); 
 HALVINGS = 40  # of a step, in search of a moment at which a guard that starts at zero is positive
 LATE = 2.0**-16  # of a step: by how much its dense output may miss an event
 SAMPLED_PARTS = 12  # of an easy step: more than the extrema of a polynomial of the dense output's degree
+ESCAPE = 1e-9  # of the time: in which a solution that escapes within a finite time grows e-fold where steps end
 RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
 
 
@@ -522,7 +524,16 @@ def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[
     """One mode to its first event, or until the path ends; the guard that fell there, and why it ends."""
     stretch, guards = Stretch([path.time], [path.state], []), mode.guards
     values = None if guards is None else guards.at(path.time, path.state)
-    for step in stepper.steps(mode.rate, path.time, path.state, path.until):
+    steps = stepper.steps(mode.rate, path.time, path.state, path.until)
+    while True:
+        try:
+            step = next(steps, None)
+        except TrajectoryError:
+            if not escapes(mode, stretch.times[-1], stretch.end):
+                raise
+            return stretch, None, EndReason.ESCAPES
+        if step is None:
+            return stretch, None, None
         if path.until is not None and is_watched():
             tell(f"t = {float(step.end):.6g} of {float(path.until):.6g}")
         if dense:
@@ -544,4 +555,12 @@ def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[
         reason = mode.passed(step, step.end)
         if reason is not None:
             return stretch, None, reason
-    return stretch, None, None
+
+
+def escapes(mode: Mode, time: float, state: Floats) -> bool:
+    """Whether a state grows so fast that it leaves every bound, as far as floats see: by a factor e within
+    :data:`ESCAPE` of the time.
+    """
+    size = max_norm(state)
+    growth = float(state / size @ mode.rate(time, state) / size) if size else 0.0
+    return growth * ESCAPE * abs(time) > 1

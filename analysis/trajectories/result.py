@@ -46,6 +46,8 @@ class EndReason(StrEnum):
     TURNING = "the body turns in place forever"
     APPROACH = "an equilibrium is approached and never reached"
     CIRCLES = "the body follows a closed orbit forever"
+    ESCAPES = "the solution grows beyond every bound within a finite time"
+    FAR = "the solution grows beyond 1e150"
     OUTSIDE = "the body leaves the checked domain"
     TIPS = "the centre of mass leaves the support of the wheels: the body tips"
     WHEELS = "a wheel enters or leaves: the law is certified for the wheels before"

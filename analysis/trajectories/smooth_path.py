@@ -19,7 +19,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, length
 from nonsmooth.analysis.trajectories.faces import FaceChoice, FaceMotion, face_choices, largest
-from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, follow
+from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, escapes, follow
 from nonsmooth.analysis.trajectories.guards import WHIRL_LOOP, FaceGuards, SurfaceCrossing, last_turn, whirl_around
 from nonsmooth.analysis.trajectories.result import (
     EndReason,
@@ -30,7 +30,7 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
 )
 from nonsmooth.analysis.trajectories.steppers import StiffAware
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
@@ -38,6 +38,7 @@ ABSOLUTE_TOLERANCE = 1e-13  # in units of the states' size
 MAX_EVENTS = 2_000
 MAX_WORK = 300_000  # evaluations of fields, some 25,000 steps of DOP853; paths of the built-in scenes take some hundred
 SWITCH_WORK = 20  # that many evaluations cost as much as to look at one face where the path switches
+FAR = 1e150  # squares of what lies nearer are floats
 MAX_STALLED = 20  # switches that may follow each other at one moment: more than there are faces at a point
 REST_SPEED = 1e-9  # relative to the fields around a point: a slower motion is called rest
 NEWTON_STEPS = 3  # onto surfaces from within their slack, where two steps reach rounding
@@ -154,8 +155,10 @@ class _FaceMode(Mode):
         return () if surface is None else (surface,)
 
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
-        """Count the work."""
+        """Count the work, and look how far away it is."""
         self._meter.left -= len(self.cells) * step.work
+        if not max_norm(step.last) <= FAR:
+            return EndReason.FAR
         return EndReason.STEPS if self._meter.left <= 0 and end < self._until else None
 
 
@@ -224,6 +227,8 @@ class FilippovFaces(HybridField):
         stretch, face, surfaces = path.stretches[-1], mode.motion.face, mode.met(met)
         self._stalled = self._stalled + 1 if stretch.times[-1] == stretch.times[0] else 0
         if self._stalled > MAX_STALLED:
+            if escapes(mode, path.time, path.state):
+                return EndReason.ESCAPES
             raise TrajectoryError(f"no progress at t = {path.time:.6g}, {path.state.tolist()}: please report this")
         self._watch(path)
         self._move_onto(path, [*face.keep, *surfaces])

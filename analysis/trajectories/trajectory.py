@@ -20,7 +20,7 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.switched_field import SwitchedField
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import LyapunovWatch, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import FAR, follow_smooth
 from nonsmooth.symbolic.numbers.plane import dot, minus
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
@@ -54,7 +54,7 @@ def simulate(
         return follow_constant(field, start, until, watch or distance_watch(field))
     if until is None or not math.isfinite(until):
         raise ValueError("required a finite last time for a field that is not constant on its cells")
-    if not field.size > 0:
+    if not field.size > 0 or FAR < max(map(abs, start)) < math.inf:
         raise TrajectoryError("required states within the range of floats")
     return follow_smooth(field, start, float(until), watch, meter=meter)
 

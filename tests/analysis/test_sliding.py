@@ -404,6 +404,31 @@ def test_where_six_surfaces_cross(tmp_path: Path) -> None:
     assert path.unique
 
 
+ESCAPING = [  # with the time at which the solution is infinite
+    ("x", ["x**2"], [2.0], 1 / 2),
+    ("x", ["x**5"], [-1.0], 1 / 4),
+    ("xy", ["y", "2*x**3"], [1.0, 1.0], 1.0),
+    ("xyz", ["-sign(x)", "y*Abs(y)", "-z"], [0.1, 4.0, 1.0], 1 / 4),
+]
+
+
+@pytest.mark.parametrize(("states", "rhs", "start", "time"), ESCAPING)
+def test_escapes_in_finite_time_end_there(
+    tmp_path: Path, states: str, rhs: list[str], start: list[float], time: float
+) -> None:
+    path = follow(tmp_path, states, rhs, start, 2.0)
+    assert path.end.reason is EndReason.ESCAPES
+    assert float(path.end.t) == pytest.approx(time, abs=EVENT_ERROR)
+
+
+def test_what_grows_for_long_ends_where_floats_do(tmp_path: Path) -> None:
+    """x = exp(t) is 1e150 at t = 345."""
+    path = follow(tmp_path, "xy", ["x", "-y"], [1.0, 1.0], 900.0)
+    assert path.end.reason is EndReason.FAR
+    assert float(path.end.t) == pytest.approx(math.log(path.end.state[0]), rel=1e-9)
+    assert 1e150 < path.end.state[0] < 1e154
+
+
 def test_a_flat_secant_is_not_a_root() -> None:
     """A guard that only says yes and no: bisection goes on where the slope is zero."""
     assert find_root(lambda t: 1.0 if t < 0.3 else -1.0, (0.0, 1.0), (1.0, -1.0)) == pytest.approx(0.3, abs=1e-14)
