@@ -83,9 +83,7 @@ EVIDENCE = {
     "pairs": "pairs of fields",
     "mixture": "a mixture of what bounds the cell",
 }
-CLAIMED = (
-    "Cells are cut where V bends, too. The certificate shows these inequalities, at all points but the checked one:"
-)
+CLAIMED = "Cells are cut where V bends, too. Of these it is shown, at all points but the checked one:"
 IN_HULL = {Equilibrium.HOLDS: "holds", Equilibrium.FAILS: "fails", Equilibrium.UNDECIDED: "is undecided"}
 CUBES = {1: "interval", 2: "square"}  # by the number of states; of more a cube
 
@@ -198,7 +196,7 @@ def lyapunov_section(subject: SystemSubject) -> Section:
     blocks.append(paragraph("{}", _meaning(subject, shown)))
     if isinstance(shown, PlaneFunction):
         blocks += derivative_blocks(subject, shown)
-    elif isinstance(shown, ExaminedLyapunov) and shown.asked:
+    elif isinstance(shown, ExaminedLyapunov) and shown.proofs:
         header = ("inequality", "how often", "shown by")
         blocks += [paragraph("{}", CLAIMED), table(header, _shown_claims(shown), (0.5, 0.15, 0.35))]
     if reach.region is not None:
