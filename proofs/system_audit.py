@@ -3,7 +3,7 @@
 V is a formula in the displacement from the checked equilibrium; its decimals are exact, so a V that came out of a float
 solver is judged as it was printed.  Valid means: V is zero at the equilibrium and positive elsewhere in the domain, and
 does not increase along any Filippov solution there (:mod:`nonsmooth.proofs.systems.derivatives` in two states,
-:mod:`nonsmooth.proofs.many_states.examination` in more, and where the former leaves it open).  The domain is the
+:mod:`nonsmooth.proofs.many_states.examination` in others, and where the former leaves it open).  The domain is the
 checked cube; for a plain system of cones in two states it is the plane.  Wheel arrays move with the exact pose rate
 ``v + omega J c``.
 
@@ -203,9 +203,9 @@ def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
             ``(a + b + Abs(a - b))/2``.
 
     Raises:
-        SceneError: for text that is no formula of the states, and for systems in one state.
+        SceneError: for text that is no formula of the states.
     """
-    if scene.kind is SceneKind.SYSTEM and len(scene.states) > len(PLANE):
+    if scene.kind is SceneKind.SYSTEM and not scene.is_planar:
         return _audit_in_space(scene, lyapunov)
     found = audited_cells(scene, lyapunov)
     if found is None:
@@ -308,7 +308,7 @@ def _named(witness: Refutation | None) -> Refutation | None:
     return Refutation((x, y), value, witness.meaning)
 
 
-# ---- in three states and more ----------------------------------------------------------------------
+# ---- in one state, and in three and more -----------------------------------------------------------
 
 
 def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
@@ -318,6 +318,9 @@ def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
     scene = with_known_numbers(scene)
     try:
         with formula_refused(scene.origin, KEY, lyapunov):
+            piece = formula.polynomial(scene.named(), lambda _: 1)
+            if any(number.as_rational() is None for number in piece.terms.values()):
+                raise BeyondReachError("a V with irrational numbers is audited in two states alone")
             function = many.examine(scene, formula, radius)
     except BeyondReachError as error:
         verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED

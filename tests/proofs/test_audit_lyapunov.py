@@ -377,3 +377,32 @@ def test_a_region_is_found_in_a_line_of_python() -> None:
     found = system.larger_region(2)
     assert found is not None
     assert repr(found).startswith(f"{found.region} on the square of half-width 1/2 about the point with V = ")
+
+
+# ---- In one state: the verdicts, and V and V' at many places -------------------------------------
+
+ON_A_LINE = [
+    ("-x", "x**2", "valid"),
+    ("-sign(x)", "Abs(x) + x/2", "valid"),
+    ("-x + x**2", "x**2", "valid"),
+    ("-relu(x)", "x**2", "valid"),
+    ("-x/(1 + x**2)", "x**2 - x**3", "valid"),
+    ("-sin(x)", "x**2", "valid"),
+    ("-sign(x)*(1 + sign(x - 1/4))", "x**2", "valid"),
+    ("-x + 4*x**2", "x**2", "invalid"),
+    ("-x", "x**2*(x - 1/4)**2", "invalid"),
+    ("2 - sign(x)", "Abs(x)", "invalid"),
+    ("-x", "x**2 + 1", "invalid"),
+    ("-x", "sqrt(2)*x**2", "undecided"),
+]
+
+
+@pytest.mark.parametrize(("rhs", "lyapunov", "verdict"), ON_A_LINE)
+def test_audits_in_one_state(rhs: str, lyapunov: str, verdict: str) -> None:
+    result = audit(ns.System(["x"], [rhs]).system, lyapunov)
+    assert result.verdict == verdict
+    places = np.linspace(-0.5, 0.5, 801)[1::2]  # none is zero
+    step = 1e-6
+    rates = (value(lyapunov, x=places + step) - value(lyapunov, x=places - step)) / (2 * step) * value(rhs, x=places)
+    holds = bool((value(lyapunov, x=places) > 0).all() and rates.max() <= 1e-8) and value(lyapunov, x=0.0) == 0
+    assert verdict == "undecided" or holds == (verdict == "valid")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -28,7 +27,6 @@ from nonsmooth.analysis.cells.switched_cells import (
     velocities_at,
 )
 from nonsmooth.proofs.findings import Equilibrium, Translation
-from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import plane_cells
@@ -287,21 +285,6 @@ def test_malformed_systems(tmp_path: Path, text: str, key: str, words: str) -> N
     assert line.isprintable()
     assert f"my.toml: {key}: required" in line
     assert words in line
-
-
-@pytest.mark.parametrize(
-    ("states", "decide"),
-    [
-        (["x"], lambda system: audit(system, "x**2")),
-    ],
-)
-def test_planar_decisions_need_two_states(
-    tmp_path: Path, states: list[str], decide: Callable[[SwitchedSystem], object]
-) -> None:
-    text = f"[system]\nstates = {states}\nrhs = {states}"
-    (tmp_path / "my.toml").write_text(text.replace("'", '"'), encoding="utf-8")
-    with pytest.raises(SceneError, match=r"my\.toml: system\.states: required two states, received"):
-        decide(load_system(tmp_path / "my.toml"))
 
 
 def test_a_division_by_zero_on_some_cell_only(load: Load) -> None:
