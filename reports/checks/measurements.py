@@ -52,7 +52,7 @@ def measurable(scene: Scene | SwitchedSystem) -> Scene | SwitchedSystem:
     return scene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MeasurementResult(Result):
     """A run of measurements: what both commands share."""
 

@@ -57,7 +57,8 @@ COMMANDS = {  # in the order of the help
         "Write the derivation report; without -o, as Markdown to standard output.",
         "derive four-wheel -o report.html",
         "derivations.derivation.DERIVE",
-        "Of a plain system in two states: its cells, borders, Lyapunov function or leading terms, and phase portrait.\n"
+        "Of a plain system: its cells, Lyapunov function or leading terms, and solutions; in two states also borders "
+        "and phase portrait.\n"
         "\n"
         "Exit status: 0 written, whatever the verdict; 2 bad input.",
     ),
@@ -70,7 +71,7 @@ COMMANDS = {  # in the order of the help
     "precision": Entry(
         "Measure methods against exact answers: error, time, and how one depends on the other.",
         "precision four-wheel --study trajectories -o precision.svg",
-        "commands.precision.PRECISION",
+        "checks.precision.PRECISION",
         "Exit status: 0 done, 2 bad input, 130 interrupted (finished rows are kept).",
     ),
     "verify": Entry(
@@ -80,13 +81,13 @@ COMMANDS = {  # in the order of the help
     "audit": Entry(
         "Decide whether somebody's function is a Lyapunov function on the checked square.",
         'audit four-wheel --lyapunov "x**2 + 3*y**2"',
-        "commands.audit.AUDIT",
+        "checks.audit.AUDIT",
         "Exit status: 0 valid, 1 invalid, 2 bad input, 3 undecided.",
     ),
     "stress": Entry(
         "Stress a scene: extreme scales, ratios, gains and starts, with the error of every result.",
         "stress four-wheel -o stress.svg",
-        "commands.stress.STRESS",
+        "checks.stress.STRESS",
         "Exit status: 0 all rows ok, 1 not, 2 bad input, 130 interrupted (finished rows are kept).",
     ),
     "design": Entry(

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from nonsmooth.reports.output.study_options import options_of
 
 if TYPE_CHECKING:
+    from nonsmooth.reports.checks.measurements import Precision, Stress
+    from nonsmooth.reports.checks.system_results import AuditedFunction
     from nonsmooth.reports.derivations.derivation import ReportResult
     from nonsmooth.reports.studies.study import SceneStudy
     from nonsmooth.reports.sweeps.sweep import Means
@@ -111,13 +113,56 @@ class PythonScene(ABC):
         Raises:
             ValueError: for a name that is none, where the error lists all, and for ``brief`` of a plain system.
             RefusalError: where the motion is not determined.
-            SceneError: for a plain system in another number of states than two.
         """
         from nonsmooth.reports.derivations.derivation import DERIVE, NamedScene
 
         asked = {"only": only, "without": without, "brief": brief or None}
         given = {name: value for name, value in asked.items() if value is not None}
         result: ReportResult = DERIVE.of(NamedScene(self.exact), **given)
+        return result
+
+    def audit(self, lyapunov: str | None = None) -> AuditedFunction:
+        """Whether somebody's V is a Lyapunov function on the checked square or cube, decided exactly.
+
+        Args:
+            lyapunov: V in the displacement from the checked point, as a formula; the scene's own unless given.
+
+        Raises:
+            ValueError: where neither is given.
+            SceneError: for text that is no formula of the states.
+        """
+        from nonsmooth.reports.checks.audit import AUDIT
+
+        result: AuditedFunction = AUDIT.of(self.exact, lyapunov=lyapunov)
+        return result
+
+    def precision(self, study: Sequence[str] | None = None, *, runs: int = 3, time_limit: float = 5.0) -> Precision:
+        """Error against run time: every method against an exact or 60-digit answer.
+
+        Args:
+            study: names of studies; all unless given.
+            runs: of which the shortest counts.
+            time_limit: seconds for one method at one setting.
+
+        Raises:
+            ValueError: for studies that there are not, and numbers that measure nothing.
+            SceneError: for a plain system that is not in two states.
+        """
+        from nonsmooth.reports.checks.precision import PRECISION
+
+        named = None if study is None else list(study)
+        result: Precision = PRECISION.of(self.exact, study=named, runs=runs, time_limit=time_limit)
+        return result
+
+    def stress(self) -> Stress:
+        """Stiff and extreme cases, each measured against exact or 60-digit arithmetic.
+
+        Raises:
+            SceneError: for a plain system that is not in two states.
+        """
+        from nonsmooth.reports.checks.stress import STRESS
+
+        result: Stress = STRESS.of(self.exact)
         return result
 
     def report(

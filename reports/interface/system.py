@@ -15,6 +15,7 @@ from nonsmooth.reports.studies.study import takes
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.larger_region import LargerRegion
+    from nonsmooth.reports.checks.phase_portrait import PhasePortrait
     from nonsmooth.reports.checks.system_results import SystemCheckResult
     from nonsmooth.reports.exchange.formulas import FieldFormulas
     from nonsmooth.reports.simulations.maps import MapResult
@@ -379,6 +380,16 @@ class System(PythonScene):
             SceneError: for another number of states than two, and for arbitrary switching.
         """
         return self._simulated(grid=grid, until=until)
+
+    def portrait(self) -> PhasePortrait:
+        """The phase portrait of two states: cells with their fields, what solutions do on borders, level sets of V.
+
+        Raises:
+            SceneError: for another number of states, for arbitrary switching, and beside roots of states.
+        """
+        from nonsmooth.reports.checks.phase_portrait import PhasePortrait
+
+        return PhasePortrait(self.system)
 
     @property
     def exact(self) -> SwitchedSystem:

@@ -181,6 +181,9 @@ class Result(ABC):
         """Print it on a terminal."""
         write_views(self.views())
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}: {self.summary()}"
+
     def _repr_html_(self) -> str:
         """Paragraphs and tables; every text is escaped."""
         return "".join(map(_block, self.blocks()))

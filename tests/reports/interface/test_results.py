@@ -48,6 +48,12 @@ def array(name: str = "four-wheel", rule: str = "nearest") -> ns.Array:
     return loaded.with_(rule=rule)
 
 
+def system(name: str) -> ns.System:
+    loaded = ns.load(name)
+    assert isinstance(loaded, ns.System)
+    return loaded
+
+
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     capsys.readouterr()
     assert run(app, arguments) == 0
@@ -71,6 +77,9 @@ SAME: dict[str, Callable[[], Any]] = {
     ),
     f"{HEAVY} --inertia 0.01": lambda: array().dynamics((0.2, 0.3, 0), until=0.001, mass=1, inertia=0.01),
     f"{HEAVY} --compare-masses": lambda: array().compare_masses((0.2, 0.3, 0), until=0.001, mass=1),
+    "audit four-wheel --lyapunov x**2+y**2": lambda: array().audit("x**2+y**2"),
+    "partition eq-4": lambda: system("eq-4").portrait(),
+    "stress eq-4": lambda: ns.load("eq-4").stress(),
     "vehicle jackal --spin 3": lambda: ns.Vehicle.load("jackal").motion(spin=3),
 }
 
@@ -160,6 +169,18 @@ def test_what_does_nothing_for_a_path_is_refused(options: dict[str, Any], line: 
         array().simulate(0.1)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="kinematics: required an array of wheels, received a plain"):
         ns.System(["x"], ["-x"]).simulate((1,), kinematics="exact")
+
+
+def test_what_is_audited_or_measured_is_named() -> None:
+    relay = ns.System(["x"], ["-sign(x)"])
+    assert relay.audit("Abs(x)").verdict == "valid"
+    with pytest.raises(ValueError, match=r"^system: required V as lyapunov or as check\.lyapunov, received neither$"):
+        relay.audit()
+    with pytest.raises(ValueError, match=r"^study: required one of trajectories, .*, received 'tea'$"):
+        array().precision(["tea"])
+    with pytest.raises(ns.SceneError, match="required two states"):
+        relay.stress()
+    assert str(array().precision(["derivation"], runs=1, time_limit=0.01)).startswith("Precision: ")
 
 
 def test_a_wrong_section_or_format_is_named(tmp_path: Path) -> None:
