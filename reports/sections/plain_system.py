@@ -382,9 +382,9 @@ def paths_section(subject: SystemSubject) -> Section:
 
 def _path_row(start: tuple[float, ...], path: Trajectory) -> list[Entry]:
     end = path.end
-    unique = "" if path.unique else "; other solutions branch off"
+    others = {True: "", False: "; other solutions branch off", None: "; uniqueness not decided"}[path.unique]
     time = decimal(float_text(end.t))
-    return [place_text(start), str(len(path.events)), time, place_text(end.state, 4), f"{end.reason}{unique}"]
+    return [place_text(start), str(len(path.events)), time, place_text(end.state, 4), f"{end.reason}{others}"]
 
 
 # ---- what sections need, and their order ---------------------------------------------------------

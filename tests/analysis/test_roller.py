@@ -184,6 +184,20 @@ def test_a_path_has_the_twist_of_the_rule() -> None:
         np.testing.assert_allclose((after - before) / 2e-3, rate, atol=1e-4)
 
 
+def test_drag_knows_no_origin_and_draws_one_of_several_solutions() -> None:
+    """Beside the line of symmetry the twist jumps away from it: on it bodies may turn either way."""
+    rims = [[1.0, 3**0.5], [-1.0, 3**0.5], [1.0, 0.0], [-1.0, 0.0]]
+    places = np.array([[-75.0, -150.0], [75.0, -150.0], [-75.0, 0.0], [75.0, 0.0]])
+    loads = np.array([2.0, 2.0, 5.0, 5.0]) / 14
+    for middle in ([0.0, 0.0], [225.0, 150.0]):
+        wheels = ContactModel.build(places + middle, rims, np.full(4, 300.0), (1.0, 1.0))
+        twist = DraggedMinimizer(replace(wheels, cuts=np.full(4, 0.03))).minimize(loads)
+        assert twist is not None
+        np.testing.assert_allclose(twist, [0.0, 200 * 3**0.5, 0.0], atol=1e-5)
+    scene = load_scene("four-wheel", rule="roller")
+    assert smooth_path(smooth_rule_of(scene), scene, (0.2, 0.13, 0.0), 0.01).unique is None
+
+
 # ---- Newton's method beside contacts that stick, against the method of multipliers; slopes of regimes as
 # differences.
 
@@ -248,6 +262,14 @@ def test_twists_beside_strips_are_those_of_the_method_of_multipliers(rollers: in
             assert np.abs(twist - expected).max() < DRAGGED
     assert found > 60
     assert rolls > 20
+
+
+def test_a_slip_on_the_wrong_side_that_a_step_does_not_change_turns_at_once() -> None:
+    model = replace(model_of(0, 0), cuts=np.full(7, 0.1))
+    newton = CutNewton(model)
+    newton.start_from(EllipseMinimizer().minimize(model, np.full((1, 7), 1 / 7)).twists[0])
+    slips = -np.where(newton._sides == 0, 1.0, newton._sides)
+    assert newton._first_turned(slips, np.zeros(3), np.full(7, True)) == (0.0, 0, 0)
 
 
 @pytest.mark.parametrize("alike", [0, 2])
