@@ -458,6 +458,6 @@ class CutNewton:
         left[:, 1] &= self._sides[:, 0] == 0
         if not left.any():
             return None
-        shares = np.where(left, np.clip(-slips / np.where(left, change, 1.0), 0.0, 1.0), np.inf)
+        shares = np.where(left, np.clip(-slips / np.where(change == 0, np.inf, change), 0.0, 1.0), np.inf)
         contact, axis = divmod(int(shares.argmin()), 2)
         return float(shares[contact, axis]), contact, axis
