@@ -386,6 +386,8 @@ def test_nothing_binds_where_ends_are_not_found(toleranced: Path, capsys: pytest
     found = SampledTablesResult(scene_of(toleranced), 1, lost, (), (kept, lost), None)
     assert found.facts()["binding"] is None
     assert found.summary().startswith("of 4 of 4 tables no place of rest that attracts was found (sampled, seed 1); 0")
+    labels = found.figure().axes[0].get_legend_handles_labels()[1]
+    assert labels[0] == "ends of 0 of 4 (sampled)"
     found.to_terminal()
     shown = capsys.readouterr().out
     assert "which tolerance binds is not known" in shown
@@ -395,10 +397,11 @@ def test_nothing_binds_where_ends_are_not_found(toleranced: Path, capsys: pytest
 def test_what_is_not_drawn_is_refused(toleranced: Path, invoke: Invoke) -> None:
     assert "states no tolerances" in invoke("simulate", "four-wheel", "--tables", "5").err
     toleranced.write_text(TABLE.replace("RULE", "nearest"))
-    assert "under rules with friction sets" in invoke("simulate", str(toleranced), "--tables", "5").err
-    refused = invoke("simulate", str(toleranced), "--rule", "ellipse", "--tables", "5", "--seed", "-1")
-    assert (refused.status, refused.out) == (2, "")
-    assert refused.err == "nonsmooth: --seed: required a number of at least 0, received -1\n"
+    refused = invoke("simulate", str(toleranced), "--tables", "5").err
+    assert "required tolerances of wheels, under rule ellipse or roller, received rule nearest" in refused
+    run = invoke("simulate", str(toleranced), "--rule", "ellipse", "--tables", "5", "--seed", "-1")
+    assert (run.status, run.out) == (2, "")
+    assert run.err == "nonsmooth: --seed: required a number of at least 0, received -1\n"
     assert "--seed: required --tables" in invoke("simulate", "four-wheel", "--from", "0,0,0", "--seed", "3").err
 
 
