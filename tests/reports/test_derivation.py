@@ -22,7 +22,7 @@ from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, ReportResul
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
-from nonsmooth.reports.output.prose import paragraph, prose
+from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
 from nonsmooth.reports.sections.contact import MOST_WHEELS
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -264,6 +264,8 @@ def test_tables_refuse_rows_of_the_wrong_length() -> None:
 
 
 def test_prose_looks_formulas_up() -> None:
+    v = Math(r"\lvert c \rvert^2 + l^2 \theta^2", "|c|^2 + l^2 theta^2")
+    assert with_formulas("|c|^2 + l^2 theta^2 with l = 2 is none") == (v, " with l = 2 is none")
     assert prose("`V*` at {}", "here") == (Math(r"\dot V^*", "V*"), " at ", "here")
     with pytest.raises(ValueError, match="formula of the notation"):
         paragraph("`no such formula`")
