@@ -264,6 +264,21 @@ def test_twists_beside_strips_are_those_of_the_method_of_multipliers(rollers: in
     assert rolls > 20
 
 
+def test_wheels_with_their_rims_on_one_line_hold_together() -> None:
+    """Their forces are told by no equation alone."""
+    places, rims = [[-1, 0], [1, 0], [0, 1], [0, -1]], [[1, 0], [1, 0], [1, 0], [0, 1]]
+    wheels = ContactModel.build(places, rims, np.array([1.0, 1.0, 0.2, 0.5]), (1.0, 1.0))
+    model = DraggedMinimizer(replace(wheels, cuts=np.full(4, 0.05))).dragged
+    loads = np.array([with_drag(np.array([0.4 - shift, 0.3 + shift, 0.15, 0.15])) for shift in (0.0, 0.01, 0.1)])
+    expected, newton = EllipseMinimizer().minimize(model, loads).twists, CutNewton(model)
+    newton.start_from(expected[0])
+    for own, twist in zip(loads, expected, strict=True):
+        found = newton.minimize(own)
+        assert found is not None
+        assert (newton._sides[:2, 0] == 0).all()
+        np.testing.assert_allclose(found, twist, atol=1e-9)
+
+
 def test_a_slip_on_the_wrong_side_that_a_step_does_not_change_turns_at_once() -> None:
     model = replace(model_of(0, 0), cuts=np.full(7, 0.1))
     newton = CutNewton(model)
