@@ -6,6 +6,7 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -23,6 +24,7 @@ from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
 from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
+from nonsmooth.reports.sections import plain_system
 from nonsmooth.reports.sections.contact import MOST_WHEELS
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -261,6 +263,13 @@ def test_text_does_not_start_a_list_or_heading(start: str) -> None:
 def test_tables_refuse_rows_of_the_wrong_length() -> None:
     with pytest.raises(ValueError, match="one width and one entry per column"):
         table(("a", "b"), [("1",)], (1, 1))
+
+
+def test_a_report_says_where_it_is_not_decided_whether_a_solution_is_unique() -> None:
+    path = ns.System(["x", "y"], ["-x", "-y"]).simulate((1, 1), until=0.1).trajectory
+    said = [plain_system._path_row((1, 1), replace(path, unique=unique))[-1] for unique in (True, False, None)]
+    ends = ("", "; other solutions branch off", "; uniqueness not decided")
+    assert said == [f"the time is over{end}" for end in ends]
 
 
 def test_prose_looks_formulas_up() -> None:
