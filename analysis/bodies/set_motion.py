@@ -107,6 +107,9 @@ class SetMotion:
             return found
         self._beside_drag += self._quick is None
         twist = self._minimizer.minimize(loads)
+        if twist is None and self._cut is not None:  # beside a kink Newton's method goes on where multipliers end
+            self._cut.start_from(self._minimizer.nearest)
+            twist = self._cut.minimize(with_drag(loads))
         if twist is None or not self._resists_every_motion(loads):
             place = place_text(in_floats(pose))
             raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")

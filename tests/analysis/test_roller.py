@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+import nonsmooth as ns
 from nonsmooth.analysis.bodies.path import smooth_path
-from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, with_drag
+from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, SetMotion, with_drag
 from nonsmooth.analysis.cells.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
@@ -262,6 +263,18 @@ def test_twists_beside_strips_are_those_of_the_method_of_multipliers(rollers: in
             assert np.abs(twist - expected).max() < DRAGGED
     assert found > 60
     assert rolls > 20
+
+
+def test_newtons_method_goes_on_where_multipliers_end_beside_a_kink() -> None:
+    """On these wheels a body spins so fast that the slip of one, near zero beside the others, is lost in rounding."""
+    places, headings = [(300, 0), (150, 150), (300, 150), (450, 150), (150, 300)], (120, 0, 180, 180, -60)
+    wheels = [ns.Wheel(place, heading=f"{turn} deg", speed=300) for place, turn in zip(places, headings, strict=True)]
+    scene = ns.Array(wheels, mu_roll="7/10", mu_side="1/50", rule="roller", at=(240, 140), radius=1).scene
+    pose = np.array([241.64969563, 136.01943797, -0.5109944])
+    motion = SetMotion(contacts_under(smooth_rule_of(scene), scene), pose)
+    rate, before = (motion.rate(place) for place in (pose, pose - [1e-3, 0.0, 0.0]))
+    assert rate[2] == pytest.approx(-29.85640646, rel=1e-6)
+    assert before == pytest.approx(rate, rel=1e-3)
 
 
 def test_wheels_with_their_rims_on_one_line_hold_together() -> None:
