@@ -164,7 +164,10 @@ class BodyPath(CarriedBody):
             return self.tipped(path, self._well_under(path.state))
         if before is not None:
             self.tell_changes(path, before, support, "" if support.unique else "other choices go on too")
-        path.unique = bool(path.unique and support.unique)
+        if not support.unique:
+            path.unique = False
+        elif self._sets.is_stiff and path.unique:
+            path.unique = None  # where the twist jumps away from a surface, drag draws one solution of several
         self._support = support
         rate = SupportRate(self._switching, support, path.state, self.outline.size)
         mode = SupportMode(self, support, rate)

@@ -94,7 +94,7 @@ def why_not_sampled(scene: Scene) -> str:
     if scene.tolerances is None:
         return "the scene states no tolerances"
     if has_cells(scene):
-        return f"places of rest are followed under rules with friction sets, not under {scene.contact.rule}"
+        return f"rule {scene.contact.rule}"
     if scene.tolerances.centre_of_mass:
         return "the centre of mass is not drawn"
     return ""

@@ -27,7 +27,7 @@ from nonsmooth.symbolic.mechanics.friction_set import CutEllipse
 from nonsmooth.symbolic.mechanics.scene import Scene
 from nonsmooth.symbolic.numbers.number_text import place_text
 from nonsmooth.symbolic.numbers.plane import XY, in_floats, pose_in_floats
-from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, norms, spread
+from nonsmooth.symbolic.numbers.plane_arrays import Floats, are_finite, max_norm, norms, spread, turned
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
@@ -107,6 +107,9 @@ class SetMotion:
             return found
         self._beside_drag += self._quick is None
         twist = self._minimizer.minimize(loads)
+        if twist is None and self._cut is not None:  # beside a kink Newton's method goes on where multipliers end
+            self._cut.start_from(self._minimizer.nearest)
+            twist = self._cut.minimize(with_drag(loads))
         if twist is None or not self._resists_every_motion(loads):
             place = place_text(in_floats(pose))
             raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
@@ -292,11 +295,14 @@ class DraggedMinimizer(WarmMinimizer):
 
     def __init__(self, model: ContactModel) -> None:
         """For contacts of which a strip cuts some friction sets."""
-        # three contacts more: along x, along y and around, each with a slip g across that never vanishes
-        size = float(norms(model.positions - model.positions.mean(axis=0)).max())
+        # three contacts more: along x, along y and around, each with a slip g across that never vanishes, at the mean
+        # of the wheels, as for any origin of coordinates
+        middle = model.positions.mean(axis=0)
+        size = float(norms(model.positions - middle).max())
         speed = max_norm(model.targets) or 1.0
         rows = np.zeros((6, 3))
         rows[[0, 2, 4], [0, 1, 2]] = 1.0, 1.0, size
+        rows[[0, 2], 2] = turned(middle)
         self.dragged = ContactRows(
             np.concatenate([model.rows, rows]),
             np.concatenate([model.targets, np.tile([0.0, speed], 3)]),

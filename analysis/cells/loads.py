@@ -154,15 +154,22 @@ def require_support(scene: Scene, domain: Polygon) -> None:
 
 
 def _tipping_message(scene: Scene, hull: Sequence[Vector], vertex: Point) -> str:
-    """Name the support polygon, the point that leaves it and the largest radius that stays inside."""
-    largest = min(square_rooms(hull, scene.check.equilibrium))
-    corners = ", ".join(f"({float(a):g}, {float(b):g})" for a, b in hull[:8]) + (", ..." if len(hull) > 8 else "")
+    """Name the support polygon, the point that leaves it and the largest radius that stays inside.
+
+    Places are measured from the checked point: of a scene that was moved there nothing else is known here.
+    """
+    at = scene.check.equilibrium
+    largest = min(square_rooms(hull, at))
+    place, *shown = (f"({float(x):g}, {float(y):g})" for x, y in (minus(point, at) for point in (vertex, *hull[:8])))
+    corners = ", ".join(shown) + (", ..." if len(hull) > 8 else "")
+    if largest.sign() <= 0:
+        required = "check.equilibrium: required a point inside the support polygon of the wheels"
+        return f"{required}, received one that is not: measured from it the polygon is {corners}"
     exact, rounded = short_text(largest), float_text(largest)
     said = exact if exact.removeprefix("~") == rounded else f"{exact} ~ {rounded}"
-    advice = f"at most {said}" if largest.sign() > 0 else "an equilibrium inside it"
     return (
-        f"check.radius: required {advice}, received {short_text(scene.check.radius)}: "
-        f"at ({float(vertex[0]):g}, {float(vertex[1]):g}) the body tips over its support polygon {corners}"
+        f"check.radius: required at most {said}, received {short_text(scene.check.radius)}: measured from the checked "
+        f"point, at {place} the body tips over its support polygon {corners}"
     )
 
 

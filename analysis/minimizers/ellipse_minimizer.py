@@ -110,6 +110,13 @@ class WarmMinimizer:
         self._last = y.T, forces.transpose(2, 1, 0)
         return scaled.proved(loads, y, forces)
 
+    @property
+    def nearest(self) -> Floats:
+        """The last twist, proved or not, after :meth:`minimize`."""
+        if self._last is None:
+            raise ValueError("required a minimizer that was asked, received none")
+        return np.asarray((self._scaled.speeds * (self._last[0].T @ self._scaled.to_twists.T))[0])
+
     def _continued(self, loads: Floats, y: Floats, forces: Floats) -> Floats | None:
         scaled = self._scaled
         with np.errstate(all="ignore"):  # a step out of the range of floats is not accepted

@@ -355,6 +355,7 @@ def _solved(matrix: Floats, right: Floats, regime: Regime) -> Floats | None:
 
 
 CUT_STEPS = 30  # of Newton's method with all changes of what rolls; beside the last minimum three or four
+HELD = 1e-13  # of the load, and of the largest speed: what is left where contacts hold one motion together
 ROLLS = 1e-9  # the same: an X or Y that is rounding of the other method
 
 
@@ -426,7 +427,11 @@ class CutNewton:
         return np.asarray(arcs)
 
     def _step(self, loads: Floats, slips: Floats, arcs: Mask) -> tuple[Floats, Floats] | None:
-        """A step of the twist in scaled units, and forces of contacts that roll or stick (n, 2); None if singular."""
+        """A step of the twist in scaled units, and forces of contacts that roll or stick (n, 2); None if singular.
+
+        Contacts that hold one motion together, such as wheels with their rims on one line, take equal shares of their
+        limits: the least of all forces that balance.
+        """
         held = (self._sides == 0) & ~arcs[:, None] & (loads > 0)[:, None] & (self._cut < 1)[:, None]
         forces = self._limits * self._sides
         sizes = np.where(arcs, norms(slips), 1.0)
@@ -437,15 +442,18 @@ class CutNewton:
         rows = self._pairs[held]
         matrix, right = np.zeros((3 + len(rows),) * 2), np.zeros(3 + len(rows))
         matrix[:3, :3] = (turned.T * np.where(arcs, loads / sizes, 0.0)) @ turned
-        matrix[3:, :3], matrix[:3, 3:] = rows, rows.T
+        limits = (loads[:, None] * self._limits)[held]
+        matrix[3:, :3], matrix[:3, 3:] = rows, rows.T * limits
         right[:3] = -(forces * loads[:, None]).ravel() @ self._pairs.reshape(-1, 3)
         right[3:] = -slips[held]
         try:
             found = np.asarray(np.linalg.solve(matrix, right), np.float64)
         except np.linalg.LinAlgError:
-            return None
+            found = np.asarray(np.linalg.lstsq(matrix, right)[0], np.float64)
+            if (np.abs(matrix @ found - right) > HELD * np.repeat([loads.sum(), self._speed], [3, len(rows)])).any():
+                return None
         unknown = np.zeros_like(slips)
-        unknown[held] = found[3:] / np.broadcast_to(loads[:, None], slips.shape)[held]
+        unknown[held] = found[3:] * self._limits[held]
         return (found[:3], unknown) if are_finite(found) else None
 
     def _first_turned(self, slips: Floats, step: Floats, slipping: Mask) -> tuple[float, int, int] | None:
@@ -458,6 +466,6 @@ class CutNewton:
         left[:, 1] &= self._sides[:, 0] == 0
         if not left.any():
             return None
-        shares = np.where(left, np.clip(-slips / np.where(left, change, 1.0), 0.0, 1.0), np.inf)
+        shares = np.where(left, np.clip(-slips / np.where(change == 0, np.inf, change), 0.0, 1.0), np.inf)
         contact, axis = divmod(int(shares.argmin()), 2)
         return float(shares[contact, axis]), contact, axis

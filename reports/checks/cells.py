@@ -240,13 +240,14 @@ class FieldResult(Result):
     @property
     def said(self) -> list[tuple[str, str]]:
         """What the samples say, with names."""
-        field = self.field
+        field, units = self.field, self.field.scene.units
         rests, unknown = float(field.rests.mean()), float((~field.is_determined).mean())
+        squares = f" {units.length}^2/{units.time}" if units.length else ""
         return [
-            ("fastest", float_text(float(np.nanmax(field.speeds, initial=0.0)))),
-            ("largest V*", float_text(float(np.nanmax(field.upper_derivative, initial=-np.inf)))),
-            ("the body rests at", percent_text(rests)),
-            ("not determined at", percent_text(unknown)),
+            ("fastest", float_text(float(np.nanmax(field.speeds, initial=0.0))) + units.after_speed),
+            ("largest V*", float_text(float(np.nanmax(field.upper_derivative, initial=-np.inf))) + squares),
+            ("the body rests at", f"{percent_text(rests)} of the points"),
+            ("not determined at", f"{percent_text(unknown)} of the points"),
         ]
 
     @property

@@ -230,8 +230,8 @@ class SystemCheckResult(FactResult):
         system, basin = self.evidence.scene, self.evidence.reach.basin
         has_portrait = system.has_one_field and system.by_roots is None
         if not system.is_planar or not (basin or has_portrait):
-            super().draw(ax)
-            return
+            required = "a system in two states with one right-hand side and no roots of states, for a picture"
+            raise TypeError(f"required {required}, received {system.name} in {', '.join(system.stated_states)}")
         if basin is None:
             from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 

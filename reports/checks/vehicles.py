@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 SCHEMA = "nonsmooth-vehicle/1"
 YAML = ".yaml"  # parameters of a controller
 ROUNDING = 1e-13  # of the speeds, sizes or weight of a vehicle: a smaller number is rounding of a zero
+UNSTATED = "speeds and rates in the scene's units"
 DIGITS = 6  # significant, of a controller's parameter: more than any vehicle keeps
 
 
@@ -102,14 +103,16 @@ class VehicleResult(Result):
         """Parameters of ROS 2's ``diff_drive_controller``; None where the vehicle has no track, or does not turn.
 
         It divides the difference of the wheel speeds by ``wheel_separation * wheel_separation_multiplier``, so the
-        multiplier is the effective track over the track.
+        multiplier is the effective track over the track.  Its lengths are in metres; so are those of a scene that
+        states no unit.
         """
         vehicle, multiplier = self.vehicle, self.own.multiplier
         if vehicle.track is None or multiplier is None:
             return None
-        parameters = {"wheel_separation": float(vehicle.track), "wheel_separation_multiplier": multiplier}
+        metres = float(vehicle.scene.units.metres or 1)
+        parameters = {"wheel_separation": float(vehicle.track) * metres, "wheel_separation_multiplier": multiplier}
         if vehicle.wheel_radius is not None:
-            parameters["wheel_radius"] = float(vehicle.wheel_radius)
+            parameters["wheel_radius"] = float(vehicle.wheel_radius) * metres
         return {name: float(f"{value:.{DIGITS}g}") for name, value in parameters.items()}
 
     def controller_lines(self) -> str:
@@ -192,8 +195,8 @@ class VehicleResult(Result):
         """The wheels with slips and forces, the centre of mass and the instant centre."""
         motion, scene = self.own, self.vehicle.scene
         places = places_of(scene.wheels)
-        half = 0.75 * spread(places)
-        x, y = (places.min(axis=0) + places.max(axis=0)) / 2
+        middle = (places.min(axis=0) + places.max(axis=0)) / 2
+        half = max(0.75 * spread(places), max_norm(places - middle) / (0.96 - 2 * REACH))  # arrows stay inside
         for wheel in scene.wheels:
             draw_wheel(ax, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
         along = float_points(wheel.unit_grip for wheel in scene.wheels)
@@ -203,9 +206,9 @@ class VehicleResult(Result):
         _draw_arrows(ax, places, frames, motion.forces, 1.0, 2 * half * REACH, LINES[0], "friction force")
         centre = in_floats(self.vehicle.centre_of_mass)
         ax.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
-        if motion.icr is not None:
+        if motion.icr is not None and max_norm(motion.icr - middle) <= half:
             ax.plot(*motion.icr, "o", color=LINES[2], fillstyle="none", label="instant centre")
-        view_square(ax, (x, y), half)
+        view_square(ax, in_floats(middle), half)
         ax.set(xlabel=length_label("x (forward)", scene.units), ylabel=length_label("y (left)", scene.units))
         ax.set_title(wrapped(f"{one_line(scene.name)}, rule {motion.rule.name}"), parse_math=False, fontsize="medium")
 
@@ -217,6 +220,7 @@ class VehicleResult(Result):
         legend_below(figure, panels[0].get_legend_handles_labels()[0], 4, fontsize="small")
         if self.turns:
             _draw_turns(panels[1], self.turns)
+            panels[1].set_ylabel(length_label("y of the instant centre", self.vehicle.scene.units))
         return figure
 
     # ---- text ------------------------------------------------------------------------------------
@@ -271,7 +275,9 @@ class VehicleResult(Result):
             multiplier, ratio = float_text(spin["multiplier"]), _ratio_text(spin["friction_ratio"])
             yield f"spin {float_text(spin['rate'])}: multiplier {multiplier}, mu_S/mu_R = {ratio}"
         if self.own.forces is not None:
-            yield "forces as shares of the weight; speeds and rates in the scene's units"
+            units = self.vehicle.scene.units
+            known = f"lengths in {units.length}, speeds in {units.speed}, omega in rad/s"
+            yield f"forces as shares of the weight; {known if units.length else UNSTATED}"
         if self.controller is not None:
             yield "diff_drive_controller: " + ", ".join(f"{key}: {value}" for key, value in self.controller.items())
 
@@ -375,7 +381,7 @@ def _draw_turns(axes: Axes, turns: Sequence[CurvedMotion]) -> None:
         points = [(x, y) for x, y in zip(share, centres, strict=True) if y is not None]
         if points:
             axes.plot(*zip(*points, strict=True), marker=".", color=color, label=label)
-    axes.set(xlabel="commanded turn: 0 straight on, 1 in place", ylabel="y of the instant centre", xlim=(0, 1.02))
+    axes.set(xlabel="commanded turn: 0 straight on, 1 in place", xlim=(0, 1.02))
     axes.set_title("instant centres of rotation, sampled", fontsize="medium")
     axes.grid(color="0.9", linewidth=0.6)
     if axes.lines:

@@ -19,7 +19,7 @@ class VehicleOptions(Options):
     """What was measured."""
 
     spin: float | None = option(
-        None, "Measured rate of turn at the scene's wheel speeds: gives mu_S/mu_R.", metavar="RATE"
+        None, "Measured rate of turn at the scene's wheel speeds, in radian per time: gives mu_S/mu_R.", metavar="RATE"
     )
 
 

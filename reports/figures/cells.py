@@ -350,6 +350,8 @@ def field_figure(field: SampledField) -> Figure:
         mark_entry(r"$\rightarrow$", "motion of the centre of mass", markersize=9),
         mark_entry("+", "checked point", markersize=9),
         *[mark_entry("o", "the body rests", markersize=DOT)] * bool(field.rests.any()),
+        *[mark_entry("s", "white: not determined", color="0.7", markerfacecolor="white")]
+        * bool((~field.is_determined).any()),
         *[line_entry("wheel: rim, surface speed, number", color=INK, linewidth=5)]
         * bool(wheels_in_view(axes, field.scene.wheels)),
     ]

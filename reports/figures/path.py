@@ -251,6 +251,7 @@ def _draw_curves(curves: Sequence[Axes], picture: PathPicture) -> None:
     """The states over time, one under the other, with the events marked, and lines at the checked point."""
     times, states = picture.trajectory.dense(SAMPLES)
     shown = TO_SHOW if picture.home else np.ones(len(curves))
+    spans = np.ptp(states * shown, axis=0)
     for k, axes in enumerate(curves):
         if picture.beside is not None:
             others, values = picture.beside[0].dense(SAMPLES)
@@ -261,6 +262,8 @@ def _draw_curves(curves: Sequence[Axes], picture: PathPicture) -> None:
             axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=5, fillstyle="none", linestyle="none")
         axes.set_ylabel(picture.labels[k])
         axes.margins(x=0.02, y=0.15)
+        if spans[k] < ROUNDING * spans.max():  # rounding of a constant: a straight line
+            axes.set_ylim(*(states[0, k] * shown[k] + spans.max() * np.array([-0.5, 0.5])))
         _draw_home(axes, picture.home[k] if picture.home else 0.0)
         if axes is not curves[-1]:
             axes.tick_params(labelbottom=False)
@@ -327,6 +330,7 @@ def marked(events: Sequence[Event]) -> Sequence[Event]:
 
 # ---- grounds -------------------------------------------------------------------------------------
 
+ROUNDING = 1e-9  # of the largest change of a state along the path: changes of others that are no more
 SMALL = 0.2  # of the half-width of the square: a path that keeps to less is drawn enlarged
 ENLARGED = 1.3  # half-width of the enlarged view in units of the path's extent
 RIM_LENGTH = 0.07  # half of a drawn rim's, as a share of the array

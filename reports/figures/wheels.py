@@ -295,7 +295,8 @@ def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] 
         place, (dx, dy) = in_floats(wheel.position), in_floats(wheel.unit_direction)
         near = lines - np.array(place) * points / (right - left)
         offsets = [name_offset(way, name, size) for way in ((dx, dy), (-dx, -dy))]
-        if name_width(name, size) < SHORT_NAME * gap * points / (right - left):  # room beyond the ends of the rim too
+        # room beyond the ends of the rim too, where rims are as long as an array's picture draws them
+        if rings is None and name_width(name, size) < SHORT_NAME * gap * points / (right - left):
             half = min(LARGEST_RIM * (right - left), gap * RIM_SHARE) * points / (right - left)
             offsets += _beyond_ends((dx, dy), wheel.speed.sign() < 0, half, name, size)
         middle = min(offsets, key=lambda offset: _covered(near, offset, name, size))

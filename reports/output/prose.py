@@ -40,6 +40,7 @@ _NOTATION = {
     "c' = A c": r"\dot c = A c",
     "0 in F": r"0 \in F",
     "|c|^2 + theta^2": r"\lvert c \rvert^2 + \theta^2",
+    "|c|^2 + l^2 theta^2": r"\lvert c \rvert^2 + l^2 \theta^2",
     "c^T P c + w theta^2": r"c^T P c + w \theta^2",
     "m . xi = 0": r"m \cdot \xi = 0",
     "omega = 0": r"\omega = 0",

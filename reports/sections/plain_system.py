@@ -69,7 +69,7 @@ TONES = {
 STARTS = ((0.4, 0.8), (-0.8, 0.4), (-0.4, -0.8), (0.8, -0.4))  # in turn for all states: half-widths from the point
 UNTIL = 10.0  # last time of the solutions that are shown
 SHOWN_FIELDS = 60  # rows of the table of cells
-BRANCHES = {True: "", False: "; other solutions branch off", None: "; whether others branch off is not decided"}
+BRANCHES = {True: "", False: "; other solutions branch off", None: "; uniqueness not decided"}
 INEQUALITIES = {
     ("V", True): "V > 0 on a cell",
     ("cell", True): "V' < 0 along a field of a cell",

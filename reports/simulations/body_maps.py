@@ -19,6 +19,7 @@ from nonsmooth.reports.figures.style import (
     INK,
     LEGEND_LINE,
     POINTS_PER_INCH,
+    ROOM,
     TOLD_APART,
     centre_labels,
     draw_checked_point,
@@ -312,7 +313,7 @@ class BodyMapResult(ArrayMap):
             ]
         panes = 2 if has_bodies else 1
         figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
-        figure.set_layout_engine("compressed")
+        figure.set_layout_engine("compressed", h_pad=ROOM / POINTS_PER_INCH)
         starts, *others = figure.subplots(1, panes, squeeze=False)[0]
         self.draw(starts)
         self._draw_contacts(starts)

@@ -223,7 +223,9 @@ class FailedPathsResult(Result):
         accuracy = f"home: within {accuracy_text(self.scene)} of the checked point"
         said = f"sampled, without inertia, {until}; {accuracy}"
         if len(self.whole) == 1:
-            return [*sentences(said), self._of_one_start(), *self._worst()]
+            lost = (path for path in self.paths if path.path is None and not path.does_tip)
+            reasons = sentences(*(f"{path.failed}: {path.how}" for path in lost))
+            return [*sentences(said), self._of_one_start(), *reasons, *self._worst()]
         names = (
             "failed",
             in_unit("end moves at most", self.scene.units.length),
@@ -237,6 +239,8 @@ class FailedPathsResult(Result):
             counts = (self.lost(failed), sum(p.does_tip for p in after), self.unknown(failed))
             lines.append([str(failed), _text(self.farthest(failed)), *map(str, counts)])
         home = f"{self.came} of {len(self.whole)} starts come home with all wheels"
+        if any(path.is_open for path in self.whole):
+            home += f"; of {sum(path.is_open for path in self.whole)} that is not known"
         return [*sentences(said, home), table(names, lines, (1.5, 1.0, 1.0, 0.5, 0.7)), *self._worst()]
 
     def _of_one_start(self) -> Block:
@@ -252,9 +256,9 @@ class FailedPathsResult(Result):
         return table(names, lines, (1.2, 1.5, 1.0, 0.9, 0.5, 0.9))
 
     def _how(self, path: FailedPath) -> str:
-        """In a word how a path ends, where its time is over with which motion; or why it is not followed."""
+        """In a word how a path ends, where its time is over with which motion."""
         if path.path is None and not path.does_tip:
-            return path.how
+            return "not followed"
         if path.branches:
             return BRANCHES
         reason = EndReason.TIPS if path.does_tip or path.path is None else path.path.end.reason
@@ -360,7 +364,7 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
         OptionError: for a start that is no pose, and wheels that the scene has not.
         RefusalError: where the motion of the whole table is not determined.
         ValueError: for a start outside the checked square.
-        TrajectoryError: where a path of the whole table cannot be followed.
+        TrajectoryError: where the path of the whole table from the only start cannot be followed.
     """
     cases = list(_cases(scene, str(options.fail)))
     starts = [options.pose] if options.grid is None else _grid(scene, options.grid, float(options.heading))
@@ -371,7 +375,13 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
     before: list[FailedPath] = []
     for start in starts:
         with part_of(len(before), total, "paths"):
-            path = rule_path(scene, scene.contact.rule, start, until)
+            try:
+                path = rule_path(scene, scene.contact.rule, start, until)
+            except TrajectoryError as error:
+                if len(starts) == 1:
+                    raise
+                before.append(FailedPath(Failed(), start, None, one_line(str(error))))
+                continue
         before.append(FailedPath(Failed(), start, path, near=is_near(scene, path.end.state)))
     after: list[FailedPath] = []
     for failed in cases:

@@ -177,7 +177,7 @@ class HeadingsResult(Result):
         of_radian = shown_angle(units, 1.0)
         begins = of_radian * self.found.starts[:, 2]
         stands = np.array([self._stands(k) for k in range(len(begins))])
-        ends = of_radian * turned_heading(self.found.poses[:, 2])
+        ends = begins + of_radian * turned_heading(self.found.poses[:, 2] - self.found.starts[:, 2])
         ax.plot(begins[stands], ends[stands], "o", color="#0072B2", markersize=3, label="upright")
         if not stands.all():
             ax.plot(begins[~stands], begins[~stands], "x", color="#D55E00", markersize=4, label="falls")

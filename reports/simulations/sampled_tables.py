@@ -161,7 +161,9 @@ class SampledTablesResult(Result):
         from matplotlib.patches import Circle
 
         unit, center = self.scene.units.after_length, in_floats(self.all.point)
-        ax.plot(*self.all.places.T, ".", color="#0072B2", markersize=4, label="ends (sampled)")
+        count, missing = len(self.all.places), self.all.missing
+        ends = f"ends of {count - missing} of {count} (sampled)" if missing else "ends (sampled)"
+        ax.plot(*self.all.places.T, ".", color="#0072B2", markersize=4, label=ends)
         ax.plot(*center, "+", color=INK, markersize=12, label="checked point")
         within = {"95 % of them": (self.all.within(SHARE), "#D55E00", "-"), "accuracy": (self.accuracy, INK, "--")}
         for what, (radius, color, dashes) in within.items():
@@ -171,7 +173,7 @@ class SampledTablesResult(Result):
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_xlabel(length_label("x", self.scene.units))
         ax.set_ylabel(length_label("y", self.scene.units))
-        title_axes(ax, f"{one_line(self.scene.name)}: {len(self.all.places)} tables")
+        title_axes(ax, f"{one_line(self.scene.name)}: {count} tables")
 
     def figure(self) -> Figure:
         """The same with a legend below, which covers no end."""
@@ -207,7 +209,7 @@ def draw_tables(scene: Scene, options: SimulateOptions) -> SampledTablesResult:
     refused = why_not_sampled(scene)
     if refused or scene.tolerances is None:
         raise SceneError(
-            scene.origin, "tolerance", "tolerances of wheels, under a rule with friction sets", StatedFact(refused)
+            scene.origin, "tolerance", "tolerances of wheels, under rule ellipse or roller", StatedFact(refused)
         )
     names = scene.tolerances.names
     groups = [own for group in (FRICTION, GEOMETRY) if len(own := [name for name in group if name in names]) > 1]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # Headings of the help: what an option belongs to.
 PATH = "One path"
 LOOP = "Closed loop of an array"
-MAP = "Map of many starts of an array"
+MAP = "Map of many starts"
 FAILED = "Failed wheels of an array"
 TABLES = "Tables within the tolerances of an array"
 ORBIT = "Periodic orbit of a plain system"

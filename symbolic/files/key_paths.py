@@ -1,10 +1,10 @@
 """Key paths of scene files: ``friction.mu_side``, ``wheel.1.heading``, ``wheel.2.position.x``.
 
 A path names one number of a document.  Tables and keys are joined by dots; wheels and all else in lists are counted
-from 1 as in messages.  The two numbers of a position or a direction are its ``x`` and ``y``, those of a row of loads
-``c0``, ``cx`` and ``cy``; of a plain system the ends of an interval are ``low`` and ``high``, and those of the point
-that is checked have the names of its states.  A key that only one table has may stand alone: ``mu_side`` is
-``friction.mu_side``.  Which numbers there are is read from the tables of
+from 1 as in messages; a wheel may be called by its name, ``wheel.M2.heading``.  The two numbers of a position or a
+direction are its ``x`` and ``y``, those of a row of loads ``c0``, ``cx`` and ``cy``; of a plain system the ends of an
+interval are ``low`` and ``high``, and those of the point that is checked have the names of its states.  A key that only
+one table has may stand alone: ``mu_side`` is ``friction.mu_side``.  Which numbers there are is read from the tables of
 :mod:`nonsmooth.symbolic.files.scene_document`, and from the document where it holds lists.
 """
 
@@ -49,6 +49,11 @@ def find_path(text: str, document: Mapping[str, Any], file: str) -> Path:
         SceneError: for a path that names no number of this scene; the message lists near ones.
     """
     known = {path_text(path, document): path for path in numeric_paths(document)}
+    names = {str(wheel.get("name")): number for number, wheel in enumerate(document.get("wheel", ()), 1)}
+    table, _, rest = text.partition(".")
+    name, _, key = rest.partition(".")
+    if text not in known and table == "wheel" and name in names:
+        text = f"wheel.{names[name]}.{key}"
     if text in known:
         return known[text]
     alone = {

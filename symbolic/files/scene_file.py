@@ -262,7 +262,8 @@ def speed_hints(document: SceneDocument, wheels: Sequence[Wheel]) -> Iterator[st
         return
     numbers = numbers_text(tuple(wheel.index for wheel in silent))
     who = "no wheel states a speed" if len(silent) == len(wheels) else f"no speed is stated of wheels {numbers}"
-    yield f"[units]: {who}: they run at {float(silent[0].speed):.4g} {document.units.labels.speed}"
+    fields = " ([field] speed is that of wheels without a heading)" if of_field else ""
+    yield f"[units]: {who}: they run at {float(silent[0].speed):.4g} {document.units.labels.speed}{fields}"
 
 
 def angle_hints(turns: Iterable[Fraction], unit: AngleUnit | None) -> Iterator[str]:

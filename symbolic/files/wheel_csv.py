@@ -224,7 +224,7 @@ def _columns(header: list[str], key: str, file: str) -> list[str | None]:
     missing = [column for column in COLUMNS if column not in columns]
     required = " and ".join(column for column in ("x", "y") if column in missing)
     if required:
-        raise SceneError(file, key, "a header with x and y", StatedFact(f"one without {required}"))
+        raise SceneError(file, key, "a header with x and y, without units", StatedFact(f"one without {required}"))
     for name in _unread(header, columns):
         is_heading = "heading" in missing and _LIKE_HEADING.fullmatch(name)
         meant = " (is heading meant?)" if is_heading else is_meant(name, missing)

@@ -433,7 +433,7 @@ def test_the_regions_that_hold_a_point_are_found_without_the_others(arrays: Arra
 
 
 def test_a_body_that_would_tip_is_refused_with_the_largest_radius(arrays: Arrays) -> None:
-    with pytest.raises(LoadError, match=r"check.radius: required at most 1, received 11/10: at .* tips"):
+    with pytest.raises(LoadError, match=r"check.radius: required at most 1, received 11/10: measured .*, at .* tips"):
         load_regions(arrays.four_wheel(radius=Fraction(11, 10)))
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+import nonsmooth as ns
 from nonsmooth.analysis.bodies.path import smooth_path
-from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, with_drag
+from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, SetMotion, with_drag
 from nonsmooth.analysis.cells.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contacts_under
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer, minima_under
@@ -184,6 +185,20 @@ def test_a_path_has_the_twist_of_the_rule() -> None:
         np.testing.assert_allclose((after - before) / 2e-3, rate, atol=1e-4)
 
 
+def test_drag_knows_no_origin_and_draws_one_of_several_solutions() -> None:
+    """Beside the line of symmetry the twist jumps away from it: on it bodies may turn either way."""
+    rims = [[1.0, 3**0.5], [-1.0, 3**0.5], [1.0, 0.0], [-1.0, 0.0]]
+    places = np.array([[-75.0, -150.0], [75.0, -150.0], [-75.0, 0.0], [75.0, 0.0]])
+    loads = np.array([2.0, 2.0, 5.0, 5.0]) / 14
+    for middle in ([0.0, 0.0], [225.0, 150.0]):
+        wheels = ContactModel.build(places + middle, rims, np.full(4, 300.0), (1.0, 1.0))
+        twist = DraggedMinimizer(replace(wheels, cuts=np.full(4, 0.03))).minimize(loads)
+        assert twist is not None
+        np.testing.assert_allclose(twist, [0.0, 200 * 3**0.5, 0.0], atol=1e-5)
+    scene = load_scene("four-wheel", rule="roller")
+    assert smooth_path(smooth_rule_of(scene), scene, (0.2, 0.13, 0.0), 0.01).unique is None
+
+
 # ---- Newton's method beside contacts that stick, against the method of multipliers; slopes of regimes as
 # differences.
 
@@ -248,6 +263,41 @@ def test_twists_beside_strips_are_those_of_the_method_of_multipliers(rollers: in
             assert np.abs(twist - expected).max() < DRAGGED
     assert found > 60
     assert rolls > 20
+
+
+def test_newtons_method_goes_on_where_multipliers_end_beside_a_kink() -> None:
+    """On these wheels a body spins so fast that the slip of one, near zero beside the others, is lost in rounding."""
+    places, headings = [(300, 0), (150, 150), (300, 150), (450, 150), (150, 300)], (120, 0, 180, 180, -60)
+    wheels = [ns.Wheel(place, heading=f"{turn} deg", speed=300) for place, turn in zip(places, headings, strict=True)]
+    scene = ns.Array(wheels, mu_roll="7/10", mu_side="1/50", rule="roller", at=(240, 140), radius=1).scene
+    pose = np.array([241.64969563, 136.01943797, -0.5109944])
+    motion = SetMotion(contacts_under(smooth_rule_of(scene), scene), pose)
+    rate, before = (motion.rate(place) for place in (pose, pose - [1e-3, 0.0, 0.0]))
+    assert rate[2] == pytest.approx(-29.85640646, rel=1e-6)
+    assert before == pytest.approx(rate, rel=1e-3)
+
+
+def test_wheels_with_their_rims_on_one_line_hold_together() -> None:
+    """Their forces are told by no equation alone."""
+    places, rims = [[-1, 0], [1, 0], [0, 1], [0, -1]], [[1, 0], [1, 0], [1, 0], [0, 1]]
+    wheels = ContactModel.build(places, rims, np.array([1.0, 1.0, 0.2, 0.5]), (1.0, 1.0))
+    model = DraggedMinimizer(replace(wheels, cuts=np.full(4, 0.05))).dragged
+    loads = np.array([with_drag(np.array([0.4 - shift, 0.3 + shift, 0.15, 0.15])) for shift in (0.0, 0.01, 0.1)])
+    expected, newton = EllipseMinimizer().minimize(model, loads).twists, CutNewton(model)
+    newton.start_from(expected[0])
+    for own, twist in zip(loads, expected, strict=True):
+        found = newton.minimize(own)
+        assert found is not None
+        assert (newton._sides[:2, 0] == 0).all()
+        np.testing.assert_allclose(found, twist, atol=1e-9)
+
+
+def test_a_slip_on_the_wrong_side_that_a_step_does_not_change_turns_at_once() -> None:
+    model = replace(model_of(0, 0), cuts=np.full(7, 0.1))
+    newton = CutNewton(model)
+    newton.start_from(EllipseMinimizer().minimize(model, np.full((1, 7), 1 / 7)).twists[0])
+    slips = -np.where(newton._sides == 0, 1.0, newton._sides)
+    assert newton._first_turned(slips, np.zeros(3), np.full(7, True)) == (0.0, 0, 0)
 
 
 @pytest.mark.parametrize("alike", [0, 2])

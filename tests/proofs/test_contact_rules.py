@@ -397,8 +397,10 @@ def test_spinning_and_carried_bodies_are_unstable_in_theta() -> None:
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_a_body_that_would_tip_is_refused(arrays: Arrays, rule: str) -> None:
-    with pytest.raises(RefusalError, match="support polygon"):
+    with pytest.raises(RefusalError, match=r"check\.radius: .* measured from the checked point, at .* support polygon"):
         check_theorem4(ruled(arrays.four_wheel(radius=2), rule))
+    with pytest.raises(RefusalError, match=r"check\.equilibrium: required a point inside the support polygon"):
+        check_theorem4(load_scene("four-wheel", rule=rule, at="2,0"))
 
 
 # ---- feedback: two laws of the field, sampled ----------------------------------------------------

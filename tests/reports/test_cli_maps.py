@@ -28,6 +28,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.findings import Translation
 from nonsmooth.reports.checks.phase_portrait import PhasePortrait
 from nonsmooth.reports.cli import app
+from nonsmooth.reports.figures.style import lay_out
 from nonsmooth.reports.output import progress as progress_module
 from nonsmooth.reports.output.console import run
 from nonsmooth.reports.output.progress import progress
@@ -342,3 +343,26 @@ def test_pictures_records_and_views(rule: str, invoke: Invoke) -> None:
     assert again.save("again.svg").read_bytes() == Path("f.svg").read_bytes()
     assert invoke("partition", "four-wheel", "--rule", rule, "--json").record == again.to_dict()
     assert len(repr(again).splitlines()) <= 12
+
+
+def test_a_sampled_field_has_units_and_names_what_is_white() -> None:
+    table = ns.Array.grid(2, 2, pitch=0.2, mu_roll=1, mu_side="1/20", rule="roller", units={"length": "m"})
+    field = table.field()
+    said = dict(field.said)
+    assert said["fastest"].endswith(" m/s")
+    assert said["largest V*"].endswith(" m^2/s")
+    (legend,) = field.figure().legends
+    assert "white: not determined" in [text.get_text() for text in legend.get_texts()]
+
+
+def test_a_map_of_bodies_keeps_its_labels_off_its_legend() -> None:
+    figure = ns.load("carton-on-6x6").map(2, until=0.1).figure()
+    lay_out(figure, ".png")
+    below = figure.legends[0].get_window_extent().y1
+    assert all(axes.xaxis.label.get_window_extent().y0 > below for axes in figure.axes)
+
+
+def test_rounding_of_a_state_that_stays_is_no_curve() -> None:
+    figure = ns.System(["x", "y"], ["-x", "-y - sign(y)"]).simulate((1, 1e-14), until=1).figure()
+    low, high = figure.axes[1].get_ylim()
+    assert high - low > 0.1

@@ -15,6 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from matplotlib.quiver import Quiver
 
 import nonsmooth as ns
 from nonsmooth.analysis.measurements.harness import Case, ResultRow, Rows, judged, refused
@@ -273,6 +274,24 @@ def test_rounding_is_no_slip_in_a_picture(invoke: Invoke, tmp_path: Path) -> Non
     for name, slips in (("swerve-base", False), ("husky-a200", True)):
         assert invoke("vehicle", name, "-o", f"{name}.svg").status == 0
         assert ("slip over the ground" in (tmp_path / f"{name}.svg").read_text(encoding="utf-8")) == slips
+
+
+def test_a_controller_takes_metres(invoke: Invoke, tmp_path: Path) -> None:
+    sides = "track = 640\nwheel_base = 700\nwheel_radius = 150\n[friction]\nmu_roll = 1\nmu_side = 1\n"
+    (tmp_path / "skid.toml").write_text(f'[units]\nlength = "mm"\n[vehicle]\n{sides}', encoding="utf-8")
+    out = invoke("vehicle", "skid.toml").out
+    assert "lengths in mm, speeds in mm/s, omega in rad/s" in out
+    assert "wheel_separation: 0.64, " in out
+    assert invoke("vehicle", "skid.toml", "-o", "skid.yaml").status == 0
+    assert "wheel_radius: 0.15\n" in (tmp_path / "skid.yaml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["mecanum-base", "husky-a200"])
+def test_arrows_of_slips_and_forces_stay_inside_the_picture(name: str) -> None:
+    (picture, *_) = ns.Vehicle.load(name).motion().figure().axes
+    for arrows in (child for child in picture.collections if isinstance(child, Quiver)):
+        tips = arrows.get_offsets() + np.column_stack([arrows.U, arrows.V])
+        assert (np.abs(tips) < picture.get_xlim()[1]).all()
 
 
 def test_a_vehicle_that_never_turns_has_a_picture(invoke: Invoke, tmp_path: Path) -> None:

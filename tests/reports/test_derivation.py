@@ -6,6 +6,7 @@ import json
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -22,8 +23,10 @@ from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, ReportResul
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.output.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
-from nonsmooth.reports.output.prose import paragraph, prose
+from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
+from nonsmooth.reports.sections import plain_system
 from nonsmooth.reports.sections.contact import MOST_WHEELS
+from nonsmooth.reports.simulations.paths import SystemPath
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.conftest import Arrays
@@ -263,7 +266,18 @@ def test_tables_refuse_rows_of_the_wrong_length() -> None:
         table(("a", "b"), [("1",)], (1, 1))
 
 
+def test_a_report_says_where_it_is_not_decided_whether_a_solution_is_unique() -> None:
+    path = ns.System(["x", "y"], ["-x", "-y"]).simulate((1, 1), until=0.1)
+    assert isinstance(path, SystemPath)
+    paths = [replace(path, trajectory=replace(path.trajectory, unique=own)) for own in (True, False, None)]
+    said = [plain_system._path_row((1, 1), own)[-1] for own in paths]
+    ends = ("", "; other solutions branch off", "; uniqueness not decided")
+    assert said == [f"the time is over{end}" for end in ends]
+
+
 def test_prose_looks_formulas_up() -> None:
+    v = Math(r"\lvert c \rvert^2 + l^2 \theta^2", "|c|^2 + l^2 theta^2")
+    assert with_formulas("|c|^2 + l^2 theta^2 with l = 2 is none") == (v, " with l = 2 is none")
     assert prose("`V*` at {}", "here") == (Math(r"\dot V^*", "V*"), " at ", "here")
     with pytest.raises(ValueError, match="formula of the notation"):
         paragraph("`no such formula`")

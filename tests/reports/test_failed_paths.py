@@ -15,7 +15,7 @@ from matplotlib.patches import Circle
 import nonsmooth as ns
 from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
-from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import stopped, without
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.reports.simulations.failed_paths import follow_failures
@@ -23,6 +23,7 @@ from nonsmooth.reports.simulations.sampled_tables import SampledTablesResult, dr
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.mechanics.scene import Scene
+from nonsmooth.symbolic.numbers.plane import Pose
 from nonsmooth.symbolic.numbers.plane_arrays import turned
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.reports.conftest import Invoke
@@ -169,6 +170,20 @@ def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) ->
         words in picture for words in ("wheel 1 stopped", "wheel 4 lifted", "start", "end", "tips", "checked square")
     )
     assert "other failures" not in picture  # all eight are named
+
+
+def test_one_start_that_is_not_followed_spoils_no_others(monkeypatch: pytest.MonkeyPatch, invoke: Invoke) -> None:
+    def followed(scene: Scene, rule: str, start: Pose, until: float) -> Trajectory:
+        if (start[0] < 0 and start[1] < 0) or (start[0] == 0.3 and scene.wheels[0].speed == 0):
+            raise TrajectoryError("required a certified motion, received none")
+        return rule_path(scene, rule, start, until)
+
+    monkeypatch.setattr("nonsmooth.reports.simulations.failed_paths.rule_path", followed)
+    shown = invoke("simulate", "four-wheel", "--grid", "2", "--fail", "1")
+    assert "3 of 4 starts come home with all wheels; of 1 that is not known" in shown.out
+    assert invoke("simulate", "four-wheel", "--from=-0.1,-0.1,0", "--fail", "1").status == 2
+    lines = invoke("simulate", "four-wheel", "--from", "0.3,0.1,0", "--fail", "1").out.splitlines()
+    assert "wheel 1 stopped: not followed: required a certified motion, received none" in lines
 
 
 def test_a_body_tips_where_a_check_says_so(invoke: Invoke) -> None:
@@ -371,6 +386,8 @@ def test_nothing_binds_where_ends_are_not_found(toleranced: Path, capsys: pytest
     found = SampledTablesResult(scene_of(toleranced), 1, lost, (), (kept, lost), None)
     assert found.facts()["binding"] is None
     assert found.summary().startswith("of 4 of 4 tables no place of rest that attracts was found (sampled, seed 1); 0")
+    labels = found.figure().axes[0].get_legend_handles_labels()[1]
+    assert labels[0] == "ends of 0 of 4 (sampled)"
     found.to_terminal()
     shown = capsys.readouterr().out
     assert "which tolerance binds is not known" in shown
@@ -380,10 +397,11 @@ def test_nothing_binds_where_ends_are_not_found(toleranced: Path, capsys: pytest
 def test_what_is_not_drawn_is_refused(toleranced: Path, invoke: Invoke) -> None:
     assert "states no tolerances" in invoke("simulate", "four-wheel", "--tables", "5").err
     toleranced.write_text(TABLE.replace("RULE", "nearest"))
-    assert "under rules with friction sets" in invoke("simulate", str(toleranced), "--tables", "5").err
-    refused = invoke("simulate", str(toleranced), "--rule", "ellipse", "--tables", "5", "--seed", "-1")
-    assert (refused.status, refused.out) == (2, "")
-    assert refused.err == "nonsmooth: --seed: required a number of at least 0, received -1\n"
+    refused = invoke("simulate", str(toleranced), "--tables", "5").err
+    assert "required tolerances of wheels, under rule ellipse or roller, received rule nearest" in refused
+    run = invoke("simulate", str(toleranced), "--rule", "ellipse", "--tables", "5", "--seed", "-1")
+    assert (run.status, run.out) == (2, "")
+    assert run.err == "nonsmooth: --seed: required a number of at least 0, received -1\n"
     assert "--seed: required --tables" in invoke("simulate", "four-wheel", "--from", "0,0,0", "--seed", "3").err
 
 

@@ -168,6 +168,14 @@ def test_a_heading_returns_from_the_arc_that_ends_there() -> None:
     assert in_degrees.summary() == "5 deg returns from -90 to 30 deg; 178 deg returns from 120 to 180 deg"
 
 
+def test_a_heading_is_drawn_within_half_a_turn_of_its_start() -> None:
+    """A body that keeps -180 degrees lies on the line of those that are kept, not a turn above it."""
+    kept = [180.0, *range(-150, 180, 30)]
+    upright, line = ends_at(kept, [BodyEnd.REST] * 12).figure().axes[0].lines
+    drawn, expected = (np.array(one.get_ydata(), float) for one in (upright, line))
+    assert np.abs(drawn - expected).max() < 1e-12
+
+
 def test_headings_that_fall_or_lie_beside_their_arc_do_not_return() -> None:
     headings = [40.0] * 4 + [0.0] * 8
     found = ends_at(headings, [BodyEnd.REST] * 4 + [BodyEnd.TIPS] * 8)

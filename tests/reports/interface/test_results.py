@@ -237,7 +237,7 @@ def test_a_check_of_two_states_is_drawn_as_its_phase_portrait() -> None:
     assert "asymptotically stable" in drawn.get_title()
     assert {"border: sliding", "certified region"} <= set(drawn.get_legend_handles_labels()[1])
     for states, rhs in (("x", ["-x"]), ("xyz", ["-x", "-y", "-z"]), ("xy", [["-x", "-y"], ["-2*x", "-y"]])):
-        with pytest.raises(TypeError, match="that can be drawn"):
+        with pytest.raises(TypeError, match="required a system in two states with one right-hand side"):
             ns.System(states, rhs).check().plot()
 
 

@@ -153,6 +153,9 @@ def test_paths_inside_lists_have_names_or_are_counted_as_messages_count() -> Non
     }
     assert find_path("wheel.2.position.x", document, "f") == ("wheel", 1, "position", 0)
     assert find_path("wheel.2.heading", document, "f") == ("wheel", 1, "heading")
+    named = {"wheel": [{"name": "2", "position": [0, 1]}, {"name": "M2", "position": [2, 3]}]}  # numbers win
+    assert find_path("wheel.M2.position.x", named, "f") == find_path("wheel.2.position.x", document, "f")
+    assert find_path("wheel.2.position.x", named, "f") == ("wheel", 1, "position", 0)
     assert find_path("body.vertices.3.y", document, "f") == ("body", "vertices", 2, 1)
     assert find_path("contact.loads.values.2", document, "f") == ("contact", "loads", "values", 1)
     rows = {"contact": {"loads": [[1, 0, 0], [1, "1/9", 0]]}}
